@@ -1,0 +1,25 @@
+//! Simulation of a friction experiment, comparison with measurements, and the search for a missing effect.
+//!
+//! Data flows one way, in the order of the modules below: a scenario file becomes a validated [`scenario::Scenario`],
+//! that a [`model`], the model [steady states](solver::SteadyState), those a sweep [`sweep::Outcome`], figures and a report.
+//! Imports only go up this list ([`error`] and [`units`] apart); `cli` assembles the steps.
+//!
+//! * [`scenario`] - raw serde TOML to validated scenario in SI: what was written and what is meant are two types.
+//! * [`effects`] - one registry; everything else knows an effect only through it.
+//! * [`model`] - rig, contact and effects assembled; no numerics.
+//! * [`solver`] - knows no physics: closed forms, Euler procedure, shooting.
+//! * [`sweep`] - rayon over cases, input order preserved, progress.
+//! * [`claims`] - the ledger of published statements, each computed and judged.
+//! * [`figures`] - outcome in, SVG, PNG and CSV out; never simulates.
+//! * [`report`] - serialisable views, rendered as HTML and written as JSON.
+pub mod claims;
+pub mod cli;
+pub mod effects;
+pub mod error;
+pub mod figures;
+pub mod model;
+pub mod report;
+pub mod scenario;
+pub mod solver;
+pub mod sweep;
+pub mod units;
