@@ -1,5 +1,15 @@
 //! Steady states. Knows no physics beyond the shape of the equations handed in by [`crate::model`].
 
+pub mod analytic;
+pub mod cycle;
+pub mod lu;
+pub mod paper_euler;
+pub mod radau;
+pub mod shooting;
+mod steady;
+
+pub use steady::{Solution, Warm, orbit, solve};
+
 /// Whether the point is a steady state, and if not, why.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[serde(rename_all = "kebab-case", tag = "kind", content = "reason")]

@@ -1,0 +1,699 @@
+//! The equations of one operating point as a solver sees them.
+//!
+//! States: th and th' relative to the motion without contact; y and y' of the roller's support; the heating T; the stretch
+//! x of the bristles; the force q of the viscoelastic branch; the interface state psi (those present, in that order).
+
+use super::lumps::{FIRST_EFFECT_PARAMETER, Lumps};
+use super::system::{Evaluation, Forcing, HybridSystem, MAX_STATES, Mode, ParameterColumns};
+use super::{Model, Operation, dual::Dual};
+use crate::effects::{Effect, Law};
+
+/// Largest number of law parameters evaluated inside a cycle per effect.
+const LAW_PARAMETERS: usize = 4;
+
+/// Where a column of parameter derivatives enters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Column {
+    FreeRe,
+    FreeIm,
+    Damping,
+    Stiffness,
+    InverseInertia,
+    Arm,
+    ContactStiffness,
+    ContactDamping,
+    Friction,
+    Load,
+    Speed,
+    LoadStiffness,
+    Renewal,
+    BranchStiffness,
+    BranchRate,
+    RateViscosity,
+    SupportInverseMass,
+    SupportDamping,
+    SupportStiffness,
+    HeatingGain,
+    CoolingRate,
+    Law { effect: usize, parameter: usize },
+}
+
+/// One operating point of a model.
+pub struct Problem {
+    /// The coefficients with their gradients.
+    pub lumps: Lumps,
+    laws: Vec<(&'static dyn Effect, Vec<f64>)>,
+    omega: f64,
+    free: (f64, f64),
+    c: f64,
+    k: f64,
+    inverse_inertia: f64,
+    b: f64,
+    kc: f64,
+    cc: f64,
+    mu: f64,
+    load: f64,
+    speed: f64,
+    load_stiffness: f64,
+    renewal: f64,
+    k1: f64,
+    branch_rate: f64,
+    sigma2: f64,
+    support: [f64; 3],
+    heating_gain: f64,
+    cooling_rate: f64,
+    states: usize,
+    roller: Option<usize>,
+    heat: Option<usize>,
+    x: usize,
+    q: Option<usize>,
+    psi: Option<usize>,
+    rate_element: bool,
+    stroke: f64,
+    psi_scale: f64,
+    columns: Vec<(Column, Dual)>,
+}
+
+/// Intermediate quantities at one instant.
+struct Point {
+    th: f64,
+    w: f64,
+    v: f64,
+    d: f64,
+    normal: f64,
+    loaded: bool,
+    force: f64,
+    mu: f64,
+    mu_s: f64,
+    mu_psi: f64,
+    mu_heat: f64,
+    heat_factor: f64,
+    torque: Law,
+}
+
+impl Problem {
+    /// The equations of `model` at an operating point.
+    pub fn new(model: &Model, at: &Operation) -> Self {
+        let lumps = Lumps::new(model, at);
+        let (free_re, free_im) = lumps.free_response();
+        let (stuck_re, stuck_im) = lumps.stuck_response();
+        let laws = model.effects.clone();
+        let mut states = 2;
+        let mut take = |present: bool, count: usize| {
+            let index = states;
+            if present {
+                states += count;
+            }
+            present.then_some(index)
+        };
+        let roller = take(lumps.support.is_some(), 2);
+        let heat = take(lumps.heating.is_some(), 1);
+        let x = take(true, 1).unwrap_or(2);
+        let q = take(lumps.branch.is_some(), 1);
+        let has_psi = laws.iter().any(|(e, p)| e.interface_rate(p, 0.0, 0.0).is_some());
+        let psi = take(has_psi, 1);
+        let inverse = lumps.inertia.recip();
+        let amplitude = free_re.value.hypot(free_im.value);
+        let stuck = stuck_re.value.hypot(stuck_im.value);
+        let mut columns = vec![
+            (Column::FreeRe, free_re),
+            (Column::FreeIm, free_im),
+            (Column::Damping, lumps.damping * inverse),
+            (Column::Stiffness, lumps.stiffness * inverse),
+            (Column::InverseInertia, inverse),
+            (Column::Arm, lumps.arm),
+            (Column::ContactStiffness, lumps.contact_stiffness),
+            (Column::ContactDamping, lumps.contact_damping),
+            (Column::Friction, lumps.friction),
+            (Column::Load, lumps.load),
+            (Column::Speed, lumps.speed),
+            (Column::LoadStiffness, lumps.load_stiffness),
+            (Column::Renewal, lumps.renewal),
+        ];
+        let mut support = [0.0; 3];
+        if let Some(s) = lumps.support {
+            let inverse = s.mass.recip();
+            let parts = [inverse, s.damping * inverse, s.stiffness * inverse];
+            support = parts.map(|part| part.value);
+            let kinds = [Column::SupportInverseMass, Column::SupportDamping, Column::SupportStiffness];
+            columns.extend(kinds.into_iter().zip(parts));
+        }
+        let (mut k1, mut branch_rate) = (0.0, 0.0);
+        if let Some((stiffness, tau)) = lumps.branch {
+            let rate = tau.recip();
+            (k1, branch_rate) = (stiffness.value, rate.value);
+            columns.extend([(Column::BranchStiffness, stiffness), (Column::BranchRate, rate)]);
+        }
+        let mut sigma2 = 0.0;
+        if let Some(viscosity) = lumps.rate_element {
+            sigma2 = viscosity.value;
+            columns.push((Column::RateViscosity, viscosity));
+        }
+        let (mut heating_gain, mut cooling_rate) = (0.0, 0.0);
+        if let Some((power, tau)) = lumps.heating {
+            let (gain, rate) = ((power * tau).recip(), tau.recip());
+            (heating_gain, cooling_rate) = (gain.value, rate.value);
+            columns.extend([(Column::HeatingGain, gain), (Column::CoolingRate, rate)]);
+        }
+        let mut first = FIRST_EFFECT_PARAMETER;
+        for (index, (effect, p)) in laws.iter().enumerate() {
+            let inside = effect.friction(p, 0.0, 0.0).is_some() || effect.torque(p, 0.0, 0.0).is_some();
+            for (parameter, &value) in p.iter().enumerate().take(LAW_PARAMETERS) {
+                if inside {
+                    columns.push((Column::Law { effect: index, parameter }, Dual::parameter(value, first + parameter)));
+                }
+            }
+            first += p.len();
+        }
+        let mut problem = Self {
+            omega: lumps.omega,
+            free: (free_re.value, free_im.value),
+            c: (lumps.damping * inverse).value,
+            k: (lumps.stiffness * inverse).value,
+            inverse_inertia: inverse.value,
+            b: lumps.arm.value,
+            kc: lumps.contact_stiffness.value,
+            cc: lumps.contact_damping.value,
+            mu: lumps.friction.value,
+            load: lumps.load.value,
+            speed: lumps.speed.value,
+            load_stiffness: lumps.load_stiffness.value,
+            renewal: lumps.renewal.value,
+            k1,
+            branch_rate,
+            sigma2,
+            support,
+            heating_gain,
+            cooling_rate,
+            states,
+            roller,
+            heat,
+            x,
+            q,
+            psi,
+            rate_element: lumps.rate_element.is_some(),
+            stroke: lumps.arm.value * amplitude.min(stuck),
+            psi_scale: 1.0,
+            columns,
+            laws,
+            lumps,
+        };
+        problem.psi_scale = problem.steady_interface_state(problem.speed.max(problem.slip_scale()));
+        problem
+    }
+
+    /// Gradient of each column's lumped coefficient by the parameters of the model.
+    pub fn column_gradients(&self) -> impl Iterator<Item = &Dual> {
+        self.columns.iter().map(|(_, dual)| dual)
+    }
+
+    /// Whether the interface is a rate element (no true sticking).
+    pub fn is_rate_element(&self) -> bool {
+        self.rate_element
+    }
+
+    /// Index of the stretch of the bristles among the states.
+    pub fn stretch_index(&self) -> usize {
+        self.x
+    }
+
+    fn steady_interface_state(&self, s: f64) -> f64 {
+        let rate = |psi: f64| self.laws.iter().find_map(|(e, p)| e.interface_rate(p, s, psi));
+        match rate(0.0) {
+            Some(law) if law.d_second < 0.0 => -law.value / law.d_second,
+            _ => 1.0,
+        }
+    }
+
+    /// mu at slip rate `s >= 0` with its slopes by s, psi and T: (mu, mu_s, mu_psi, mu_T, 1/(1+T)).
+    fn friction(&self, s: f64, psi: f64, heat: f64) -> (f64, f64, f64, f64, f64) {
+        let (mut mu, mut mu_s, mut mu_psi) = (self.mu, 0.0, 0.0);
+        let inside = s.max(0.0);
+        for (effect, p) in &self.laws {
+            if let Some(law) = effect.friction(p, inside, psi) {
+                mu += law.value;
+                mu_psi += law.d_second;
+                if s >= 0.0 {
+                    mu_s += law.d_first;
+                }
+            }
+        }
+        let factor = 1.0 / (1.0 + heat);
+        (mu * factor, mu_s * factor, mu_psi * factor, -mu * factor * factor, factor)
+    }
+
+    fn state(&self, index: Option<usize>, z: &[f64]) -> f64 {
+        index.map_or(0.0, |i| z[i])
+    }
+
+    fn point(&self, forcing: &Forcing, z: &[f64], s: f64) -> Point {
+        let (th, w) = (forcing.angle + z[0], forcing.velocity + z[1]);
+        let v = self.speed + self.roller.map_or(0.0, |i| z[i + 1]) - self.b * w;
+        let d = v - s;
+        let normal = self.load + self.load_stiffness * self.b * th;
+        let loaded = normal > 0.0;
+        let normal = normal.max(0.0);
+        let force = self.kc * z[self.x] + self.cc * d + self.state(self.q, z) + self.sigma2 * v;
+        let argument = if self.rate_element { v.abs() } else { s.abs() };
+        let (mu, mu_s, mu_psi, mu_heat, heat_factor) =
+            self.friction(argument, self.state(self.psi, z), self.state(self.heat, z));
+        let mut torque = Law::default();
+        for (effect, p) in &self.laws {
+            if let Some(law) = effect.torque(p, th, w) {
+                torque.value += law.value;
+                torque.d_first += law.d_first;
+                torque.d_second += law.d_second;
+            }
+        }
+        Point { th, w, v, d, normal, loaded, force, mu, mu_s, mu_psi, mu_heat, heat_factor, torque }
+    }
+
+    fn force_scale(&self) -> f64 {
+        (self.kc + self.omega * self.cc) * self.stroke
+    }
+
+    fn sign(mode: Mode) -> f64 {
+        match mode {
+            Mode::SlipBackward | Mode::RateBackward => -1.0,
+            _ => 1.0,
+        }
+    }
+
+    /// Slip rate on the stable branch nearest to zero in direction `sign`, or None where the interface can stick.
+    fn slip_root(&self, forcing: &Forcing, z: &[f64], sign: f64) -> Option<f64> {
+        // g(s) = sign (F - sign mu N): positive while the bristles pull harder than friction holds.
+        let excess = |s: f64| {
+            let p = self.point(forcing, z, sign * s);
+            let (mu, ..) = self.friction(s, self.state(self.psi, z), self.state(self.heat, z));
+            sign * p.force - mu * p.normal
+        };
+        if excess(0.0) < 0.0 {
+            return None;
+        }
+        let top = 1e3 * (self.slip_scale() + self.speed);
+        let (mut low, mut high) = (0.0, 1e-9 * self.slip_scale());
+        while excess(high) > 0.0 {
+            low = high;
+            high *= 1.5;
+            if high > top {
+                return Some(top);
+            }
+        }
+        for _ in 0..80 {
+            let middle = 0.5 * (low + high);
+            if excess(middle) > 0.0 { low = middle } else { high = middle }
+        }
+        Some(0.5 * (low + high))
+    }
+}
+
+impl HybridSystem for Problem {
+    fn states(&self) -> usize {
+        self.states
+    }
+
+    fn period(&self) -> f64 {
+        std::f64::consts::TAU / self.omega
+    }
+
+    fn scales(&self) -> [f64; MAX_STATES] {
+        let mut scales = [1.0; MAX_STATES];
+        let angle = self.stroke / self.b;
+        scales[0] = angle;
+        scales[1] = self.omega * angle;
+        scales[self.x] = self.stroke;
+        if let Some(i) = self.roller {
+            scales[i] = self.stroke;
+            scales[i + 1] = self.omega * self.stroke;
+        }
+        if let Some(i) = self.heat {
+            let rise = self.heating_gain / self.cooling_rate * self.mu * self.load;
+            scales[i] = rise * (self.speed + self.slip_scale());
+        }
+        if let Some(i) = self.q {
+            scales[i] = self.k1 * self.stroke;
+        }
+        if let Some(i) = self.psi {
+            scales[i] = self.psi_scale;
+        }
+        scales
+    }
+
+    fn slip_scale(&self) -> f64 {
+        self.omega * self.stroke
+    }
+
+    fn forcing(&self, t: f64) -> Forcing {
+        let (sine, cosine) = (self.omega * t).sin_cos();
+        let (re, im) = self.free;
+        Forcing {
+            sine,
+            cosine,
+            angle: re * sine + im * cosine,
+            velocity: self.omega * (re * cosine - im * sine),
+        }
+    }
+
+    fn evaluate(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut Evaluation) {
+        let p = self.point(forcing, z, if mode == Mode::Stick { 0.0 } else { s });
+        let sign = Self::sign(mode);
+        let (x, b) = (self.x, self.b);
+        // Gradient of F by (w, u, x, q, s).
+        let force_v = self.cc + self.sigma2;
+        let mut force_z = [0.0; MAX_STATES];
+        force_z[1] = -b * force_v;
+        force_z[x] = self.kc;
+        if let Some(i) = self.roller {
+            force_z[i + 1] = force_v;
+        }
+        if let Some(i) = self.q {
+            force_z[i] = 1.0;
+        }
+        let force_s = -self.cc;
+        // Arm.
+        out.f[0] = z[1];
+        out.fz[0] = [0.0; MAX_STATES];
+        out.fz[0][1] = 1.0;
+        out.fs[0] = 0.0;
+        let gain = self.inverse_inertia * b;
+        out.f[1] = -self.c * z[1] - self.k * z[0] + self.inverse_inertia * (b * p.force + p.torque.value);
+        out.fz[1] = force_z.map(|f| gain * f);
+        out.fz[1][0] += -self.k + self.inverse_inertia * p.torque.d_first;
+        out.fz[1][1] += -self.c + self.inverse_inertia * p.torque.d_second;
+        out.fs[1] = gain * force_s;
+        // Relative speed of the bristles' ends.
+        let mut rate_z = [0.0; MAX_STATES];
+        rate_z[1] = -b;
+        if let Some(i) = self.roller {
+            rate_z[i + 1] = 1.0;
+            let [inverse, c, k] = self.support;
+            out.f[i] = z[i + 1];
+            out.fz[i] = [0.0; MAX_STATES];
+            out.fz[i][i + 1] = 1.0;
+            out.fs[i] = 0.0;
+            out.f[i + 1] = -inverse * p.force - c * z[i + 1] - k * z[i];
+            out.fz[i + 1] = force_z.map(|f| -inverse * f);
+            out.fz[i + 1][i] -= k;
+            out.fz[i + 1][i + 1] -= c;
+            out.fs[i + 1] = -inverse * force_s;
+        }
+        // The slip rate that friction works on: that of the interface, or the relative speed for a rate element.
+        let slip = if self.rate_element { p.v } else { s };
+        if let Some(i) = self.heat {
+            let gain = self.heating_gain;
+            out.f[i] = gain * p.force * slip - self.cooling_rate * z[i];
+            for j in 0..self.states {
+                let slip_z = if self.rate_element { rate_z[j] } else { 0.0 };
+                out.fz[i][j] = gain * (force_z[j] * slip + p.force * slip_z);
+            }
+            out.fz[i][i] -= self.cooling_rate;
+            out.fs[i] = gain * (force_s * slip + if self.rate_element { 0.0 } else { p.force });
+        }
+        out.f[x] = p.d - self.renewal * z[x];
+        out.fz[x] = rate_z;
+        out.fz[x][x] = -self.renewal;
+        out.fs[x] = -1.0;
+        if let Some(i) = self.q {
+            out.f[i] = self.k1 * p.d - self.branch_rate * z[i];
+            out.fz[i] = rate_z.map(|r| self.k1 * r);
+            out.fz[i][i] -= self.branch_rate;
+            out.fs[i] = -self.k1;
+        }
+        if let Some(i) = self.psi {
+            let law = self.laws.iter().find_map(|(e, q)| e.interface_rate(q, slip.abs(), z[i])).unwrap_or_default();
+            out.f[i] = law.value;
+            let slope = law.d_first * if slip < 0.0 { -1.0 } else { 1.0 };
+            out.fz[i] = if self.rate_element { rate_z.map(|r| slope * r) } else { [0.0; MAX_STATES] };
+            out.fz[i][i] += law.d_second;
+            out.fs[i] = if self.rate_element { 0.0 } else { slope };
+        }
+        // Constraint.
+        out.gz = [0.0; MAX_STATES];
+        let normal_th = if p.loaded { self.load_stiffness * b } else { 0.0 };
+        match mode {
+            Mode::Stick => {
+                out.g = s;
+                out.gs = 1.0;
+                let scale = 1.0 / self.slip_scale();
+                out.g *= scale;
+                out.gs *= scale;
+            }
+            Mode::SlipForward | Mode::SlipBackward => {
+                let (mu, mu_s, ..) =
+                    self.friction(sign * s, self.state(self.psi, z), self.state(self.heat, z));
+                let scale = 1.0 / self.force_scale();
+                out.g = scale * (p.force - sign * mu * p.normal);
+                out.gz = force_z;
+                out.gz[0] -= sign * mu * normal_th;
+                if let Some(i) = self.psi {
+                    out.gz[i] -= sign * p.mu_psi * p.normal;
+                }
+                if let Some(i) = self.heat {
+                    out.gz[i] -= sign * p.mu_heat * p.normal;
+                }
+                out.gz = out.gz.map(|g| scale * g);
+                out.gs = scale * (force_s - mu_s * p.normal);
+            }
+            Mode::RateForward | Mode::RateBackward => {
+                // s = kc |v| x / (mu N)
+                let limit = (p.mu * p.normal).max(1e-12 * self.force_scale());
+                let flow = self.kc * z[x] / limit;
+                let scale = 1.0 / self.slip_scale();
+                let speed = p.v.abs();
+                out.g = scale * (s - flow * speed);
+                let by_limit = flow * speed / limit;
+                let by_speed = sign * (-flow + by_limit * p.mu_s * p.normal);
+                for (gz, rate) in out.gz.iter_mut().zip(&rate_z) {
+                    *gz = by_speed * rate;
+                }
+                out.gz[x] -= self.kc * speed / limit;
+                out.gz[0] += by_limit * p.mu * normal_th;
+                if let Some(i) = self.psi {
+                    out.gz[i] += by_limit * p.mu_psi * p.normal;
+                }
+                if let Some(i) = self.heat {
+                    out.gz[i] += by_limit * p.mu_heat * p.normal;
+                }
+                out.gz = out.gz.map(|g| scale * g);
+                out.gs = scale;
+            }
+        }
+    }
+
+    fn event(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode) -> f64 {
+        match mode {
+            Mode::Stick => {
+                let p = self.point(forcing, z, 0.0);
+                (p.mu * p.normal - p.force.abs()) / self.force_scale()
+            }
+            Mode::SlipForward | Mode::SlipBackward => Self::sign(mode) * s / self.slip_scale(),
+            Mode::RateForward | Mode::RateBackward => {
+                Self::sign(mode) * self.point(forcing, z, s).v / self.slip_scale()
+            }
+        }
+    }
+
+    fn next_mode(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode) -> (Mode, f64) {
+        match mode {
+            Mode::RateForward => (Mode::RateBackward, s),
+            Mode::RateBackward => (Mode::RateForward, s),
+            Mode::Stick => {
+                let forward = self.point(forcing, z, 0.0).force > 0.0;
+                let (mode, sign) = if forward { (Mode::SlipForward, 1.0) } else { (Mode::SlipBackward, -1.0) };
+                let psi = self.state(self.psi, z);
+                let (_, slope, ..) = self.friction(0.0, psi, self.state(self.heat, z));
+                let p = self.point(forcing, z, 0.0);
+                // Weakening steeper than the bristles' damping: the slip rate jumps to the next stable branch.
+                let s = if self.cc + slope * p.normal < 0.0 { self.slip_root(forcing, z, sign) } else { None };
+                (mode, sign * s.unwrap_or(0.0))
+            }
+            Mode::SlipForward | Mode::SlipBackward => {
+                if self.point(forcing, z, 0.0).normal <= 0.0 {
+                    let opposite = if mode == Mode::SlipForward { Mode::SlipBackward } else { Mode::SlipForward };
+                    return (opposite, 0.0);
+                }
+                (Mode::Stick, 0.0)
+            }
+        }
+    }
+
+    fn initial_mode(&self, forcing: &Forcing, z: &[f64]) -> (Mode, f64) {
+        let p = self.point(forcing, z, 0.0);
+        if self.rate_element {
+            let flow = self.kc * z[self.x] / (p.mu * p.normal).max(1e-12 * self.force_scale());
+            let mode = if p.v >= 0.0 { Mode::RateForward } else { Mode::RateBackward };
+            return (mode, flow * p.v.abs());
+        }
+        let limit = p.mu * p.normal;
+        let slack = 1e-9 * self.force_scale();
+        let sign = p.force.signum();
+        if p.force.abs() > limit + slack || (p.force.abs() > limit - slack && sign * p.v > 0.0) {
+            let mode = if sign > 0.0 { Mode::SlipForward } else { Mode::SlipBackward };
+            let s = if self.cc > 0.0 { self.slip_root(forcing, z, sign).unwrap_or(0.0) } else { sign * p.v };
+            (mode, sign * s)
+        } else {
+            (Mode::Stick, 0.0)
+        }
+    }
+
+    fn initial_state(&self) -> [f64; MAX_STATES] {
+        let mut z = [0.0; MAX_STATES];
+        if self.speed == 0.0 {
+            // At rest: the bristles are stretched by the arm's own motion.
+            let forcing = self.forcing(0.0);
+            z[self.x] = -self.b * forcing.angle;
+        } else {
+            let psi = self.steady_interface_state(self.speed);
+            let (mu, ..) = self.friction(self.speed, psi, 0.0);
+            let heat = if self.heat.is_some() {
+                // T (1 + T) = mu N V / P0
+                let rise = self.heating_gain / self.cooling_rate * mu * self.load * self.speed;
+                0.5 * ((1.0 + 4.0 * rise).sqrt() - 1.0)
+            } else {
+                0.0
+            };
+            let force = mu / (1.0 + heat) * self.load + self.sigma2 * self.speed;
+            z[0] = self.b * force * self.inverse_inertia / self.k;
+            z[self.x] = mu / (1.0 + heat) * self.load / (self.kc + self.cc * self.renewal);
+            if let Some(i) = self.roller {
+                let [inverse, _, k] = self.support;
+                z[i] = -force * inverse / k;
+            }
+            if let Some(i) = self.heat {
+                z[i] = heat;
+            }
+            if let Some(i) = self.psi {
+                z[i] = psi;
+            }
+        }
+        z
+    }
+
+    fn resting_state(&self, z: &[f64]) -> [Option<(f64, [f64; MAX_STATES])>; MAX_STATES] {
+        let mut out = [None; MAX_STATES];
+        if self.renewal == 0.0 {
+            // No roller motion without slip, hence x = y - b th.
+            let y = self.roller.map_or(0.0, |i| z[i]);
+            let mut gradient = [0.0; MAX_STATES];
+            gradient[self.x] = 1.0;
+            gradient[0] = self.b;
+            if let Some(i) = self.roller {
+                gradient[i] = -1.0;
+            }
+            out[self.x] = Some((z[self.x] - y + self.b * (self.forcing(0.0).angle + z[0]), gradient));
+        }
+        if let Some(i) = self.psi {
+            let mut gradient = [0.0; MAX_STATES];
+            gradient[i] = 1.0;
+            out[i] = Some((z[i] - self.psi_scale, gradient));
+        }
+        out
+    }
+
+    fn columns(&self) -> usize {
+        self.columns.len()
+    }
+
+    fn parameter_columns(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut ParameterColumns) {
+        let s = if mode == Mode::Stick { 0.0 } else { s };
+        let p = self.point(forcing, z, s);
+        let sign = Self::sign(mode);
+        let slip = if self.rate_element { p.v } else { s };
+        let psi = self.state(self.psi, z);
+        let limit = (p.mu * p.normal).max(1e-12 * self.force_scale());
+        for (index, (column, _)) in self.columns.iter().enumerate() {
+            // Direct partial derivatives of the intermediate quantities by this column.
+            let (mut dth, mut dw, mut dv, mut dn, mut dforce, mut dmu, mut dtorque) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+            let (mut arm, mut support, mut heat, mut stretch, mut branch, mut dpsi, mut stiff) =
+                (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+            match *column {
+                Column::FreeRe => (dth, dw) = (forcing.sine, self.omega * forcing.cosine),
+                Column::FreeIm => (dth, dw) = (forcing.cosine, -self.omega * forcing.sine),
+                Column::Damping => arm = -z[1],
+                Column::Stiffness => arm = -z[0],
+                Column::InverseInertia => arm = self.b * p.force + p.torque.value,
+                Column::Arm => {
+                    dv = -p.w;
+                    dn = self.load_stiffness * p.th;
+                    arm = self.inverse_inertia * p.force;
+                }
+                Column::ContactStiffness => {
+                    dforce = z[self.x];
+                    stiff = 1.0;
+                }
+                Column::ContactDamping => dforce = p.d,
+                Column::Friction => dmu = p.heat_factor,
+                Column::Load => dn = 1.0,
+                Column::Speed => dv = 1.0,
+                Column::LoadStiffness => dn = self.b * p.th,
+                Column::Renewal => stretch = -z[self.x],
+                Column::BranchStiffness => branch = p.d,
+                Column::BranchRate => branch = -self.state(self.q, z),
+                Column::RateViscosity => dforce = p.v,
+                Column::SupportInverseMass => support = -p.force,
+                Column::SupportDamping => support = -self.roller.map_or(0.0, |i| z[i + 1]),
+                Column::SupportStiffness => support = -self.state(self.roller, z),
+                Column::HeatingGain => heat = p.force * slip,
+                Column::CoolingRate => heat = -self.state(self.heat, z),
+                Column::Law { effect, parameter } => {
+                    let (e, q) = &self.laws[effect];
+                    let argument = if self.rate_element { p.v.abs() } else { (sign * s).max(0.0) };
+                    if let Some(law) = e.friction(q, argument, psi) {
+                        dmu = law.d_parameters[parameter] * p.heat_factor;
+                    }
+                    if let Some(law) = e.interface_rate(q, slip.abs(), psi) {
+                        dpsi = law.d_parameters[parameter];
+                    }
+                    if let Some(law) = e.torque(q, p.th, p.w) {
+                        dtorque = law.d_parameters[parameter];
+                    }
+                }
+            }
+            dv -= self.b * dw;
+            dn += self.load_stiffness * self.b * dth;
+            if !p.loaded {
+                dn = 0.0;
+            }
+            dforce += (self.cc + self.sigma2) * dv;
+            dtorque += p.torque.d_first * dth + p.torque.d_second * dw;
+            let f = &mut out.f[index];
+            *f = [0.0; MAX_STATES];
+            f[1] = self.inverse_inertia * (self.b * dforce + dtorque) + arm;
+            if let Some(i) = self.roller {
+                f[i + 1] = support - self.support[0] * dforce;
+            }
+            if let Some(i) = self.heat {
+                let dslip = if self.rate_element { dv } else { 0.0 };
+                f[i] = heat + self.heating_gain * (dforce * slip + p.force * dslip);
+            }
+            f[self.x] = dv + stretch;
+            if let Some(i) = self.q {
+                f[i] = self.k1 * dv + branch;
+            }
+            if let Some(i) = self.psi {
+                f[i] = dpsi;
+                if self.rate_element {
+                    let law = self.laws.iter().find_map(|(e, q)| e.interface_rate(q, p.v.abs(), psi));
+                    f[i] += law.unwrap_or_default().d_first * sign * dv;
+                }
+            }
+            out.g[index] = match mode {
+                Mode::Stick => 0.0,
+                Mode::SlipForward | Mode::SlipBackward => {
+                    (dforce - sign * (p.mu * dn + dmu * p.normal)) / self.force_scale()
+                }
+                Mode::RateForward | Mode::RateBackward => {
+                    let flow = self.kc * z[self.x] / limit;
+                    let speed = p.v.abs();
+                    let dlimit = p.mu * dn + (dmu + p.mu_s * sign * dv) * p.normal;
+                    let by_stiffness = stiff * z[self.x] * speed / limit;
+                    (flow * speed / limit * dlimit - flow * sign * dv - by_stiffness) / self.slip_scale()
+                }
+            };
+        }
+    }
+
+    fn force(&self, forcing: &Forcing, z: &[f64], s: f64) -> (f64, f64) {
+        (self.point(forcing, z, s).force, z[self.x])
+    }
+}

@@ -1,0 +1,109 @@
+//! What a solver sees of a model: a forced system of differential equations with one algebraic unknown and modes.
+//!
+//! In mode m the states z (n of them) and the algebraic unknown s (the slip rate) obey z' = f(t, z, s), 0 = g(t, z, s).
+//! A mode holds while its event function is positive; where it falls to zero the system names the next mode.
+
+/// Most differential states a system can have.
+pub const MAX_STATES: usize = 8;
+/// Most columns of parameter derivatives a system can hand out.
+pub const MAX_COLUMNS: usize = 48;
+
+/// Which equations hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mode {
+    /// The interface sticks: s = 0.
+    Stick,
+    /// The interface slips forwards (the roller runs ahead of the arm): s > 0.
+    SlipForward,
+    /// The interface slips backwards: s < 0.
+    SlipBackward,
+    /// No slip interface, the relative speed is positive.
+    RateForward,
+    /// No slip interface, the relative speed is negative.
+    RateBackward,
+}
+
+/// Values and Jacobians of f and g at one instant.
+#[derive(Debug, Clone, Copy)]
+pub struct Evaluation {
+    /// f, rates of the states.
+    pub f: [f64; MAX_STATES],
+    /// df/dz, row per rate.
+    pub fz: [[f64; MAX_STATES]; MAX_STATES],
+    /// df/ds.
+    pub fs: [f64; MAX_STATES],
+    /// g, residual of the constraint.
+    pub g: f64,
+    /// dg/dz.
+    pub gz: [f64; MAX_STATES],
+    /// dg/ds.
+    pub gs: f64,
+}
+
+impl Default for Evaluation {
+    fn default() -> Self {
+        Self {
+            f: [0.0; MAX_STATES],
+            fz: [[0.0; MAX_STATES]; MAX_STATES],
+            fs: [0.0; MAX_STATES],
+            g: 0.0,
+            gz: [0.0; MAX_STATES],
+            gs: 0.0,
+        }
+    }
+}
+
+/// Derivatives of f and g by the columns (lumped coefficients and law parameters).
+#[derive(Debug, Clone)]
+pub struct ParameterColumns {
+    /// df/dp, one array of rates per column.
+    pub f: [[f64; MAX_STATES]; MAX_COLUMNS],
+    /// dg/dp.
+    pub g: [f64; MAX_COLUMNS],
+}
+
+/// The known forcing at one instant: angle and angular velocity of the arm without contact.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Forcing {
+    /// sin(w t).
+    pub sine: f64,
+    /// cos(w t).
+    pub cosine: f64,
+    /// Angle without contact \[rad\].
+    pub angle: f64,
+    /// Angular velocity without contact \[rad/s\].
+    pub velocity: f64,
+}
+
+/// A periodically forced system with modes.
+pub trait HybridSystem {
+    /// Number of differential states.
+    fn states(&self) -> usize;
+    /// Period of the forcing \[s\].
+    fn period(&self) -> f64;
+    /// Magnitude of each state's oscillation, the measure of convergence.
+    fn scales(&self) -> [f64; MAX_STATES];
+    /// Magnitude of s.
+    fn slip_scale(&self) -> f64;
+    /// The forcing at time t.
+    fn forcing(&self, t: f64) -> Forcing;
+    /// f, g and their Jacobians.
+    fn evaluate(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut Evaluation);
+    /// Positive while the mode holds; scaled so that 1 is large.
+    fn event(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode) -> f64;
+    /// The mode that follows an event, with a first value of s.
+    fn next_mode(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode) -> (Mode, f64);
+    /// A mode that is consistent with the states at time 0, with a first value of s.
+    fn initial_mode(&self, forcing: &Forcing, z: &[f64]) -> (Mode, f64);
+    /// A first guess of the periodic state at time 0.
+    fn initial_state(&self) -> [f64; MAX_STATES];
+    /// States that a cycle without slip leaves undetermined, with the value they take from a start at rest.
+    /// `None` for the determined ones.
+    fn resting_state(&self, z: &[f64]) -> [Option<(f64, [f64; MAX_STATES])>; MAX_STATES];
+    /// Number of columns of parameter derivatives.
+    fn columns(&self) -> usize;
+    /// Derivatives of f and g by the columns.
+    fn parameter_columns(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut ParameterColumns);
+    /// Tangential force on the arm and stretch of the bristles.
+    fn force(&self, forcing: &Forcing, z: &[f64], s: f64) -> (f64, f64);
+}

@@ -1,0 +1,292 @@
+//! One period of a hybrid system: steps cut exactly at the events, observables and tangents gathered on the way.
+
+use super::radau::{A, C, State, Stepper};
+use crate::model::system::{HybridSystem, MAX_COLUMNS, MAX_STATES, Mode, ParameterColumns};
+
+/// Square matrix over the states.
+pub type Matrix = [State; MAX_STATES];
+
+/// Demands on the integration.
+#[derive(Debug, Clone, Copy)]
+pub struct Tolerance {
+    /// Smallest number of steps per period.
+    pub steps: usize,
+    /// Largest deviation of the slip rate from its polynomial over a step, relative to its scale.
+    pub roughness: f64,
+}
+
+impl Default for Tolerance {
+    fn default() -> Self {
+        Self { steps: 32, roughness: 1e-3 }
+    }
+}
+
+/// Most changes of mode in one period.
+const MAX_EVENTS: usize = 200;
+/// Most steps in one period.
+const MAX_STEPS: usize = 20_000;
+
+/// What a step leaves behind for a recorder: times, states and algebraic unknown at the start and the stages.
+pub struct Record<'a> {
+    /// Time at the start \[s\].
+    pub time: f64,
+    /// Size of the step \[s\].
+    pub size: f64,
+    /// States at the start.
+    pub start: &'a State,
+    /// Algebraic unknown at the start.
+    pub slip: f64,
+    /// The stages.
+    pub stepper: &'a Stepper,
+    /// Mode over the step.
+    pub mode: Mode,
+}
+
+/// Result of one period.
+#[derive(Debug, Clone)]
+pub struct Cycle {
+    /// States at the end.
+    pub end: State,
+    /// Derivative of `end` by the states at the start.
+    pub monodromy: Matrix,
+    /// Fundamental of state 0: complex A with z0 = Im(A e^{iwt}) + ... (real, imaginary).
+    pub fundamental: (f64, f64),
+    /// Derivatives of the fundamental by the states at the start (real, imaginary).
+    pub fundamental_by_start: [(f64, f64); MAX_STATES],
+    /// Mean of state 0.
+    pub mean: f64,
+    /// Share of the period in [`Mode::Stick`].
+    pub stick_fraction: f64,
+    /// Extremes of the force.
+    pub force: (f64, f64),
+    /// Steps taken.
+    pub steps: usize,
+    /// Changes of mode.
+    pub events: usize,
+    /// Derivatives by the parameter columns at fixed start, where asked for.
+    pub columns: Option<ColumnDerivatives>,
+}
+
+/// Derivatives of one period by the parameter columns at a fixed start.
+#[derive(Debug, Clone)]
+pub struct ColumnDerivatives {
+    /// Of the end states, per column.
+    pub end: Vec<State>,
+    /// Of the fundamental, per column.
+    pub fundamental: Vec<(f64, f64)>,
+}
+
+/// Integrates one period from `start`. Errors say where and why in words.
+pub fn integrate(
+    system: &dyn HybridSystem,
+    start: &State,
+    tolerance: &Tolerance,
+    with_columns: bool,
+    mut recorder: Option<&mut dyn FnMut(&Record)>,
+) -> Result<Cycle, String> {
+    let n = system.states();
+    let period = system.period();
+    let largest = period / tolerance.steps as f64;
+    let slip_scale = system.slip_scale();
+    let mut stepper = Stepper::default();
+    let (mut t, mut z, mut h) = (0.0, *start, largest);
+    let (mut mode, mut s) = system.initial_mode(&system.forcing(0.0), &z);
+    let mut cycle = Cycle {
+        end: z,
+        monodromy: identity(),
+        fundamental: (0.0, 0.0),
+        fundamental_by_start: [(0.0, 0.0); MAX_STATES],
+        mean: 0.0,
+        stick_fraction: 0.0,
+        force: (f64::INFINITY, f64::NEG_INFINITY),
+        steps: 0,
+        events: 0,
+        columns: None,
+    };
+    let mut tangents = [[[0.0; MAX_STATES]; MAX_STATES]; 3];
+    let mut gather = with_columns.then(|| ColumnGatherer::new(system.columns()));
+    while period - t > 1e-12 * period {
+        if cycle.steps > MAX_STEPS {
+            return Err(format!("more than {MAX_STEPS} steps in one cycle, stopped at {:.4} of the cycle", t / period));
+        }
+        let mut size = h.min(period - t);
+        let mut event = false;
+        loop {
+            if size < 1e-10 * period {
+                return Err(format!("the step size fell below 1e-10 of the cycle at {:.4} of it in {mode:?}", t / period));
+            }
+            if !stepper.step(system, t, &z, s, size, mode) {
+                size *= 0.25;
+                h = size;
+                continue;
+            }
+            let roughness = stepper.roughness(s) / slip_scale / tolerance.roughness;
+            if roughness > 1.0 && size > 1e-6 * period {
+                size *= (0.9 / roughness.cbrt()).clamp(0.2, 0.7);
+                h = size;
+                continue;
+            }
+            h = (size * (0.9 / roughness.max(1e-9).cbrt()).min(2.0)).min(largest);
+            break;
+        }
+        let at_start = system.event(&system.forcing(t), &z, s, mode);
+        let at_stages = |stepper: &Stepper| {
+            std::array::from_fn::<f64, 3, _>(|i| system.event(&stepper.forcing[i], &stepper.z[i], stepper.s[i], mode))
+        };
+        let mut e = at_stages(&stepper);
+        if e.iter().any(|&e| e < -1e-11) {
+            event = true;
+            let full = size;
+            for _ in 0..40 {
+                let tau = first_root(at_start, e);
+                let trial = (size * tau).max(1e-14 * full);
+                if !stepper.step(system, t, &z, s, trial, mode) {
+                    return Err(format!("an event at {:.4} of the cycle could not be located", t / period));
+                }
+                let changed = (trial - size).abs();
+                size = trial;
+                e = at_stages(&stepper);
+                if e[2].abs() < 1e-11 || changed < 1e-13 * period {
+                    break;
+                }
+                if e.iter().all(|&e| e > 0.0) {
+                    // Undershot: extend by the slope at the end.
+                    let slope = (1.0 - Stepper::interpolate(at_start, e, 1.0 - 1e-4) / e[2].max(1e-300)) / 1e-4;
+                    let extend = if slope < 0.0 { (-1.0 / slope).min(0.5) } else { 0.5 };
+                    let longer = size * (1.0 + extend);
+                    if !stepper.step(system, t, &z, s, longer, mode) {
+                        return Err(format!("an event at {:.4} of the cycle could not be located", t / period));
+                    }
+                    size = longer;
+                    e = at_stages(&stepper);
+                    if e[2].abs() < 1e-11 {
+                        break;
+                    }
+                }
+            }
+            h = largest;
+        }
+        // Tangents and observables of the accepted step.
+        let exact = with_columns && stepper.refactorise(system, size, mode);
+        stepper.tangent(system, &mut tangents);
+        let weight = 2.0 * size / period;
+        let mut through = [[[0.0; MAX_STATES]; MAX_STATES]; 3];
+        for i in 0..3 {
+            multiply(n, &tangents[i], &cycle.monodromy, &mut through[i]);
+            // A = (2i/T) integral of z0 e^{-iwt}
+            let (sine, cosine) = (stepper.forcing[i].sine, stepper.forcing[i].cosine);
+            let w = weight * A[2][i];
+            cycle.fundamental.0 += w * sine * stepper.z[i][0];
+            cycle.fundamental.1 += w * cosine * stepper.z[i][0];
+            for j in 0..n {
+                cycle.fundamental_by_start[j].0 += w * sine * through[i][0][j];
+                cycle.fundamental_by_start[j].1 += w * cosine * through[i][0][j];
+            }
+            cycle.mean += 0.5 * w * stepper.z[i][0];
+            let (force, _) = system.force(&stepper.forcing[i], &stepper.z[i], stepper.s[i]);
+            cycle.force = (cycle.force.0.min(force), cycle.force.1.max(force));
+        }
+        if let Some(gather) = &mut gather {
+            if !exact {
+                return Err("the Jacobian is singular on the periodic solution".into());
+            }
+            gather.add(system, &stepper, size, mode, n, weight, &tangents);
+        }
+        if mode == Mode::Stick {
+            cycle.stick_fraction += size / period;
+        }
+        if let Some(record) = &mut recorder {
+            record(&Record { time: t, size, start: &z, slip: s, stepper: &stepper, mode });
+        }
+        cycle.monodromy = through[2];
+        t += size;
+        z = stepper.z[2];
+        s = stepper.s[2];
+        cycle.steps += 1;
+        if event {
+            cycle.events += 1;
+            if cycle.events > MAX_EVENTS {
+                return Err(format!("more than {MAX_EVENTS} changes between stick and slip in one cycle"));
+            }
+            let (next, slip) = system.next_mode(&stepper.forcing[2], &z, s, mode);
+            (mode, s) = (next, slip);
+        }
+    }
+    cycle.end = z;
+    cycle.columns = gather.map(|g| ColumnDerivatives { end: g.end, fundamental: g.fundamental });
+    Ok(cycle)
+}
+
+/// Fraction of the step at which the event function first falls to zero.
+fn first_root(start: f64, e: [f64; 3]) -> f64 {
+    let value = |tau: f64| Stepper::interpolate(start, e, tau);
+    let first = C.iter().zip(&e).find(|(_, e)| **e < 0.0).map_or(1.0, |(c, _)| *c);
+    let (mut low, mut high) = (0.0, first);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if value(middle) > 0.0 { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+fn identity() -> Matrix {
+    std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }))
+}
+
+fn multiply(n: usize, a: &Matrix, b: &Matrix, out: &mut Matrix) {
+    for i in 0..n {
+        for j in 0..n {
+            out[i][j] = (0..n).map(|k| a[i][k] * b[k][j]).sum();
+        }
+    }
+}
+
+struct ColumnGatherer {
+    end: Vec<State>,
+    fundamental: Vec<(f64, f64)>,
+    columns: Box<[ParameterColumns; 3]>,
+    own: [Vec<State>; 3],
+}
+
+impl ColumnGatherer {
+    fn new(count: usize) -> Self {
+        let empty = || ParameterColumns { f: [[0.0; MAX_STATES]; MAX_COLUMNS], g: [0.0; MAX_COLUMNS] };
+        Self {
+            end: vec![[0.0; MAX_STATES]; count],
+            fundamental: vec![(0.0, 0.0); count],
+            columns: Box::new([empty(), empty(), empty()]),
+            own: std::array::from_fn(|_| vec![[0.0; MAX_STATES]; count]),
+        }
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn add(
+        &mut self,
+        system: &dyn HybridSystem,
+        stepper: &Stepper,
+        size: f64,
+        mode: Mode,
+        n: usize,
+        weight: f64,
+        tangents: &[Matrix; 3],
+    ) {
+        stepper.parameter_tangent(system, size, mode, &mut self.columns, &mut self.own);
+        for (column, end) in self.end.iter_mut().enumerate() {
+            let before = *end;
+            for i in 0..3 {
+                let through = |row: usize| -> f64 {
+                    self.own[i][column][row] + (0..n).map(|k| tangents[i][row][k] * before[k]).sum::<f64>()
+                };
+                let w = weight * A[2][i];
+                let dz = through(0);
+                self.fundamental[column].0 += w * stepper.forcing[i].sine * dz;
+                self.fundamental[column].1 += w * stepper.forcing[i].cosine * dz;
+                if i == 2 {
+                    for (row, value) in end.iter_mut().enumerate().take(n) {
+                        *value = through(row);
+                    }
+                }
+            }
+        }
+    }
+}

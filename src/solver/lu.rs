@@ -1,0 +1,98 @@
+//! LU factorisation with partial pivoting of small dense systems, in place and without allocation.
+
+/// Largest order: three stages of all states and the algebraic unknown.
+pub const MAX_ORDER: usize = 3 * (crate::model::system::MAX_STATES + 1);
+
+/// A factorised square matrix.
+pub struct Lu {
+    order: usize,
+    rows: Box<[[f64; MAX_ORDER]; MAX_ORDER]>,
+    pivots: [usize; MAX_ORDER],
+}
+
+impl Default for Lu {
+    fn default() -> Self {
+        Self { order: 0, rows: Box::new([[0.0; MAX_ORDER]; MAX_ORDER]), pivots: [0; MAX_ORDER] }
+    }
+}
+
+impl Lu {
+    /// The matrix to be filled before [`Lu::factorise`]; only the leading `order` rows and columns count.
+    pub fn matrix(&mut self, order: usize) -> &mut [[f64; MAX_ORDER]; MAX_ORDER] {
+        self.order = order;
+        &mut self.rows
+    }
+
+    /// Factorises; false where the matrix is singular to working precision.
+    pub fn factorise(&mut self) -> bool {
+        let n = self.order;
+        for k in 0..n {
+            let mut best = k;
+            for i in k + 1..n {
+                if self.rows[i][k].abs() > self.rows[best][k].abs() {
+                    best = i;
+                }
+            }
+            self.pivots[k] = best;
+            self.rows.swap(k, best);
+            let pivot = self.rows[k][k];
+            if pivot.abs() < 1e-280 || !pivot.is_finite() {
+                return false;
+            }
+            let inverse = 1.0 / pivot;
+            let (upper, lower) = self.rows.split_at_mut(k + 1);
+            let top = &upper[k][k + 1..n];
+            for row in lower[..n - k - 1].iter_mut() {
+                let factor = row[k] * inverse;
+                row[k] = factor;
+                if factor != 0.0 {
+                    for (r, t) in row[k + 1..n].iter_mut().zip(top) {
+                        *r -= factor * t;
+                    }
+                }
+            }
+        }
+        true
+    }
+
+    /// Solves in place.
+    pub fn solve(&self, b: &mut [f64]) {
+        let n = self.order;
+        let b = &mut b[..n];
+        for k in 0..n {
+            b.swap(k, self.pivots[k]);
+        }
+        for k in 1..n {
+            let sum: f64 = self.rows[k][..k].iter().zip(b.iter()).map(|(l, x)| l * x).sum();
+            b[k] -= sum;
+        }
+        for k in (0..n).rev() {
+            let sum: f64 = self.rows[k][k + 1..n].iter().zip(&b[k + 1..]).map(|(u, x)| u * x).sum();
+            b[k] = (b[k] - sum) / self.rows[k][k];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn solves_a_system_that_needs_pivoting_and_refuses_a_singular_one() {
+        let a = [[0.0, 2.0, 1.0], [1.0, -1.0, 3.0], [4.0, 0.5, -2.0]];
+        let x = [1.5, -2.0, 0.25];
+        let mut lu = Lu::default();
+        let matrix = lu.matrix(3);
+        for i in 0..3 {
+            matrix[i][..3].copy_from_slice(&a[i]);
+        }
+        assert!(lu.factorise());
+        let mut b: Vec<f64> = a.iter().map(|row| row.iter().zip(&x).map(|(a, x)| a * x).sum()).collect();
+        lu.solve(&mut b);
+        assert!(b.iter().zip(&x).all(|(b, x)| (b - x).abs() < 1e-14));
+        let matrix = lu.matrix(2);
+        matrix[0][..2].copy_from_slice(&[1.0, 2.0]);
+        matrix[1][..2].copy_from_slice(&[2.0, 4.0]);
+        assert!(!lu.factorise());
+    }
+}

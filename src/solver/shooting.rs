@@ -1,0 +1,171 @@
+//! Periodic solutions by Newton shooting.
+
+use super::cycle::{self, Cycle, Record, Tolerance};
+use super::radau::State;
+use crate::model::system::{HybridSystem, MAX_STATES};
+use nalgebra::{DMatrix, DVector};
+
+/// A periodic solution.
+#[derive(Debug, Clone)]
+pub struct Periodic {
+    /// States at time 0.
+    pub start: State,
+    /// The converged cycle.
+    pub cycle: Cycle,
+    /// Cycles integrated.
+    pub cycles: usize,
+    /// Largest change of a state over the cycle, relative to its scale.
+    pub residual: f64,
+    /// Largest modulus of the Floquet multipliers, those of undetermined states left out.
+    pub multiplier: f64,
+}
+
+/// Relative change over a cycle below which a solution counts as periodic.
+const PERIODIC: f64 = 1e-10;
+/// Most cycles integrated in one search.
+const MAX_CYCLES: usize = 150;
+
+/// Finds the periodic solution from `guess` (or from the system's own first guess). Errors say why in words.
+pub fn solve(system: &dyn HybridSystem, guess: Option<&State>, tolerance: &Tolerance) -> Result<Periodic, String> {
+    let n = system.states();
+    let scales = system.scales();
+    let mut start = guess.copied().unwrap_or_else(|| system.initial_state());
+    let mut best = f64::INFINITY;
+    let mut cycles = 0;
+    let mut march = 0;
+    let mut next_march = 3;
+    let mut reason = String::new();
+    while cycles < MAX_CYCLES {
+        cycles += 1;
+        let cycle = match cycle::integrate(system, &start, tolerance, false, None) {
+            Ok(cycle) => cycle,
+            Err(why) if reason.is_empty() && guess.is_some() => {
+                // A warm start that leads nowhere is dropped once.
+                reason = why;
+                start = system.initial_state();
+                continue;
+            }
+            Err(why) => return Err(why),
+        };
+        let (mut residual, jacobian) = defect(system, &start, &cycle);
+        for (r, scale) in residual.iter_mut().zip(&scales) {
+            *r /= scale;
+        }
+        let size = residual.iter().take(n).fold(0.0f64, |m, r| m.max(r.abs()));
+        if size < PERIODIC {
+            let multiplier = largest_multiplier(system, &cycle);
+            return Ok(Periodic { start, cycle, cycles, residual: size, multiplier });
+        }
+        if march == 0 && size > 0.9 * best {
+            // Newton does not help here: follow the transient for some cycles, longer each time.
+            march = next_march;
+            next_march = (2 * next_march).min(32);
+            best = f64::INFINITY;
+        }
+        if march > 0 {
+            march -= 1;
+            start = cycle.end;
+            continue;
+        }
+        best = best.min(size);
+        let matrix = DMatrix::from_fn(n, n, |i, j| jacobian[i][j] * scales[j] / scales[i]);
+        match matrix.lu().solve(&DVector::from_fn(n, |i, _| -residual[i])) {
+            Some(delta) if delta.iter().all(|d| d.is_finite()) => {
+                for i in 0..n {
+                    start[i] += delta[i] * scales[i];
+                }
+            }
+            _ => start = cycle.end,
+        }
+    }
+    Err(format!("no periodic state within {MAX_CYCLES} cycles"))
+}
+
+/// Defect of periodicity and its Jacobian; states that a cycle without slip leaves open take their value at rest.
+fn defect(system: &dyn HybridSystem, start: &State, cycle: &Cycle) -> (State, [State; MAX_STATES]) {
+    let n = system.states();
+    let mut residual: State = std::array::from_fn(|i| cycle.end[i] - start[i]);
+    let mut jacobian = cycle.monodromy;
+    for (i, row) in jacobian.iter_mut().enumerate() {
+        row[i] -= 1.0;
+    }
+    if cycle.stick_fraction > 1.0 - 1e-9 {
+        for (i, rest) in system.resting_state(start).iter().enumerate().take(n) {
+            if let Some((value, gradient)) = rest {
+                residual[i] = *value;
+                jacobian[i] = *gradient;
+            }
+        }
+    }
+    (residual, jacobian)
+}
+
+/// Spectral radius of the monodromy matrix by repeated squaring.
+fn largest_multiplier(system: &dyn HybridSystem, cycle: &Cycle) -> f64 {
+    let n = system.states();
+    let scales = system.scales();
+    let open = if cycle.stick_fraction > 1.0 - 1e-9 {
+        system.resting_state(&cycle.end).map(|rest| rest.is_some())
+    } else {
+        [false; MAX_STATES]
+    };
+    let kept: Vec<usize> = (0..n).filter(|&i| !open[i]).collect();
+    let mut matrix =
+        DMatrix::from_fn(kept.len(), kept.len(), |i, j| cycle.monodromy[kept[i]][kept[j]] * scales[kept[j]] / scales[kept[i]]);
+    let mut log = 0.0;
+    let mut power = 1.0;
+    for _ in 0..10 {
+        let norm = matrix.amax();
+        if norm == 0.0 {
+            return 0.0;
+        }
+        matrix /= norm;
+        log += norm.ln() / power;
+        matrix = &matrix * &matrix;
+        power *= 2.0;
+    }
+    (log + matrix.amax().max(1e-300).ln() / power).exp()
+}
+
+/// Derivative of the fundamental by each parameter column: at a fixed start plus through the start.
+pub fn column_derivatives(
+    system: &dyn HybridSystem,
+    periodic: &Periodic,
+    tolerance: &Tolerance,
+) -> Result<Vec<(f64, f64)>, String> {
+    let n = system.states();
+    let scales = system.scales();
+    let cycle = cycle::integrate(system, &periodic.start, tolerance, true, None)?;
+    let (_, jacobian) = defect(system, &periodic.start, &cycle);
+    let columns = cycle.columns.as_ref().ok_or("no derivatives were gathered")?;
+    let open = if cycle.stick_fraction > 1.0 - 1e-9 {
+        system.resting_state(&periodic.start).map(|rest| rest.is_some())
+    } else {
+        [false; MAX_STATES]
+    };
+    let matrix = DMatrix::from_fn(n, n, |i, j| jacobian[i][j] * scales[j] / scales[i]).lu();
+    let mut out = Vec::with_capacity(columns.end.len());
+    for (end, direct) in columns.end.iter().zip(&columns.fundamental) {
+        // An open state keeps its value at rest: the fundamental does not depend on it.
+        let rhs = DVector::from_fn(n, |i, _| if open[i] { 0.0 } else { -end[i] / scales[i] });
+        let start = matrix.solve(&rhs).ok_or("the periodic solution is not isolated: its derivatives do not exist")?;
+        let mut sum = *direct;
+        for i in 0..n {
+            let (re, im) = cycle.fundamental_by_start[i];
+            sum.0 += re * start[i] * scales[i];
+            sum.1 += im * start[i] * scales[i];
+        }
+        out.push(sum);
+    }
+    Ok(out)
+}
+
+/// Samples a periodic solution: calls back with every step of its cycle.
+pub fn trace(
+    system: &dyn HybridSystem,
+    start: &State,
+    tolerance: &Tolerance,
+    recorder: &mut dyn FnMut(&Record),
+) -> Result<(), String> {
+    cycle::integrate(system, start, tolerance, false, Some(recorder)).map(|_| ())
+}

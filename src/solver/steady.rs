@@ -1,0 +1,218 @@
+//! From a model and an operating point to the observables of its steady state.
+
+use super::analytic::wrap;
+use super::cycle::{Record, Tolerance};
+use super::paper_euler::{self, PaperContact};
+use super::radau::{State, Stepper};
+use super::{Method, Orbit, Status, SteadyState, shooting};
+use crate::model::contact::Problem;
+use crate::model::dual::MAX_PARAMETERS;
+use crate::model::lumps::Lumps;
+use crate::model::system::{HybridSystem, Mode};
+use crate::model::{Model, Operation};
+use crate::scenario::Formulation;
+
+/// Floquet multipliers above this count as unstable.
+const UNSTABLE: f64 = 1.0 + 1e-6;
+
+/// Start for the neighbouring point of a sweep.
+#[derive(Debug, Clone, Default)]
+pub struct Warm(Option<State>);
+
+/// A steady state with what else the solver can tell of it.
+#[derive(Debug, Clone)]
+pub struct Solution {
+    /// The observables.
+    pub state: SteadyState,
+    /// Derivatives of (amplitude, phase) by the parameters of the model, in the order of
+    /// [`crate::model::lumps::BASE_PARAMETERS`] and then of the effects; where asked for.
+    pub derivatives: Option<Vec<(f64, f64)>>,
+}
+
+/// Solves one operating point; `euler_steps` matters for [`Formulation::Paper`] only. `warm` is the start and is updated.
+pub fn solve(
+    model: &Model,
+    at: &Operation,
+    euler_steps: usize,
+    tolerance: &Tolerance,
+    derivatives: bool,
+    warm: &mut Warm,
+) -> Solution {
+    if at.load == 0.0 {
+        return free(model, at, derivatives);
+    }
+    if model.contact.formulation == Formulation::Paper {
+        let lumps = Lumps::new(model, at);
+        let (mut state, _) = paper_euler::solve(&paper_contact(&lumps), euler_steps, false);
+        (state.amplitude, state.phase) = reading(&lumps, state.amplitude, state.phase);
+        return Solution { state, derivatives: None };
+    }
+    let problem = Problem::new(model, at);
+    let periodic = match shooting::solve(&problem, warm.0.as_ref(), tolerance) {
+        Ok(periodic) => periodic,
+        Err(why) if warm.0.is_some() => match shooting::solve(&problem, None, tolerance) {
+            Ok(periodic) => periodic,
+            Err(_) => return failed(why),
+        },
+        Err(why) => return failed(why),
+    };
+    warm.0 = Some(periodic.start);
+    let lumps = &problem.lumps;
+    let (free_re, free_im) = lumps.free_response();
+    let (re, im) =
+        (free_re.value + periodic.cycle.fundamental.0, free_im.value + periodic.cycle.fundamental.1);
+    let (true_amplitude, true_phase) = (re.hypot(im), im.atan2(re));
+    let (amplitude, phase) = reading(lumps, true_amplitude, true_phase);
+    let mut status = if periodic.multiplier > UNSTABLE {
+        Status::SelfExcited(format!(
+            "the periodic state is unstable: a disturbance grows {:.3} times a cycle",
+            periodic.multiplier
+        ))
+    } else {
+        Status::Steady
+    };
+    let gradient = derivatives.then(|| {
+        let columns = shooting::column_derivatives(&problem, &periodic, tolerance)?;
+        let mut by_parameter = vec![(0.0, 0.0); MAX_PARAMETERS];
+        for (p, out) in by_parameter.iter_mut().enumerate() {
+            let (mut dre, mut dim) = (free_re.gradient[p], free_im.gradient[p]);
+            for ((cre, cim), lump) in columns.iter().zip(problem.column_gradients()) {
+                dre += cre * lump.gradient[p];
+                dim += cim * lump.gradient[p];
+            }
+            *out = polar_derivative(lumps, (re, im), (dre, dim), p);
+        }
+        Ok(by_parameter)
+    });
+    let derivatives = match gradient.transpose() {
+        Ok(gradient) => gradient,
+        Err(why) => {
+            let why: String = why;
+            status = Status::Failed(why);
+            None
+        }
+    };
+    let state = SteadyState {
+        amplitude,
+        phase,
+        mean: periodic.cycle.mean,
+        speed_amplitude: lumps.arm.value * lumps.omega * true_amplitude,
+        stick_fraction: periodic.cycle.stick_fraction,
+        force_minimum: periodic.cycle.force.0,
+        force_maximum: periodic.cycle.force.1,
+        cycles: periodic.cycles,
+        periodicity_error: periodic.residual,
+        status,
+        method: Method::Shooting,
+    };
+    Solution { state, derivatives }
+}
+
+/// Derivatives of (amplitude, phase) of the reading from those of the complex amplitude.
+fn polar_derivative(lumps: &Lumps, a: (f64, f64), da: (f64, f64), p: usize) -> (f64, f64) {
+    let square = a.0 * a.0 + a.1 * a.1;
+    let amplitude = square.sqrt();
+    let gain = lumps.amplitude_gain;
+    (
+        gain.value * (a.0 * da.0 + a.1 * da.1) / amplitude + gain.gradient[p] * amplitude,
+        (a.0 * da.1 - a.1 * da.0) / square + lumps.phase_offset.gradient[p],
+    )
+}
+
+fn reading(lumps: &Lumps, amplitude: f64, phase: f64) -> (f64, f64) {
+    (lumps.amplitude_gain.value * amplitude, wrap(phase + lumps.phase_offset.value))
+}
+
+fn paper_contact(lumps: &Lumps) -> PaperContact {
+    PaperContact {
+        omega: lumps.omega,
+        inertia: lumps.inertia.value,
+        damping: lumps.damping.value,
+        stiffness: lumps.stiffness.value,
+        torque: (lumps.torque_re.value, lumps.torque_im.value),
+        arm: lumps.arm.value,
+        contact_stiffness: lumps.contact_stiffness.value,
+        contact_damping: lumps.contact_damping.value,
+        friction_force: lumps.friction.value * lumps.load.value,
+        speed: lumps.speed.value,
+    }
+}
+
+/// No contact: the closed form of case I.
+fn free(model: &Model, at: &Operation, derivatives: bool) -> Solution {
+    let lumps = Lumps::new(model, at);
+    let (re, im) = lumps.free_response();
+    let a = (re.value, im.value);
+    let (amplitude, phase) = reading(&lumps, a.0.hypot(a.1), a.1.atan2(a.0));
+    let state = SteadyState {
+        amplitude,
+        phase,
+        mean: 0.0,
+        speed_amplitude: lumps.arm.value * lumps.omega * a.0.hypot(a.1),
+        stick_fraction: 0.0,
+        force_minimum: 0.0,
+        force_maximum: 0.0,
+        cycles: 0,
+        periodicity_error: 0.0,
+        status: Status::Steady,
+        method: Method::Analytic,
+    };
+    let derivatives = derivatives.then(|| {
+        (0..MAX_PARAMETERS).map(|p| polar_derivative(&lumps, a, (re.gradient[p], im.gradient[p]), p)).collect()
+    });
+    Solution { state, derivatives }
+}
+
+fn failed(why: String) -> Solution {
+    let nan = f64::NAN;
+    let state = SteadyState {
+        amplitude: nan,
+        phase: nan,
+        mean: nan,
+        speed_amplitude: nan,
+        stick_fraction: nan,
+        force_minimum: nan,
+        force_maximum: nan,
+        cycles: 0,
+        periodicity_error: nan,
+        status: Status::Failed(why),
+        method: Method::Shooting,
+    };
+    Solution { state, derivatives: None }
+}
+
+/// One period of the steady state at `samples` instants; empty where there is none.
+pub fn orbit(model: &Model, at: &Operation, euler_steps: usize, tolerance: &Tolerance, samples: usize) -> Orbit {
+    if model.contact.formulation == Formulation::Paper {
+        let lumps = Lumps::new(model, at);
+        return paper_euler::solve(&paper_contact(&lumps), euler_steps, true).1;
+    }
+    let problem = Problem::new(model, at);
+    let Ok(periodic) = shooting::solve(&problem, None, tolerance) else { return Orbit::default() };
+    let period = problem.period();
+    let stretch_index = problem.stretch_index();
+    let mut orbit = Orbit::default();
+    let mut record = |r: &Record| {
+        while orbit.time.len() < samples {
+            let t = period * orbit.time.len() as f64 / samples as f64;
+            if t >= r.time + r.size {
+                break;
+            }
+            let tau = (t - r.time) / r.size;
+            let z: State = std::array::from_fn(|j| Stepper::interpolate(r.start[j], r.stepper.z.map(|z| z[j]), tau));
+            let s = if r.mode == Mode::Stick { 0.0 } else { Stepper::interpolate(r.slip, r.stepper.s, tau) };
+            let forcing = problem.forcing(t);
+            let (force, _) = problem.force(&forcing, &z, s);
+            orbit.time.push(t);
+            orbit.angle.push(forcing.angle + z[0]);
+            orbit.velocity.push(forcing.velocity + z[1]);
+            orbit.stretch.push(z[stretch_index]);
+            orbit.slip_rate.push(s);
+            orbit.force.push(force);
+        }
+    };
+    match shooting::trace(&problem, &periodic.start, tolerance, &mut record) {
+        Ok(()) => orbit,
+        Err(_) => Orbit::default(),
+    }
+}
