@@ -1,37 +1,21 @@
 //! Steady states against numbers that a separate program integrated (Newmark for the arm, trapezoidal stretch).
 
-use stickslip::model::{Model, Operation};
-use stickslip::scenario::{Contact, Formulation, Instrument, Rig};
-use stickslip::solver::{Status, Warm, cycle::Tolerance, solve};
+mod common;
 
-fn paper_model() -> Model {
-    Model {
-        rig: Rig {
-            inertia: 5.0e-3,
-            torsional_stiffness: 990.0,
-            torsional_damping: 0.43,
-            spring_stiffness: 1.6e4,
-            spring_damping: 12.0,
-            spring_arm: 0.03,
-            contact_arm: 0.06,
-        },
-        contact: Contact { stiffness: 8.9e4, damping: 26.0, friction: 0.5, formulation: Formulation::Series },
-        instrument: Instrument::default(),
-        effects: Vec::new(),
-    }
-}
+use common::{paper_model, steady};
+use stickslip::model::Operation;
+use stickslip::scenario::Formulation;
+use stickslip::solver::Status;
 
 #[test]
 fn base_rows_agree_to_1e_4() {
+    let model = paper_model(Formulation::Series);
     let table = include_str!("data/effects.csv");
     let mut rows = 0;
     for line in table.lines().filter(|line| line.starts_with("none,")) {
         let v: Vec<f64> = line.split(',').skip(2).map(|v| v.parse().unwrap()).collect();
         let at = Operation { speed: v[0], load: v[1], drive: v[2], frequency: v[3] };
-        let t0 = std::time::Instant::now();
-        let state = solve(&paper_model(), &at, 0, &Tolerance::default(), false, &mut Warm::default()).state;
-        let el = t0.elapsed();
-        println!("{line} {:.2e} {:.2e} stick {:.3} cycles {} {:?} {:?}", state.amplitude / v[4] - 1.0, state.phase - v[5], state.stick_fraction, state.cycles, state.status, el);
+        let state = steady(&model, &at);
         assert_eq!(state.status, Status::Steady, "{line}");
         assert!((state.amplitude / v[4] - 1.0).abs() < 1e-4, "{line}: amplitude {:e}", state.amplitude);
         assert!((state.phase - v[5]).abs() < 1e-4, "{line}: phase {}", state.phase);
@@ -39,4 +23,31 @@ fn base_rows_agree_to_1e_4() {
         rows += 1;
     }
     assert_eq!(rows, 25);
+}
+
+/// Peaks of the paper formulation on a 0.5 Hz grid: (V in mm/s, f in Hz, alpha in 1e-6 rad).
+const PEAKS: [(f64, f64, f64); 8] = [
+    (0.0, 81.5, 4.58),
+    (0.001, 81.5, 4.52),
+    (0.01, 80.5, 4.10),
+    (0.02, 79.0, 3.90),
+    (0.05, 74.0, 4.17),
+    (0.10, 71.0, 5.26),
+    (0.15, 71.0, 6.12),
+    (0.17, 71.0, 6.24),
+];
+
+#[test]
+fn peaks_of_the_paper_formulation_agree_with_the_independent_table() {
+    let model = paper_model(Formulation::Paper);
+    for (speed, frequency, alpha) in PEAKS {
+        // Around the tabulated peak the whole half-hertz grid is searched.
+        let (best, peak) = (-4..=4)
+            .map(|i| frequency + 0.5 * i as f64)
+            .map(|f| (f, steady(&model, &common::at(speed * 1e-3, f)).amplitude))
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .unwrap();
+        assert_eq!(best, frequency, "V = {speed} mm/s");
+        assert!((peak * 1e6 - alpha).abs() < 0.0065, "V = {speed} mm/s: {}", peak * 1e6);
+    }
 }

@@ -74,6 +74,19 @@ pub struct Problem {
     columns: Vec<(Column, Dual)>,
 }
 
+/// A steady state in closed form.
+#[derive(Debug, Clone, Copy)]
+pub struct LimitingState {
+    /// Complex amplitude of the arm \[rad\].
+    pub response: (Dual, Dual),
+    /// Mean angle \[rad\].
+    pub mean: f64,
+    /// Share of the cycle in stick.
+    pub stick_fraction: f64,
+    /// Extremes of the tangential force \[N\].
+    pub force: (f64, f64),
+}
+
 /// Intermediate quantities at one instant.
 struct Point {
     th: f64,
@@ -192,7 +205,7 @@ impl Problem {
             q,
             psi,
             rate_element: lumps.rate_element.is_some(),
-            stroke: lumps.arm.value * amplitude.min(stuck),
+            stroke: lumps.arm.value * (amplitude * stuck).sqrt(),
             psi_scale: 1.0,
             columns,
             laws,
@@ -210,6 +223,42 @@ impl Problem {
     /// Whether the interface is a rate element (no true sticking).
     pub fn is_rate_element(&self) -> bool {
         self.rate_element
+    }
+
+    /// The steady state where it is known in closed form: full slip under a constant friction force (case III), or
+    /// bristles that stick to a roller at rest throughout (case II, started from rest). `None` where the interface
+    /// changes between stick and slip or a law of the cycle is not linear.
+    pub fn limiting_state(&self) -> Option<LimitingState> {
+        if self.rate_element || self.laws.iter().any(|(e, p)| e.torque(p, 0.0, 0.0).is_some()) {
+            return None;
+        }
+        let magnitude = |(re, im): (Dual, Dual)| re.value.hypot(im.value);
+        let constant_friction = self.heat.is_none()
+            && self.load_stiffness == 0.0
+            && self.laws.iter().all(|(e, p)| e.friction(p, 0.0, 0.0).is_none());
+        if constant_friction {
+            let response = self.lumps.free_response();
+            if self.speed > self.b * self.omega * magnitude(response) {
+                let force = self.mu * self.load;
+                let mean = self.b * force * self.inverse_inertia / self.k;
+                return Some(LimitingState { response, mean, stick_fraction: 0.0, force: (force, force) });
+            }
+        }
+        if self.speed == 0.0 {
+            let response = self.lumps.stuck_response();
+            // F = [Gamma e^{i phi0}/A - (K - J w^2 + i w C)] A / (-b), the force that makes up the difference to the free arm.
+            let (free, stuck) = (self.lumps.free_response(), response);
+            let difference = (free.0.value - stuck.0.value, free.1.value - stuck.1.value);
+            let w = self.omega;
+            let impedance = (self.k - w * w).hypot(w * self.c) / (self.inverse_inertia * self.b);
+            let force = impedance * difference.0.hypot(difference.1);
+            let (mu, ..) = self.friction(0.0, 0.0, 0.0);
+            let swing = self.load_stiffness.abs() * self.b * magnitude(response);
+            if force < mu * (self.load - swing) {
+                return Some(LimitingState { response, mean: 0.0, stick_fraction: 1.0, force: (-force, force) });
+            }
+        }
+        None
     }
 
     /// Index of the stretch of the bristles among the states.
@@ -503,9 +552,17 @@ impl HybridSystem for Problem {
                 let psi = self.state(self.psi, z);
                 let (_, slope, ..) = self.friction(0.0, psi, self.state(self.heat, z));
                 let p = self.point(forcing, z, 0.0);
-                // Weakening steeper than the bristles' damping: the slip rate jumps to the next stable branch.
-                let s = if self.cc + slope * p.normal < 0.0 { self.slip_root(forcing, z, sign) } else { None };
-                (mode, sign * s.unwrap_or(0.0))
+                let resistance = self.cc + slope * p.normal;
+                let s = if resistance < 0.0 {
+                    // Weakening steeper than the bristles' damping: the slip rate jumps to the next stable branch.
+                    sign * self.slip_root(forcing, z, sign).unwrap_or(0.0)
+                } else if resistance == 0.0 {
+                    // Nothing damps the bristles: they stop stretching at once.
+                    p.v
+                } else {
+                    0.0
+                };
+                (mode, s)
             }
             Mode::SlipForward | Mode::SlipBackward => {
                 if self.point(forcing, z, 0.0).normal <= 0.0 {
@@ -515,6 +572,19 @@ impl HybridSystem for Problem {
                 (Mode::Stick, 0.0)
             }
         }
+    }
+
+    fn project(&self, forcing: &Forcing, z: &mut [f64]) -> Option<usize> {
+        if self.cc > 0.0 || self.rate_element {
+            return None;
+        }
+        // Without damping the bristles' force cannot exceed the friction force even for an instant.
+        let p = self.point(forcing, z, 0.0);
+        let excess = p.force.abs() - p.mu * p.normal;
+        (excess > 0.0).then(|| {
+            z[self.x] -= excess.copysign(p.force) / self.kc;
+            self.x
+        })
     }
 
     fn initial_mode(&self, forcing: &Forcing, z: &[f64]) -> (Mode, f64) {
@@ -527,10 +597,10 @@ impl HybridSystem for Problem {
         let limit = p.mu * p.normal;
         let slack = 1e-9 * self.force_scale();
         let sign = p.force.signum();
-        if p.force.abs() > limit + slack || (p.force.abs() > limit - slack && sign * p.v > 0.0) {
+        if p.force.abs() > limit + slack || (self.cc == 0.0 && p.force.abs() > limit - slack && sign * p.v > 0.0) {
             let mode = if sign > 0.0 { Mode::SlipForward } else { Mode::SlipBackward };
-            let s = if self.cc > 0.0 { self.slip_root(forcing, z, sign).unwrap_or(0.0) } else { sign * p.v };
-            (mode, sign * s)
+            let s = if self.cc > 0.0 { sign * self.slip_root(forcing, z, sign).unwrap_or(0.0) } else { p.v };
+            (mode, s)
         } else {
             (Mode::Stick, 0.0)
         }
@@ -541,7 +611,8 @@ impl HybridSystem for Problem {
         if self.speed == 0.0 {
             // At rest: the bristles are stretched by the arm's own motion.
             let forcing = self.forcing(0.0);
-            z[self.x] = -self.b * forcing.angle;
+            let limit = 0.5 * self.mu * self.load / self.kc;
+            z[self.x] = (-self.b * forcing.angle).clamp(-limit, limit);
         } else {
             let psi = self.steady_interface_state(self.speed);
             let (mu, ..) = self.friction(self.speed, psi, 0.0);

@@ -93,6 +93,8 @@ pub trait HybridSystem {
     fn event(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode) -> f64;
     /// The mode that follows an event, with a first value of s.
     fn next_mode(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode) -> (Mode, f64);
+    /// Moves states that the equations cannot hold onto the nearest that they can; returns the state that was moved.
+    fn project(&self, forcing: &Forcing, z: &mut [f64]) -> Option<usize>;
     /// A mode that is consistent with the states at time 0, with a first value of s.
     fn initial_mode(&self, forcing: &Forcing, z: &[f64]) -> (Mode, f64);
     /// A first guess of the periodic state at time 0.

@@ -22,7 +22,7 @@ impl Default for Tolerance {
 }
 
 /// Most changes of mode in one period.
-const MAX_EVENTS: usize = 200;
+const MAX_EVENTS: usize = 1000;
 /// Most steps in one period.
 const MAX_STEPS: usize = 20_000;
 
@@ -90,6 +90,7 @@ pub fn integrate(
     let slip_scale = system.slip_scale();
     let mut stepper = Stepper::default();
     let (mut t, mut z, mut h) = (0.0, *start, largest);
+    let moved = system.project(&system.forcing(0.0), &mut z);
     let (mut mode, mut s) = system.initial_mode(&system.forcing(0.0), &z);
     let mut cycle = Cycle {
         end: z,
@@ -103,6 +104,9 @@ pub fn integrate(
         events: 0,
         columns: None,
     };
+    if let Some(index) = moved {
+        cycle.monodromy[index][index] = 0.0;
+    }
     let mut tangents = [[[0.0; MAX_STATES]; MAX_STATES]; 3];
     let mut gather = with_columns.then(|| ColumnGatherer::new(system.columns()));
     while period - t > 1e-12 * period {
@@ -117,13 +121,11 @@ pub fn integrate(
             }
             if !stepper.step(system, t, &z, s, size, mode) {
                 size *= 0.25;
-                h = size;
                 continue;
             }
             let roughness = stepper.roughness(s) / slip_scale / tolerance.roughness;
             if roughness > 1.0 && size > 1e-6 * period {
                 size *= (0.9 / roughness.cbrt()).clamp(0.2, 0.7);
-                h = size;
                 continue;
             }
             h = (size * (0.9 / roughness.max(1e-9).cbrt()).min(2.0)).min(largest);
@@ -134,7 +136,7 @@ pub fn integrate(
             std::array::from_fn::<f64, 3, _>(|i| system.event(&stepper.forcing[i], &stepper.z[i], stepper.s[i], mode))
         };
         let mut e = at_stages(&stepper);
-        if e.iter().any(|&e| e < -1e-11) {
+        if crosses(at_start, e) {
             event = true;
             let full = size;
             for _ in 0..40 {
@@ -176,8 +178,10 @@ pub fn integrate(
             // A = (2i/T) integral of z0 e^{-iwt}
             let (sine, cosine) = (stepper.forcing[i].sine, stepper.forcing[i].cosine);
             let w = weight * A[2][i];
-            cycle.fundamental.0 += w * sine * stepper.z[i][0];
-            cycle.fundamental.1 += w * cosine * stepper.z[i][0];
+            // A constant has no fundamental: taken off, the large static angle does not enter through rounding.
+            let swing = stepper.z[i][0] - start[0];
+            cycle.fundamental.0 += w * sine * swing;
+            cycle.fundamental.1 += w * cosine * swing;
             for j in 0..n {
                 cycle.fundamental_by_start[j].0 += w * sine * through[i][0][j];
                 cycle.fundamental_by_start[j].1 += w * cosine * through[i][0][j];
@@ -217,10 +221,22 @@ pub fn integrate(
     Ok(cycle)
 }
 
+/// Event values below this count as crossed.
+const CROSSED: f64 = -1e-11;
+/// Fractions of a step at which the interpolated event function is looked at.
+const LOOKS: [f64; 12] =
+    [0.02, 0.05, 0.1, C[0], 0.25, 0.35, 0.45, 0.55, C[1], 0.75, 0.88, 1.0];
+
+/// Whether the event function falls below zero during the step, between the stages included.
+fn crosses(start: f64, e: [f64; 3]) -> bool {
+    e.iter().any(|&e| e < CROSSED)
+        || (e.iter().any(|&e| e < 0.1) && LOOKS.iter().any(|&tau| Stepper::interpolate(start, e, tau) < CROSSED))
+}
+
 /// Fraction of the step at which the event function first falls to zero.
 fn first_root(start: f64, e: [f64; 3]) -> f64 {
     let value = |tau: f64| Stepper::interpolate(start, e, tau);
-    let first = C.iter().zip(&e).find(|(_, e)| **e < 0.0).map_or(1.0, |(c, _)| *c);
+    let first = LOOKS.into_iter().find(|&tau| value(tau) < CROSSED).unwrap_or(1.0);
     let (mut low, mut high) = (0.0, first);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);

@@ -5,7 +5,7 @@ use super::cycle::{Record, Tolerance};
 use super::paper_euler::{self, PaperContact};
 use super::radau::{State, Stepper};
 use super::{Method, Orbit, Status, SteadyState, shooting};
-use crate::model::contact::Problem;
+use crate::model::contact::{LimitingState, Problem};
 use crate::model::dual::MAX_PARAMETERS;
 use crate::model::lumps::Lumps;
 use crate::model::system::{HybridSystem, Mode};
@@ -48,6 +48,9 @@ pub fn solve(
         return Solution { state, derivatives: None };
     }
     let problem = Problem::new(model, at);
+    if let Some(limit) = problem.limiting_state() {
+        return closed_form(&problem.lumps, limit, derivatives);
+    }
     let periodic = match shooting::solve(&problem, warm.0.as_ref(), tolerance) {
         Ok(periodic) => periodic,
         Err(why) if warm.0.is_some() => match shooting::solve(&problem, None, tolerance) {
@@ -141,24 +144,31 @@ fn paper_contact(lumps: &Lumps) -> PaperContact {
 /// No contact: the closed form of case I.
 fn free(model: &Model, at: &Operation, derivatives: bool) -> Solution {
     let lumps = Lumps::new(model, at);
-    let (re, im) = lumps.free_response();
+    let response = lumps.free_response();
+    let limit = LimitingState { response, mean: 0.0, stick_fraction: 0.0, force: (0.0, 0.0) };
+    closed_form(&lumps, limit, derivatives)
+}
+
+/// The observables of a state that is known in closed form.
+fn closed_form(lumps: &Lumps, limit: LimitingState, derivatives: bool) -> Solution {
+    let (re, im) = limit.response;
     let a = (re.value, im.value);
-    let (amplitude, phase) = reading(&lumps, a.0.hypot(a.1), a.1.atan2(a.0));
+    let (amplitude, phase) = reading(lumps, a.0.hypot(a.1), a.1.atan2(a.0));
     let state = SteadyState {
         amplitude,
         phase,
-        mean: 0.0,
+        mean: limit.mean,
         speed_amplitude: lumps.arm.value * lumps.omega * a.0.hypot(a.1),
-        stick_fraction: 0.0,
-        force_minimum: 0.0,
-        force_maximum: 0.0,
+        stick_fraction: limit.stick_fraction,
+        force_minimum: limit.force.0,
+        force_maximum: limit.force.1,
         cycles: 0,
         periodicity_error: 0.0,
         status: Status::Steady,
         method: Method::Analytic,
     };
     let derivatives = derivatives.then(|| {
-        (0..MAX_PARAMETERS).map(|p| polar_derivative(&lumps, a, (re.gradient[p], im.gradient[p]), p)).collect()
+        (0..MAX_PARAMETERS).map(|p| polar_derivative(lumps, a, (re.gradient[p], im.gradient[p]), p)).collect()
     });
     Solution { state, derivatives }
 }

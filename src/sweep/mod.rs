@@ -1,5 +1,9 @@
 //! The sweep engine: every point of a scenario, in input order, on all threads.
 
+mod run;
+
+pub use run::{Interrupted, Options, conditions, limiting_oscillator, run};
+
 use crate::scenario::{Formulation, Scenario};
 use crate::solver::{Orbit, SteadyState};
 

@@ -1,0 +1,188 @@
+//! Running the product of the axes on all threads.
+
+use super::{Condition, Curve, LimitCurve, LimitingCase, Outcome};
+use crate::model::lumps::Lumps;
+use crate::model::{Model, Operation};
+use crate::scenario::{Formulation, Scenario};
+use crate::solver::analytic::Oscillator;
+use crate::solver::cycle::Tolerance;
+use crate::solver::{Orbit, SteadyState, Warm, orbit, solve};
+use indicatif::{ProgressBar, ProgressStyle};
+use rayon::prelude::*;
+use std::io::IsTerminal;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+/// Points solved one after the other, each starting from its neighbour; the unit of parallel work.
+const CHUNK: usize = 26;
+/// Samples of an orbit.
+const ORBIT_SAMPLES: usize = 2000;
+/// Points of a closed-form curve.
+const LIMIT_POINTS: usize = 401;
+
+/// How to run a sweep.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Options<'a> {
+    /// Keep one period of every point.
+    pub orbits: bool,
+    /// Show progress on standard error if that is a terminal.
+    pub progress: bool,
+    /// Set from outside to stop early.
+    pub cancel: Option<&'a AtomicBool>,
+}
+
+/// The run was stopped from outside before it was complete.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Interrupted;
+
+/// Conditions of a scenario's sweep, in the order of the axes.
+pub fn conditions(scenario: &Scenario) -> Vec<Condition> {
+    let Some(sweep) = &scenario.sweep else { return Vec::new() };
+    let mut all = Vec::new();
+    for &formulation in &sweep.formulation {
+        // Only the Euler procedure has a step size.
+        let steps = if formulation == Formulation::Paper { &sweep.euler_steps[..] } else { &sweep.euler_steps[..1] };
+        for &euler_steps in steps {
+            for &drive in &sweep.drive {
+                for &load in &sweep.load {
+                    for &friction in &sweep.friction {
+                        for &speed in &sweep.speed {
+                            all.push(Condition { formulation, euler_steps, drive, load, friction, speed });
+                        }
+                    }
+                }
+            }
+        }
+    }
+    all
+}
+
+/// Solves every point of the scenario's sweep. The result does not depend on the number of threads.
+pub fn run(scenario: &Scenario, options: &Options) -> Result<Outcome, Interrupted> {
+    let began = Instant::now();
+    let model = Model::new(scenario);
+    let conditions = conditions(scenario);
+    let frequency = scenario.sweep.as_ref().map_or(&[][..], |sweep| &sweep.frequency);
+    let bar = progress_bar(options, conditions.len() * frequency.len(), &scenario.id);
+    let tasks: Vec<(&Condition, &[f64])> =
+        conditions.iter().flat_map(|c| frequency.chunks(CHUNK).map(move |chunk| (c, chunk))).collect();
+    let solved: Vec<Vec<(SteadyState, Option<Orbit>)>> = tasks
+        .par_iter()
+        .map(|(condition, chunk)| {
+            let model = at_condition(&model, condition);
+            let mut warm = Warm::default();
+            let mut out = Vec::with_capacity(chunk.len());
+            for &f in *chunk {
+                if options.cancel.is_some_and(|c| c.load(Ordering::Relaxed)) {
+                    return out;
+                }
+                let at = Operation { speed: condition.speed, load: condition.load, drive: condition.drive, frequency: f };
+                let tolerance = Tolerance::default();
+                let state = solve(&model, &at, condition.euler_steps, &tolerance, false, &mut warm).state;
+                let path =
+                    options.orbits.then(|| orbit(&model, &at, condition.euler_steps, &tolerance, ORBIT_SAMPLES));
+                out.push((state, path));
+                bar.inc(1);
+            }
+            out
+        })
+        .collect();
+    bar.finish_and_clear();
+    if options.cancel.is_some_and(|c| c.load(Ordering::Relaxed)) {
+        return Err(Interrupted);
+    }
+    let mut points = solved.into_iter().flatten();
+    let curves = conditions
+        .iter()
+        .map(|&condition| {
+            let (states, orbits): (Vec<_>, Vec<_>) = points.by_ref().take(frequency.len()).unzip();
+            Curve { condition, frequency: frequency.to_vec(), states, orbits: orbits.into_iter().flatten().collect() }
+        })
+        .collect();
+    let limits = limits(&model, scenario);
+    Ok(Outcome { scenario: scenario.clone(), curves, limits, seconds: began.elapsed().as_secs_f64() })
+}
+
+fn at_condition(model: &Model, condition: &Condition) -> Model {
+    let mut model = model.clone();
+    model.contact.friction = condition.friction;
+    model.contact.formulation = condition.formulation;
+    model
+}
+
+fn progress_bar(options: &Options, points: usize, label: &str) -> ProgressBar {
+    if !options.progress || !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(points as u64);
+    let template = "{msg:24} {bar:30} {pos}/{len} points, {per_sec}, {eta} left";
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style);
+    }
+    bar.set_message(label.to_string());
+    bar
+}
+
+/// The oscillator of a limiting case for one drive.
+pub fn limiting_oscillator(model: &Model, case: LimitingCase, drive: f64) -> Oscillator {
+    let at = Operation { speed: 0.0, load: 0.0, drive, frequency: 1.0 };
+    let lumps = Lumps::new(model, &at);
+    let b2 = model.rig.contact_arm.powi(2);
+    let (kc, cc) = match case {
+        LimitingCase::FreeOrFullSlip => (0.0, 0.0),
+        LimitingCase::StaticContact => (model.contact.stiffness, model.contact.damping),
+    };
+    Oscillator {
+        inertia: model.rig.inertia,
+        damping: model.rig.torsional_damping + 2.0 * model.rig.spring_arm.powi(2) * model.rig.spring_damping + b2 * cc,
+        stiffness: lumps.stiffness.value + b2 * kc,
+        lever: model.rig.spring_arm * drive * model.instrument.drive_gain,
+        spring_stiffness: model.rig.spring_stiffness,
+        spring_damping: model.rig.spring_damping,
+    }
+}
+
+fn limits(model: &Model, scenario: &Scenario) -> Vec<LimitCurve> {
+    let Some(sweep) = &scenario.sweep else { return Vec::new() };
+    let from = sweep.frequency.iter().copied().fold(f64::INFINITY, f64::min);
+    let to = sweep.frequency.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let mut out = Vec::new();
+    for &drive in &sweep.drive {
+        for case in [LimitingCase::FreeOrFullSlip, LimitingCase::StaticContact] {
+            out.push(limit_curve(&limiting_oscillator(model, case, drive), model, case, drive, from, to));
+        }
+    }
+    out
+}
+
+fn limit_curve(o: &Oscillator, model: &Model, case: LimitingCase, drive: f64, from: f64, to: f64) -> LimitCurve {
+    let gain = model.instrument.amplitude_gain;
+    let b = model.rig.contact_arm;
+    let count = if to > from { LIMIT_POINTS } else { 1 };
+    let frequency: Vec<f64> =
+        (0..count).map(|i| from + (to - from) * i as f64 / (count.max(2) - 1) as f64).collect();
+    let response: Vec<(f64, f64)> = frequency.iter().map(|&f| o.response(f)).collect();
+    // The peaks are those of the case itself, wherever the sweep ends.
+    let (low, high) = (0.2 * from.min(10.0), 5.0 * to.max(natural_frequency(o)));
+    let (peak_frequency, peak) = o.peak(low, high, 0);
+    let (speed_peak_frequency, speed_peak) = o.peak(low, high, 1);
+    LimitCurve {
+        case,
+        drive,
+        amplitude: response.iter().map(|r| gain * r.0).collect(),
+        phase: response
+            .iter()
+            .map(|r| crate::solver::analytic::wrap(r.1 + model.instrument.phase_offset))
+            .collect(),
+        speed_amplitude: frequency.iter().zip(&response).map(|(f, r)| b * std::f64::consts::TAU * f * r.0).collect(),
+        frequency,
+        peak_frequency,
+        peak_amplitude: gain * peak,
+        speed_peak_frequency,
+        speed_peak: b * speed_peak,
+    }
+}
+
+fn natural_frequency(o: &Oscillator) -> f64 {
+    (o.stiffness / o.inertia).sqrt() / std::f64::consts::TAU
+}

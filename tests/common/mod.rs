@@ -1,0 +1,48 @@
+//! What several tests need: the paper's rig, built by hand so that the tests do not lean on the scenario reader.
+#![allow(dead_code)]
+
+use stickslip::model::{Model, Operation};
+use stickslip::scenario::{Contact, Formulation, Instrument, Rig};
+use stickslip::solver::{SteadyState, Warm, cycle::Tolerance, solve};
+
+/// Steps per cycle of the Euler procedure where a test does not say.
+pub const EULER_STEPS: usize = 20_000;
+
+/// The paper's printed values, no effect.
+pub fn paper_model(formulation: Formulation) -> Model {
+    Model {
+        rig: Rig {
+            inertia: 5.0e-3,
+            torsional_stiffness: 990.0,
+            torsional_damping: 0.43,
+            spring_stiffness: 1.6e4,
+            spring_damping: 12.0,
+            spring_arm: 0.03,
+            contact_arm: 0.06,
+        },
+        contact: Contact { stiffness: 8.9e4, damping: 26.0, friction: 0.5, formulation },
+        instrument: Instrument::default(),
+        effects: Vec::new(),
+    }
+}
+
+/// Operating point at the paper's load and drive.
+pub fn at(speed: f64, frequency: f64) -> Operation {
+    Operation { speed, load: 20.0, drive: 2.5e-6, frequency }
+}
+
+/// Steady state from a cold start.
+pub fn steady(model: &Model, at: &Operation) -> SteadyState {
+    solve(model, at, EULER_STEPS, &Tolerance::default(), false, &mut Warm::default()).state
+}
+
+/// Complex amplitude of a steady state.
+pub fn complex(state: &SteadyState) -> (f64, f64) {
+    (state.amplitude * state.phase.cos(), state.amplitude * state.phase.sin())
+}
+
+/// Relative distance of two steady states in the complex plane.
+pub fn distance(a: &SteadyState, b: &SteadyState) -> f64 {
+    let (a1, b1) = (complex(a), complex(b));
+    (a1.0 - b1.0).hypot(a1.1 - b1.1) / b.amplitude
+}
