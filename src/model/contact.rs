@@ -11,6 +11,10 @@ use crate::effects::{Effect, Law};
 /// Largest number of law parameters evaluated inside a cycle per effect.
 const LAW_PARAMETERS: usize = 4;
 
+/// A loss tangent w cc/kc of the bristles below this is none: it would change alpha by less than 1e-6 and make the
+/// equations needlessly stiff.
+const NO_DAMPING: f64 = 3e-6;
+
 /// Where a column of parameter derivatives enters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Column {
@@ -126,6 +130,7 @@ impl Problem {
         let has_psi = laws.iter().any(|(e, p)| e.interface_rate(p, 0.0, 0.0).is_some());
         let psi = take(has_psi, 1);
         let inverse = lumps.inertia.recip();
+        let (kc, cc) = (lumps.contact_stiffness.value, lumps.contact_damping.value);
         let amplitude = free_re.value.hypot(free_im.value);
         let stuck = stuck_re.value.hypot(stuck_im.value);
         let mut columns = vec![
@@ -185,8 +190,8 @@ impl Problem {
             k: (lumps.stiffness * inverse).value,
             inverse_inertia: inverse.value,
             b: lumps.arm.value,
-            kc: lumps.contact_stiffness.value,
-            cc: lumps.contact_damping.value,
+            kc,
+            cc: if lumps.omega * cc < NO_DAMPING * kc { 0.0 } else { cc },
             mu: lumps.friction.value,
             load: lumps.load.value,
             speed: lumps.speed.value,

@@ -77,7 +77,8 @@ impl Stepper {
             if !size.is_finite() {
                 return false;
             }
-            if size < 1e-10 {
+            // Converged, or as close as rounding lets it come.
+            if size < 1e-10 || (size < 1e-6 && fresh && size > 0.5 * previous) {
                 return true;
             }
             if size > 0.02 * previous {
