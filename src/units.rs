@@ -44,30 +44,32 @@ pub enum UnitError {
     Malformed(String, &'static str),
 }
 
-/// Symbol, size in SI, dimension, whether it takes prefixes.
-const UNITS: &[(&str, f64, Dimension, bool)] = &[
-    ("m", 1.0, [0, 1, 0], true),
-    ("g", 1e-3, [1, 0, 0], true),
-    ("s", 1.0, [0, 0, 1], true),
-    ("N", 1.0, [1, 1, -2], true),
-    ("J", 1.0, [1, 2, -2], true),
-    ("W", 1.0, [1, 2, -3], true),
-    ("Pa", 1.0, [1, -1, -2], true),
-    ("Hz", 1.0, [0, 0, -1], true),
-    ("rad", 1.0, [0, 0, 0], true),
-    ("min", 60.0, [0, 0, 1], false),
-    ("cm", 1e-2, [0, 1, 0], false),
-    ("deg", std::f64::consts::PI / 180.0, [0, 0, 0], false),
-    ("°", std::f64::consts::PI / 180.0, [0, 0, 0], false),
-    ("%", 1e-2, [0, 0, 0], false),
-    ("decades", 1.0, [0, 0, 0], false),
-    ("decade", 1.0, [0, 0, 0], false),
-    ("1", 1.0, [0, 0, 0], false),
+/// A size in SI, as a factor and a power of ten, so that `2.5 um` is exactly the double nearest to 2.5e-6.
+type Size = (f64, i32);
+
+/// Symbol, size, dimension, whether it takes prefixes.
+const UNITS: &[(&str, Size, Dimension, bool)] = &[
+    ("m", (1.0, 0), [0, 1, 0], true),
+    ("g", (1.0, -3), [1, 0, 0], true),
+    ("s", (1.0, 0), [0, 0, 1], true),
+    ("N", (1.0, 0), [1, 1, -2], true),
+    ("J", (1.0, 0), [1, 2, -2], true),
+    ("W", (1.0, 0), [1, 2, -3], true),
+    ("Pa", (1.0, 0), [1, -1, -2], true),
+    ("Hz", (1.0, 0), [0, 0, -1], true),
+    ("rad", (1.0, 0), [0, 0, 0], true),
+    ("min", (60.0, 0), [0, 0, 1], false),
+    ("cm", (1.0, -2), [0, 1, 0], false),
+    ("deg", (std::f64::consts::PI / 180.0, 0), [0, 0, 0], false),
+    ("°", (std::f64::consts::PI / 180.0, 0), [0, 0, 0], false),
+    ("%", (1.0, -2), [0, 0, 0], false),
+    ("decades", (1.0, 0), [0, 0, 0], false),
+    ("decade", (1.0, 0), [0, 0, 0], false),
+    ("1", (1.0, 0), [0, 0, 0], false),
 ];
 
 /// Prefixes; both micro signs (U+00B5, U+03BC) and `u`.
-const PREFIXES: &[(&str, f64)] =
-    &[("n", 1e-9), ("u", 1e-6), ("µ", 1e-6), ("μ", 1e-6), ("m", 1e-3), ("k", 1e3), ("M", 1e6), ("G", 1e9)];
+const PREFIXES: &[(&str, i32)] = &[("n", -9), ("u", -6), ("µ", -6), ("μ", -6), ("m", -3), ("k", 3), ("M", 6), ("G", 9)];
 
 /// What a dimension measures, for messages; several names where several quantities share it.
 const KINDS: &[(Dimension, &str)] = &[
@@ -93,11 +95,11 @@ pub fn parse(text: &str, si_unit: &str) -> Result<f64, UnitError> {
     let text = text.trim();
     let example = format!("1 {}", if si_unit == "1" { "%" } else { si_unit });
     let (number, unit) = split_number(text);
-    let value: f64 =
-        number.replace('−', "-").parse().map_err(|_| UnitError::NotANumber(shorten(text), example.clone()))?;
-    let (expected_factor, expected) = parse_unit(si_unit, si_unit)?;
-    let (factor, dimension) = match unit {
-        "" if si_unit == "1" || value == 0.0 && expected == [0, 0, 0] => (1.0, expected),
+    let number = number.replace('−', "-");
+    let bare: f64 = number.parse().map_err(|_| UnitError::NotANumber(shorten(text), example.clone()))?;
+    let (_, expected) = parse_unit(si_unit, si_unit)?;
+    let ((factor, power), dimension) = match unit {
+        "" if si_unit == "1" => ((1.0, 0), expected),
         "" => return Err(UnitError::NoUnit(shorten(text), format!("{number} {si_unit}"), si_unit.into())),
         unit => parse_unit(unit, si_unit)?,
     };
@@ -109,8 +111,15 @@ pub fn parse(text: &str, si_unit: &str) -> Result<f64, UnitError> {
             expected_kind: kind(expected),
         });
     }
-    let value = value * factor / expected_factor;
+    let value = shift(&number, power).unwrap_or(bare * f64::powi(10.0, power)) * factor;
     if value.is_finite() { Ok(value) } else { Err(UnitError::NotFinite(shorten(text))) }
+}
+
+/// The number times a power of ten, rounded once.
+fn shift(number: &str, power: i32) -> Option<f64> {
+    let (mantissa, exponent) = number.split_once(['e', 'E']).unwrap_or((number, "0"));
+    let exponent: i32 = exponent.parse().ok()?;
+    format!("{mantissa}e{}", exponent.checked_add(power)?).parse().ok()
 }
 
 /// Splits `20 mm/s` where the number ends; an `e` belongs to the number only where digits follow it.
@@ -138,7 +147,7 @@ fn split_number(text: &str) -> (&str, &str) {
 }
 
 /// Size and dimension of `kg m^2`, `N m s/rad`, `J/(kg s)`; at most one solidus.
-fn parse_unit(unit: &str, si_unit: &str) -> Result<(f64, Dimension), UnitError> {
+fn parse_unit(unit: &str, si_unit: &str) -> Result<(Size, Dimension), UnitError> {
     let malformed = |why| UnitError::Malformed(shorten(unit), why);
     let (above, below) = match unit.split_once('/') {
         Some((_, below)) if below.contains('/') => {
@@ -147,13 +156,13 @@ fn parse_unit(unit: &str, si_unit: &str) -> Result<(f64, Dimension), UnitError> 
         Some((above, below)) => (above.trim(), Some(below.trim())),
         None => (unit.trim(), None),
     };
-    let mut size = 1.0;
+    let mut size: Size = (1.0, 0);
     let mut dimension = [0; 3];
     let mut multiply = |factor: &str, side: i32| -> Result<(), UnitError> {
         let (symbol, power) = split_power(factor).ok_or_else(|| malformed("a power is a whole number up to 9"))?;
         let (one, of) = lookup(symbol)
             .ok_or_else(|| UnitError::Unknown { unit: shorten(symbol), nearest: nearest_unit(symbol, si_unit) })?;
-        size *= f64::powi(one, power * side);
+        size = (size.0 * f64::powi(one.0, power * side), size.1 + one.1 * power * side);
         for (sum, exponent) in dimension.iter_mut().zip(of) {
             *sum += exponent * power * side;
         }
@@ -203,14 +212,14 @@ fn split_power(factor: &str) -> Option<(&str, i32)> {
 }
 
 /// Size and dimension of one symbol, prefix included.
-fn lookup(symbol: &str) -> Option<(f64, Dimension)> {
+fn lookup(symbol: &str) -> Option<(Size, Dimension)> {
     if let Some((_, size, dimension, _)) = UNITS.iter().find(|unit| unit.0 == symbol) {
         return Some((*size, *dimension));
     }
     PREFIXES.iter().find_map(|(prefix, power)| {
         let rest = symbol.strip_prefix(prefix)?;
         let unit = UNITS.iter().find(|unit| unit.3 && unit.0 == rest)?;
-        Some((unit.1 * power, unit.2))
+        Some(((unit.1.0, unit.1.1 + power), unit.2))
     })
 }
 
@@ -336,6 +345,8 @@ mod tests {
         close("16 kN/m", "N/m", 1.6e4);
         close("16 N/mm", "N/m", 1.6e4);
         close("16 N mm^-1", "N/m", 1.6e4);
+        assert_eq!(parse("2.5 um", "m"), Ok(2.5e-6), "rounded once");
+        assert_eq!(parse("1.7e-1 mm/s", "m/s"), Ok(1.7e-4), "rounded once");
         close("72 Hz", "Hz", 72.0);
         close("72 1/s", "Hz", 72.0);
         close("0.3 ms", "s", 3e-4);
