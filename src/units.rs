@@ -17,7 +17,7 @@ pub enum UnitError {
     #[error("`{0}` is not a finite number")]
     NotFinite(String),
     /// A number without its unit.
-    #[error("`{0}` has no unit; write e.g. \"{1}\", or a bare number without quotes for {2}")]
+    #[error("`{0}` has no unit; write e.g. \"{1}\", or a bare number without quotes, which is in {2}")]
     NoUnit(String, String, String),
     /// A unit that is not known, and the nearest one that would fit.
     #[error("unknown unit `{unit}`; did you mean `{nearest}`?")]
@@ -90,7 +90,7 @@ const KINDS: &[(Dimension, &str)] = &[
     ([1, -1, -2], "a pressure"),
 ];
 
-/// Reads `"20 mm/s"` as a value in SI; `si_unit` (e.g. `m/s`) states the dimension that is needed.
+/// Reads `"20 mm/s"` as a value in SI; `si_unit` states the dimension that is needed, in units without prefix (`m/s`, `kg`).
 pub fn parse(text: &str, si_unit: &str) -> Result<f64, UnitError> {
     let text = text.trim();
     let example = format!("1 {}", if si_unit == "1" { "%" } else { si_unit });
@@ -232,13 +232,22 @@ fn nearest_unit(symbol: &str, si_unit: &str) -> String {
             known.extend(PREFIXES.iter().filter(|p| p.0.is_ascii()).map(|(prefix, _)| format!("{prefix}{unit}")));
         }
     }
-    let fits = |unit: &str| si_unit.split([' ', '/', '^']).any(|part| !part.is_empty() && unit.ends_with(part));
+    let parts: Vec<&str> = si_unit.split([' ', '/', '^']).filter(|part| !part.is_empty()).collect();
+    let fits = |unit: &str| {
+        let of = |symbol: &str| lookup(symbol).map(|(_, dimension)| dimension);
+        parts.iter().any(|part| of(part) == of(unit))
+    };
     let symbol: String = symbol.chars().take(12).collect();
     known
         .into_iter()
         .min_by_key(|unit| {
-            let case = usize::from(!unit.eq_ignore_ascii_case(&symbol));
-            (edit_distance(&symbol.to_lowercase(), &unit.to_lowercase()), case, !fits(unit))
+            let distance = edit_distance(&symbol.to_lowercase(), &unit.to_lowercase());
+            (
+                distance + usize::from(!fits(unit)),
+                !fits(unit),
+                !unit.eq_ignore_ascii_case(&symbol),
+                unit.len().abs_diff(symbol.len()),
+            )
         })
         .unwrap_or_default()
 }
@@ -284,7 +293,7 @@ pub fn format(value: f64, si_unit: &str) -> String {
 
 /// Six significant digits without trailing zeros; powers of ten only where the plain form is long.
 fn digits(value: f64) -> String {
-    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value) + 0.0;
     if rounded != 0.0 && !(1e-4..1e6).contains(&rounded.abs()) { format!("{rounded:e}") } else { format!("{rounded}") }
 }
 
@@ -368,9 +377,14 @@ mod tests {
         let say = |text, unit| parse(text, unit).unwrap_err().to_string();
         assert_eq!(say("20 mm", "m/s"), "`mm` is a unit of a length, but a speed is needed here, e.g. in m/s");
         assert_eq!(say("20 mms", "m"), "unknown unit `mms`; did you mean `mm`?");
+        assert_eq!(say("30 mn", "m"), "unknown unit `mn`; did you mean `mm`?");
+        assert_eq!(say("30 sec", "s"), "unknown unit `sec`; did you mean `s`?");
         assert_eq!(say("50 hz", "Hz"), "unknown unit `hz`; did you mean `Hz`?");
         assert_eq!(say("20 n", "N"), "unknown unit `n`; did you mean `N`?");
-        assert_eq!(say("20", "N"), "`20` has no unit; write e.g. \"20 N\", or a bare number without quotes for N");
+        assert_eq!(
+            say("20", "N"),
+            "`20` has no unit; write e.g. \"20 N\", or a bare number without quotes, which is in N"
+        );
         assert_eq!(say("fast", "m/s"), "`fast` does not start with a number; write e.g. \"1 m/s\"");
         assert_eq!(say("1e999 N", "N"), "`1e999 N` is not a finite number");
         assert!(say("1 N/m s", "N s/m").contains("only one factor"));
@@ -388,6 +402,7 @@ mod tests {
         assert_eq!(format(8.9e4, "N/m"), "89000 N/m");
         assert_eq!(format(71.194, "Hz"), "71.194 Hz");
         assert_eq!(format(0.0, "m/s"), "0 m/s");
+        assert_eq!(format(-0.0, "N"), "0 N");
         assert_eq!(format(0.5, "1"), "0.5");
         assert_eq!(format(5e-3, "kg m^2"), "0.005 kg m^2");
         assert_eq!(format(1e9, "N m/rad^3"), "1e9 N m/rad^3");

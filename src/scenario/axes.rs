@@ -55,10 +55,10 @@ impl Sweep {
 
 /// Reads `[sweep]`.
 pub(crate) fn sweep(reader: &mut Reader<'_>, table: &Table<'_>, contact: Option<&Contact>) -> Option<Sweep> {
-    let keys: Vec<&str> = SWEEP.iter().map(|info| info.key).chain(["formulation"]).collect();
-    reader.known_keys(&table.name, table.entries, &keys);
-    let needed: Vec<_> = SWEEP[..4].iter().map(|info| (info.key, info.unit)).collect();
-    reader.needed_keys(table, &needed);
+    let (needed, optional) = SWEEP.split_at(4);
+    let needed: Vec<_> = needed.iter().map(|info| (info.key, info.unit)).collect();
+    let optional: Vec<_> = optional.iter().map(|info| info.key).chain(["formulation"]).collect();
+    reader.keys(table, &needed, &optional);
 
     let mut read = |key: &str| -> Option<Option<Axis>> {
         let info = SWEEP.iter().find(|info| info.key == key)?;
@@ -142,8 +142,7 @@ fn in_order(reader: &mut Reader<'_>, items: &[Node], values: &[f64], info: &Para
 fn range(reader: &mut Reader<'_>, node: &Node, entries: &[Entry], info: &ParameterInfo) -> Option<Axis> {
     let name = format!("the range of `{}`", info.key);
     let table = Table { name: name.clone(), place: node.place.clone(), entries };
-    reader.known_keys(&name, entries, &["from", "to", "points", "spacing"]);
-    reader.needed_keys(&table, &[("from", info.unit), ("to", info.unit), ("points", "count")]);
+    reader.keys(&table, &[("from", info.unit), ("to", info.unit), ("points", "count")], &["spacing"]);
     let logarithmic = match table.get("spacing") {
         None => false,
         Some(node) => match reader.text("spacing", node)?.as_str() {

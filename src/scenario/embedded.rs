@@ -55,6 +55,6 @@ mod tests {
         found.sort();
         let mut listed: Vec<_> = FILES.iter().map(|(name, _)| *name).collect();
         listed.sort_unstable();
-        assert_eq!(found, listed);
+        assert_eq!(found, listed, "left: files in scenarios/; right: the list in this file");
     }
 }

@@ -23,8 +23,7 @@ pub(crate) struct Document {
 
 /// Reads `path` and everything it extends.
 pub(crate) fn read(store: Store, path: &Path) -> Result<Document> {
-    let first = store.resolve(path);
-    let root = root(store, &first);
+    let root = root(store, path);
     let mut seen: Vec<PathBuf> = Vec::new();
     let mut sources: Vec<Source> = Vec::new();
     let mut layers: Vec<Vec<Entry>> = Vec::new();
@@ -48,14 +47,13 @@ pub(crate) fn read(store: Store, path: &Path) -> Result<Document> {
 
 /// The folder that `extends` may not leave: the nearest ancestor called `scenarios`, otherwise the file's own folder.
 fn root(store: Store, file: &Path) -> PathBuf {
-    let folder = file.parent().unwrap_or(Path::new("")).to_path_buf();
-    match store {
-        Store::Embedded => PathBuf::new(),
-        Store::Disk => {
-            let tree = folder.ancestors().find(|ancestor| ancestor.file_name().is_some_and(|name| name == "scenarios"));
-            tree.map_or(folder.clone(), Path::to_path_buf)
-        }
+    if store == Store::Embedded {
+        return PathBuf::new();
     }
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = store.resolve(folder);
+    let tree = folder.ancestors().find(|ancestor| ancestor.file_name().is_some_and(|name| name == "scenarios"));
+    tree.map_or(folder.clone(), Path::to_path_buf)
 }
 
 /// The file that `extends` names, if it may be read.

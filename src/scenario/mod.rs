@@ -2,8 +2,9 @@
 //!
 //! `source` reads a file with suspicion, `written` parses it into a tree whose every key knows its place, `extends`
 //! lays a file over the files that it builds on, `reader` and `axes` turn values into numbers and note problems,
-//! `validate` assembles the scenario. [`parameters`] states every key, unit and range once.
+//! `validate` assembles the scenario, `additions` being its effects, measurements and fit. [`parameters`] states every key, unit and range once.
 
+mod additions;
 mod axes;
 mod diagnostic;
 mod embedded;
@@ -18,10 +19,10 @@ mod written;
 
 use std::path::Path;
 
+pub use additions::parameter_keys;
 pub use embedded::{FILES as EMBEDDED_FILES, TEMPLATE, file as embedded_file};
 pub use listing::{discover, embedded_names};
 pub use types::*;
-pub use validate::parameter_keys;
 
 use crate::effects::{Effect, REGISTRY};
 use crate::error::{Error, Result};

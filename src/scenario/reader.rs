@@ -6,6 +6,25 @@ use super::written::{Entry, Node, Value};
 use crate::effects::ParameterInfo;
 use crate::units;
 
+/// Name of the file's top level in messages.
+pub(crate) const WHOLE: &str = "the scenario";
+
+/// Keys of a scenario outside its tables, and its tables.
+pub(crate) const TOP_LEVEL: &[&str] = &[
+    "extends",
+    "title",
+    "description",
+    "provenance",
+    "figures",
+    "rig",
+    "contact",
+    "instrument",
+    "sweep",
+    "effect",
+    "measurement",
+    "fit",
+];
+
 /// The files of a scenario and the problems found so far.
 pub(crate) struct Reader<'a> {
     sources: &'a [Source],
@@ -70,28 +89,34 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Complains about keys that the table does not have.
-    pub fn known_keys(&mut self, table: &str, entries: &[Entry], keys: &[&str]) {
-        for entry in entries.iter().filter(|entry| !keys.contains(&entry.key.as_str())) {
-            let title = format!("unknown key {} in {table}", quote(&entry.key));
-            let label = suggestion(nearest(&entry.key, keys.iter().copied()), "no such key");
-            let help = format!("{table} has the keys {}", keys.join(", "));
+    /// Complains about keys that the table does not have, and at its header about all that are needed and not there.
+    /// `needed` holds keys with their units. A misspelt key is told once, not also as missing.
+    pub fn keys(&mut self, table: &Table<'_>, needed: &[(&str, &str)], optional: &[&str]) {
+        let known: Vec<&str> = needed.iter().map(|(key, _)| *key).chain(optional.iter().copied()).collect();
+        let mut misspelt = Vec::new();
+        for entry in table.entries.iter().filter(|entry| !known.contains(&entry.key.as_str())) {
+            let near = nearest(&entry.key, known.iter().copied());
+            misspelt.extend(near);
+            let title = format!("unknown key {} in {}", quote(&entry.key), table.name);
+            let label = match near {
+                None if TOP_LEVEL.contains(&entry.key.as_str()) => "belongs above the first [table]".into(),
+                near => suggestion(near, "no such key"),
+            };
+            let help = format!("{} has the keys {}", table.name, known.join(", "));
             self.fail(&entry.place, &title, &label, &help);
         }
-    }
-
-    /// Complains, at the table, about all keys that are needed and not there.
-    pub fn needed_keys(&mut self, table: &Table<'_>, needed: &[(&str, &str)]) {
-        let missing: Vec<_> = needed.iter().filter(|(key, _)| table.get(key).is_none()).collect();
+        let lacking = |key: &str| table.get(key).is_none() && !misspelt.contains(&key);
+        let missing: Vec<_> = needed.iter().filter(|(key, _)| lacking(key)).collect();
         if missing.is_empty() {
             return;
         }
         let names: Vec<_> = missing.iter().map(|(key, _)| format!("`{key}`")).collect();
-        let lines: Vec<_> = missing.iter().map(|(key, unit)| format!("{key} = {}", example(unit))).collect();
+        let lines: Vec<_> = missing.iter().map(|(key, unit)| format!("{key} = {}", example(key, unit))).collect();
         let plural = if missing.len() == 1 { "key" } else { "keys" };
         let title = format!("{} lacks the {plural} {}", table.name, names.join(", "));
-        let help = format!("no value is assumed; add, with your own numbers: {}", lines.join("; "));
-        self.fail(&table.place, &title, &format!("{plural} missing in this table"), &help);
+        let help = format!("no value is assumed; add, with your own values: {}", lines.join("; "));
+        let label = if table.name == WHOLE { "add it at the top of this file" } else { "missing in this table" };
+        self.fail(&table.place, &title, label, &help);
     }
 
     /// A string.
@@ -139,14 +164,14 @@ impl<'a> Reader<'a> {
             Value::Text(text) => match units::parse(text, unit) {
                 Ok(value) => value,
                 Err(error) => {
-                    let help = format!("`{key}` is the {}: write e.g. {}{bare}", info.meaning, example(unit));
+                    let help = format!("`{key}` is the {}: write e.g. {}{bare}", info.meaning, example(key, unit));
                     self.fail(&node.place, &format!("cannot read `{key}`"), &error.to_string(), &help);
                     return None;
                 }
             },
             other => {
                 let title = format!("`{key}` needs a quantity, not {}", other.kind());
-                let help = format!("`{key}` is the {}: write e.g. {}{bare}", info.meaning, example(unit));
+                let help = format!("`{key}` is the {}: write e.g. {}{bare}", info.meaning, example(key, unit));
                 self.fail(&node.place, &title, "a number, or a string with a unit, is needed", &help);
                 return None;
             }
@@ -165,15 +190,18 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// A quantity in the notation of scenario files, to show the form.
-fn example(unit: &str) -> String {
-    match unit {
-        "1" => "0.5".into(),
-        "text" => "\"…\"".into(),
-        "m" => "\"60 mm\"".into(),
-        "m/s" => "\"20 mm/s\"".into(),
-        "Hz" => "\"72 Hz\"".into(),
-        "N" => "\"20 N\"".into(),
-        unit => format!("\"1 {unit}\""),
+/// A value in the notation of scenario files, to show the form.
+fn example(key: &str, unit: &str) -> String {
+    match (key, unit) {
+        ("points", _) => "101".into(),
+        ("drive", _) => "\"2.5 um\"".into(),
+        (_, "text") => "\"…\"".into(),
+        (_, "list") => "[\"…\"]".into(),
+        (_, "1") => "0.5".into(),
+        (_, "m") => "\"60 mm\"".into(),
+        (_, "m/s") => "\"20 mm/s\"".into(),
+        (_, "Hz") => "\"72 Hz\"".into(),
+        (_, "N") => "\"20 N\"".into(),
+        (_, unit) => format!("\"1 {unit}\""),
     }
 }
