@@ -238,18 +238,13 @@ fn nearest_unit(symbol: &str, si_unit: &str) -> String {
         parts.iter().any(|part| of(part) == of(unit))
     };
     let symbol: String = symbol.chars().take(12).collect();
-    known
-        .into_iter()
-        .min_by_key(|unit| {
-            let distance = edit_distance(&symbol.to_lowercase(), &unit.to_lowercase());
-            (
-                distance + usize::from(!fits(unit)),
-                !fits(unit),
-                !unit.eq_ignore_ascii_case(&symbol),
-                unit.len().abs_diff(symbol.len()),
-            )
-        })
-        .unwrap_or_default()
+    let rank = |unit: &String| {
+        let distance = edit_distance(&symbol.to_lowercase(), &unit.to_lowercase());
+        let start = unit.chars().next() == symbol.chars().next();
+        let length = unit.chars().count().abs_diff(symbol.chars().count());
+        (distance + usize::from(!fits(unit)), !fits(unit), !unit.eq_ignore_ascii_case(&symbol), !start, length)
+    };
+    known.into_iter().min_by_key(rank).unwrap_or_default()
 }
 
 /// What the dimension measures, in words where there are some.
