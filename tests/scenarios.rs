@@ -94,6 +94,13 @@ fn a_file_of_100_megabytes_is_refused_before_it_is_read() {
     insta::assert_snapshot!("too-large", text);
 }
 
+#[test]
+fn a_hundred_thousand_problems_are_told_shortly() {
+    let text: String = (0..100_000).map(|n| format!("k{n}=1\n")).collect();
+    let message = message_for(text.as_bytes());
+    assert!(message.ends_with("more problems are not shown") && message.len() < 10_000, "{message}");
+}
+
 #[cfg(unix)]
 #[test]
 fn a_link_does_not_lead_out_of_the_folder() {

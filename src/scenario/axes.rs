@@ -74,14 +74,15 @@ pub(crate) fn sweep(reader: &mut Reader<'_>, table: &Table<'_>, contact: Option<
     let steps = steps?.unwrap_or(Axis::List(vec![DEFAULT_EULER_STEPS as f64]));
     let axes = [frequency??, speed??, load??, drive??, friction, steps];
 
-    let names = SWEEP.iter().map(|info| info.key);
-    let counts: Vec<u128> = axes.iter().map(Axis::len).collect();
-    let total =
-        counts.iter().chain([&(formulation.len() as u128)]).try_fold(1u128, |product, n| product.checked_mul(*n));
+    // Euler steps multiply the published procedure only.
+    let each = |one: &Formulation| if *one == Formulation::Paper { axes[5].len() } else { 1 };
+    let methods = formulation.iter().map(each).sum();
+    let mut counts: Vec<_> = SWEEP[..5].iter().map(|info| info.key).zip(axes[..5].iter().map(Axis::len)).collect();
+    counts.push(("formulation and euler_steps", methods));
+    let total = counts.iter().try_fold(1u128, |product, (_, n)| product.checked_mul(*n));
     if total.is_none_or(|total| total > MAX_POINTS) {
         let count = total.map_or("more than 10^38".into(), |total| total.to_string());
-        let factors: Vec<_> =
-            names.zip(&counts).filter(|(_, n)| **n > 1).map(|(name, n)| format!("{n} of {name}")).collect();
+        let factors: Vec<_> = counts.iter().filter(|(_, n)| *n > 1).map(|(name, n)| format!("{n} of {name}")).collect();
         let title = format!("[sweep] asks for {count} points, at most {MAX_POINTS} are solved");
         let help = "shorten a list or lower `points`; the axes are multiplied with each other";
         reader.fail(&table.place, &title, &factors.join(" × "), help);

@@ -20,16 +20,27 @@ pub(crate) struct Place {
 #[derive(Debug, Default)]
 pub(crate) struct Problems {
     messages: Vec<String>,
+    untold: usize,
 }
+
+/// Nobody reads more problems than this at once.
+const MAX_TOLD: usize = 20;
 
 impl Problems {
     /// Adds a problem: what is wrong, where, what stands under the carets, and what to do.
     pub fn push(&mut self, sources: &[Source], place: &Place, title: &str, label: &str, help: &str) {
+        if self.messages.len() == MAX_TOLD {
+            self.untold += 1;
+            return;
+        }
         self.messages.push(render(&sources[place.file], place.span.clone(), title, label, help));
     }
 
     /// All messages, or nothing where there were none.
-    pub fn into_message(self) -> Option<String> {
+    pub fn into_message(mut self) -> Option<String> {
+        if self.untold > 0 {
+            self.messages.push(format!("error: {} more problems are not shown", self.untold));
+        }
         (!self.messages.is_empty()).then(|| self.messages.join("\n\n"))
     }
 }
