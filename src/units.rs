@@ -1,1 +1,431 @@
-//! units
+//! Numbers with units: a small parser that checks dimensions, and the way back for people.
+//!
+//! Base dimensions are kg, m and s; rad is a pure number, so `990 N m` serves as a torsional stiffness.
+
+use std::fmt::Write as _;
+
+/// Exponents of kg, m and s.
+type Dimension = [i32; 3];
+
+/// Why a text is not the quantity that was asked for.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum UnitError {
+    /// The text does not start with a number.
+    #[error("`{0}` does not start with a number; write e.g. \"{1}\"")]
+    NotANumber(String, String),
+    /// The number is too large for a double, infinite or not a number.
+    #[error("`{0}` is not a finite number")]
+    NotFinite(String),
+    /// A number without its unit.
+    #[error("`{0}` has no unit; write e.g. \"{1}\", or a bare number without quotes, which is in {2}")]
+    NoUnit(String, String, String),
+    /// A unit that is not known, and the nearest one that would fit.
+    #[error("unknown unit `{unit}`; did you mean `{nearest}`?")]
+    Unknown {
+        /// As it was written.
+        unit: String,
+        /// The nearest valid spelling.
+        nearest: String,
+    },
+    /// The unit is fine but measures something else.
+    #[error("`{given}` is a unit of {given_kind}, but {expected_kind} is needed here, e.g. in {expected}")]
+    Dimension {
+        /// Unit as it was written.
+        given: String,
+        /// What that measures.
+        given_kind: String,
+        /// A unit that would do.
+        expected: String,
+        /// What is asked for.
+        expected_kind: String,
+    },
+    /// The unit cannot be taken apart.
+    #[error("cannot read the unit `{0}`: {1}")]
+    Malformed(String, &'static str),
+}
+
+/// A size in SI, as a factor and a power of ten, so that `2.5 um` is exactly the double nearest to 2.5e-6.
+type Size = (f64, i32);
+
+/// Symbol, size, dimension, whether it takes prefixes.
+const UNITS: &[(&str, Size, Dimension, bool)] = &[
+    ("m", (1.0, 0), [0, 1, 0], true),
+    ("g", (1.0, -3), [1, 0, 0], true),
+    ("s", (1.0, 0), [0, 0, 1], true),
+    ("N", (1.0, 0), [1, 1, -2], true),
+    ("J", (1.0, 0), [1, 2, -2], true),
+    ("W", (1.0, 0), [1, 2, -3], true),
+    ("Pa", (1.0, 0), [1, -1, -2], true),
+    ("Hz", (1.0, 0), [0, 0, -1], true),
+    ("rad", (1.0, 0), [0, 0, 0], true),
+    ("min", (60.0, 0), [0, 0, 1], false),
+    ("cm", (1.0, -2), [0, 1, 0], false),
+    ("deg", (std::f64::consts::PI / 180.0, 0), [0, 0, 0], false),
+    ("°", (std::f64::consts::PI / 180.0, 0), [0, 0, 0], false),
+    ("%", (1.0, -2), [0, 0, 0], false),
+    ("decades", (1.0, 0), [0, 0, 0], false),
+    ("decade", (1.0, 0), [0, 0, 0], false),
+    ("1", (1.0, 0), [0, 0, 0], false),
+];
+
+/// Prefixes; both micro signs (U+00B5, U+03BC) and `u`.
+const PREFIXES: &[(&str, i32)] = &[("n", -9), ("u", -6), ("µ", -6), ("μ", -6), ("m", -3), ("k", 3), ("M", 6), ("G", 9)];
+
+/// What a dimension measures, for messages; several names where several quantities share it.
+const KINDS: &[(Dimension, &str)] = &[
+    ([0, 0, 0], "a pure number or an angle"),
+    ([0, 1, 0], "a length"),
+    ([0, 0, 1], "a time"),
+    ([1, 0, 0], "a mass"),
+    ([0, 0, -1], "a frequency"),
+    ([0, 1, -1], "a speed"),
+    ([0, 1, -2], "an acceleration"),
+    ([1, 1, -2], "a force"),
+    ([1, 0, -2], "a stiffness"),
+    ([1, 0, -1], "a damping"),
+    ([1, 2, -2], "a torque, a torsional stiffness or an energy"),
+    ([1, 2, -1], "a torsional damping"),
+    ([1, 2, 0], "a moment of inertia"),
+    ([1, 2, -3], "a power"),
+    ([1, -1, -2], "a pressure"),
+];
+
+/// Reads `"20 mm/s"` as a value in SI; `si_unit` states the dimension that is needed, in units without prefix (`m/s`, `kg`).
+pub fn parse(text: &str, si_unit: &str) -> Result<f64, UnitError> {
+    let text = text.trim();
+    let example = format!("1 {}", if si_unit == "1" { "%" } else { si_unit });
+    let (number, unit) = split_number(text);
+    let number = number.replace('−', "-");
+    let bare: f64 = number.parse().map_err(|_| UnitError::NotANumber(shorten(text), example.clone()))?;
+    let (_, expected) = parse_unit(si_unit, si_unit)?;
+    let ((factor, power), dimension) = match unit {
+        "" if si_unit == "1" => ((1.0, 0), expected),
+        "" => return Err(UnitError::NoUnit(shorten(text), format!("{number} {si_unit}"), si_unit.into())),
+        unit => parse_unit(unit, si_unit)?,
+    };
+    if dimension != expected {
+        return Err(UnitError::Dimension {
+            given: shorten(unit),
+            given_kind: kind(dimension),
+            expected: si_unit.into(),
+            expected_kind: kind(expected),
+        });
+    }
+    let value = shift(&number, power).unwrap_or(bare * f64::powi(10.0, power)) * factor;
+    if value.is_finite() { Ok(value) } else { Err(UnitError::NotFinite(shorten(text))) }
+}
+
+/// The number times a power of ten, rounded once.
+fn shift(number: &str, power: i32) -> Option<f64> {
+    let (mantissa, exponent) = number.split_once(['e', 'E']).unwrap_or((number, "0"));
+    let exponent: i32 = exponent.parse().ok()?;
+    format!("{mantissa}e{}", exponent.checked_add(power)?).parse().ok()
+}
+
+/// Splits `20 mm/s` where the number ends; an `e` belongs to the number only where digits follow it.
+fn split_number(text: &str) -> (&str, &str) {
+    let digit = |c: Option<char>| c.is_some_and(|c| c.is_ascii_digit());
+    let sign = |c: Option<char>| matches!(c, Some('+' | '-' | '−'));
+    let mut chars = text.char_indices().peekable();
+    let mut end = 0;
+    while let Some((at, c)) = chars.next() {
+        let mut rest = text[at + c.len_utf8()..].chars();
+        let next = rest.next();
+        let part = c.is_ascii_digit()
+            || c == '.'
+            || (at == 0 && sign(Some(c)))
+            || (matches!(c, 'e' | 'E') && end > 0 && (digit(next) || sign(next) && digit(rest.next())));
+        if !part {
+            break;
+        }
+        end = at + c.len_utf8();
+        if matches!(c, 'e' | 'E') && sign(next) {
+            end += chars.next().map_or(0, |(_, c)| c.len_utf8());
+        }
+    }
+    (&text[..end], text[end..].trim())
+}
+
+/// Size and dimension of `kg m^2`, `N m s/rad`, `J/(kg s)`; at most one solidus.
+fn parse_unit(unit: &str, si_unit: &str) -> Result<(Size, Dimension), UnitError> {
+    let malformed = |why| UnitError::Malformed(shorten(unit), why);
+    let (above, below) = match unit.split_once('/') {
+        Some((_, below)) if below.contains('/') => {
+            return Err(malformed("more than one `/`; write a power instead, e.g. m/s^2"));
+        }
+        Some((above, below)) => (above.trim(), Some(below.trim())),
+        None => (unit.trim(), None),
+    };
+    let mut size: Size = (1.0, 0);
+    let mut dimension = [0; 3];
+    let mut multiply = |factor: &str, side: i32| -> Result<(), UnitError> {
+        let (symbol, power) = split_power(factor).ok_or_else(|| malformed("a power is a whole number up to 9"))?;
+        let (one, of) = lookup(symbol)
+            .ok_or_else(|| UnitError::Unknown { unit: shorten(symbol), nearest: nearest_unit(symbol, si_unit) })?;
+        size = (size.0 * f64::powi(one.0, power * side), size.1 + one.1 * power * side);
+        for (sum, exponent) in dimension.iter_mut().zip(of) {
+            *sum += exponent * power * side;
+        }
+        Ok(())
+    };
+    let factors = |side: &str| -> Vec<String> {
+        side.split(|c: char| c.is_whitespace() || matches!(c, '*' | '·' | '⋅'))
+            .filter(|factor| !factor.is_empty())
+            .map(String::from)
+            .collect()
+    };
+    let numerator = factors(above);
+    if numerator.is_empty() || numerator.len() > 16 {
+        return Err(malformed("write factors separated by spaces, e.g. N m s/rad"));
+    }
+    for factor in &numerator {
+        multiply(factor, 1)?;
+    }
+    if let Some(below) = below {
+        let group = below.strip_prefix('(').and_then(|inner| inner.strip_suffix(')'));
+        let denominator = factors(group.unwrap_or(below));
+        if denominator.is_empty() || denominator.len() > 16 {
+            return Err(malformed("nothing follows the `/`"));
+        }
+        if denominator.len() > 1 && group.is_none() {
+            return Err(malformed("only one factor may follow `/`; put it last, e.g. N s/m, or use parentheses"));
+        }
+        for factor in &denominator {
+            multiply(factor, -1)?;
+        }
+    }
+    Ok((size, dimension))
+}
+
+/// `m^2` and `m²` as (`m`, 2).
+fn split_power(factor: &str) -> Option<(&str, i32)> {
+    const RAISED: &[(&str, i32)] = &[("⁻¹", -1), ("⁻²", -2), ("²", 2), ("³", 3)];
+    for (ending, power) in RAISED {
+        if let Some(symbol) = factor.strip_suffix(ending) {
+            return Some((symbol, *power));
+        }
+    }
+    match factor.split_once('^') {
+        Some((symbol, power)) => power.parse().ok().filter(|p: &i32| p.abs() <= 9).map(|p| (symbol, p)),
+        None => Some((factor, 1)),
+    }
+}
+
+/// Size and dimension of one symbol, prefix included.
+fn lookup(symbol: &str) -> Option<(Size, Dimension)> {
+    if let Some((_, size, dimension, _)) = UNITS.iter().find(|unit| unit.0 == symbol) {
+        return Some((*size, *dimension));
+    }
+    PREFIXES.iter().find_map(|(prefix, power)| {
+        let rest = symbol.strip_prefix(prefix)?;
+        let unit = UNITS.iter().find(|unit| unit.3 && unit.0 == rest)?;
+        Some(((unit.1.0, unit.1.1 + power), unit.2))
+    })
+}
+
+/// The valid spelling nearest to `symbol`, preferring the symbols that occur in the unit that is needed.
+fn nearest_unit(symbol: &str, si_unit: &str) -> String {
+    let mut known = Vec::new();
+    for (unit, _, _, prefixed) in UNITS {
+        known.push((*unit).to_string());
+        if *prefixed {
+            known.extend(PREFIXES.iter().filter(|p| p.0.is_ascii()).map(|(prefix, _)| format!("{prefix}{unit}")));
+        }
+    }
+    let parts: Vec<&str> = si_unit.split([' ', '/', '^']).filter(|part| !part.is_empty()).collect();
+    let fits = |unit: &str| {
+        let of = |symbol: &str| lookup(symbol).map(|(_, dimension)| dimension);
+        parts.iter().any(|part| of(part) == of(unit))
+    };
+    let symbol: String = symbol.chars().take(12).collect();
+    let rank = |unit: &String| {
+        let distance = edit_distance(&symbol.to_lowercase(), &unit.to_lowercase());
+        let start = unit.chars().next() == symbol.chars().next();
+        let length = unit.chars().count().abs_diff(symbol.chars().count());
+        (distance + usize::from(!fits(unit)), !fits(unit), !unit.eq_ignore_ascii_case(&symbol), !start, length)
+    };
+    known.into_iter().min_by_key(rank).unwrap_or_default()
+}
+
+/// What the dimension measures, in words where there are some.
+fn kind(dimension: Dimension) -> String {
+    if let Some((_, name)) = KINDS.iter().find(|(known, _)| *known == dimension) {
+        return (*name).into();
+    }
+    let mut text = String::from("a quantity in");
+    for (symbol, power) in ["kg", "m", "s"].iter().zip(dimension) {
+        match power {
+            0 => {}
+            1 => drop(write!(text, " {symbol}")),
+            _ => drop(write!(text, " {symbol}^{power}")),
+        }
+    }
+    text
+}
+
+/// A value in SI with a prefix and digits for people: `2.5e-6 m` becomes `2.5 µm`, `1e-4 m/s` becomes `0.1 mm/s`.
+/// Six significant digits; the text can be parsed again.
+pub fn format(value: f64, si_unit: &str) -> String {
+    const SCALES: &[(&str, f64)] =
+        &[("G", 1e9), ("M", 1e6), ("k", 1e3), ("", 1.0), ("m", 1e-3), ("µ", 1e-6), ("n", 1e-9)];
+    let size = value.abs();
+    if si_unit == "1" {
+        return digits(value);
+    }
+    if !value.is_finite() || size == 0.0 {
+        return format!("{} {si_unit}", digits(value));
+    }
+    // Speeds of this experiment are read in mm/s, down to a thousandth of it.
+    if si_unit == "m/s" && (0.9999e-6..1.0).contains(&size) {
+        return format!("{} mm/s", digits(value * 1e3));
+    }
+    if !matches!(si_unit, "m" | "s" | "N" | "Hz" | "W" | "rad" | "m/s") {
+        return format!("{} {si_unit}", digits(value));
+    }
+    let (prefix, scale) = SCALES.iter().find(|(_, scale)| size >= scale * 0.999_999_5).unwrap_or(&("n", 1e-9));
+    format!("{} {prefix}{si_unit}", digits(value / scale))
+}
+
+/// Six significant digits without trailing zeros; powers of ten only where the plain form is long.
+fn digits(value: f64) -> String {
+    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value) + 0.0;
+    if rounded != 0.0 && !(1e-4..1e6).contains(&rounded.abs()) { format!("{rounded:e}") } else { format!("{rounded}") }
+}
+
+/// Number of insertions, deletions, replacements and swaps of neighbours that turn one text into the other.
+pub(crate) fn edit_distance(left: &str, right: &str) -> usize {
+    let (left, right): (Vec<char>, Vec<char>) = (left.chars().collect(), right.chars().collect());
+    let mut before: Vec<usize> = Vec::new();
+    let mut last: Vec<usize> = (0..=right.len()).collect();
+    for i in 1..=left.len() {
+        let mut row = vec![i];
+        for j in 1..=right.len() {
+            let mut best =
+                (last[j] + 1).min(row[j - 1] + 1).min(last[j - 1] + usize::from(left[i - 1] != right[j - 1]));
+            if i > 1 && j > 1 && left[i - 1] == right[j - 2] && left[i - 2] == right[j - 1] {
+                best = best.min(before[j - 2] + 1);
+            }
+            row.push(best);
+        }
+        before = std::mem::replace(&mut last, row);
+    }
+    last[right.len()]
+}
+
+/// At most 60 characters of a text, for messages.
+fn shorten(text: &str) -> String {
+    match text.char_indices().nth(60) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn close(text: &str, si_unit: &str, expected: f64) {
+        let value = parse(text, si_unit).unwrap_or_else(|error| panic!("{text}: {error}"));
+        assert!((value - expected).abs() <= 1e-14 * expected.abs(), "{text}: {value} is not {expected}");
+    }
+
+    #[test]
+    fn every_form_of_the_interface_is_read() {
+        close("20 mm/s", "m/s", 0.02);
+        for micro in ["2.5 um", "2.5 µm", "2.5 μm", "2.5um", " +2.5e0  um ", "0.0025 mm", "2500 nm"] {
+            close(micro, "m", 2.5e-6);
+        }
+        close("990 N m/rad", "N m/rad", 990.0);
+        close("990 N m", "N m/rad", 990.0);
+        close("990 N*m", "N m/rad", 990.0);
+        close("990 N·m/rad", "N m/rad", 990.0);
+        close("60 mm", "m", 0.06);
+        close("6 cm", "m", 0.06);
+        close("5.0e-3 kg m^2", "kg m^2", 5e-3);
+        close("5 g m²", "kg m^2", 5e-3);
+        close("0.43 N m s/rad", "N m s/rad", 0.43);
+        close("12 N s/m", "N s/m", 12.0);
+        close("1.6e4 N/m", "N/m", 1.6e4);
+        close("16 kN/m", "N/m", 1.6e4);
+        close("16 N/mm", "N/m", 1.6e4);
+        close("16 N mm^-1", "N/m", 1.6e4);
+        assert_eq!(parse("2.5 um", "m"), Ok(2.5e-6), "rounded once");
+        assert_eq!(parse("1.7e-1 mm/s", "m/s"), Ok(1.7e-4), "rounded once");
+        close("72 Hz", "Hz", 72.0);
+        close("72 1/s", "Hz", 72.0);
+        close("0.3 ms", "s", 3e-4);
+        close("5 %", "1", 0.05);
+        close("0.5", "1", 0.5);
+        close("10 deg", "rad", 10f64.to_radians());
+        close("−10°", "rad", -10f64.to_radians());
+        close("1e5 N m/rad^3", "N m/rad^3", 1e5);
+        close("3 N m s^2/rad^2", "N m s^2/rad^2", 3.0);
+        close("3 kg m^2", "N m s^2/rad^2", 3.0);
+        close("1.2 kN", "N", 1200.0);
+        close("100 W", "W", 100.0);
+        close("1.5 decades", "decades", 1.5);
+        close("2 kg/(m s^2)", "Pa", 2.0);
+    }
+
+    #[test]
+    fn messages_say_what_was_expected() {
+        let say = |text, unit| parse(text, unit).unwrap_err().to_string();
+        assert_eq!(say("20 mm", "m/s"), "`mm` is a unit of a length, but a speed is needed here, e.g. in m/s");
+        assert_eq!(say("20 mms", "m"), "unknown unit `mms`; did you mean `mm`?");
+        assert_eq!(say("30 mn", "m"), "unknown unit `mn`; did you mean `mm`?");
+        assert_eq!(say("30 sec", "s"), "unknown unit `sec`; did you mean `s`?");
+        assert_eq!(say("50 hz", "Hz"), "unknown unit `hz`; did you mean `Hz`?");
+        assert_eq!(say("20 n", "N"), "unknown unit `n`; did you mean `N`?");
+        assert_eq!(
+            say("20", "N"),
+            "`20` has no unit; write e.g. \"20 N\", or a bare number without quotes, which is in N"
+        );
+        assert_eq!(say("fast", "m/s"), "`fast` does not start with a number; write e.g. \"1 m/s\"");
+        assert_eq!(say("1e999 N", "N"), "`1e999 N` is not a finite number");
+        assert!(say("1 N/m s", "N s/m").contains("only one factor"));
+        assert!(say("1 m/s/s", "m/s^2").contains("more than one"));
+    }
+
+    #[test]
+    fn values_are_written_for_people() {
+        assert_eq!(format(2.5e-6, "m"), "2.5 µm");
+        assert_eq!(format(1e-4, "m/s"), "0.1 mm/s");
+        assert_eq!(format(1e-6, "m/s"), "0.001 mm/s");
+        assert_eq!(format(0.02, "m/s"), "20 mm/s");
+        assert_eq!(format(20.0, "N"), "20 N");
+        assert_eq!(format(0.06, "m"), "60 mm");
+        assert_eq!(format(8.9e4, "N/m"), "89000 N/m");
+        assert_eq!(format(71.194, "Hz"), "71.194 Hz");
+        assert_eq!(format(0.0, "m/s"), "0 m/s");
+        assert_eq!(format(-0.0, "N"), "0 N");
+        assert_eq!(format(0.5, "1"), "0.5");
+        assert_eq!(format(5e-3, "kg m^2"), "0.005 kg m^2");
+        assert_eq!(format(1e9, "N m/rad^3"), "1e9 N m/rad^3");
+    }
+
+    #[test]
+    fn written_values_are_read_again() {
+        for unit in ["m", "m/s", "N", "Hz", "s", "rad", "N m/rad", "1", "kg m^2", "decades", "W"] {
+            for exponent in -14..14 {
+                let value = -1.23457 * 10f64.powi(exponent);
+                let text = format(value, unit);
+                let again = parse(&text, unit).unwrap_or_else(|error| panic!("{text}: {error}"));
+                assert!((again / value - 1.0).abs() < 1e-5, "{text}");
+            }
+        }
+    }
+
+    #[test]
+    fn garbage_is_an_error_and_never_a_panic() {
+        for text in ["", " ", "-", ".", "e", "1e", "1e+", "1.2.3 m", "1 /", "1 m/", "1 m/()", "1 m^", "1 ^2", "1 m^99"]
+        {
+            assert!(parse(text, "m").is_err(), "{text:?}");
+        }
+        for text in ["1 ²", "1 µ", "°", "1 m^-", "1 (m", "--1 m", "−−1 m", "nan m", "inf m", "1e400 m", "\u{0}", "½ m"]
+        {
+            assert!(parse(text, "m").is_err(), "{text:?}");
+        }
+        assert!(parse(&"9".repeat(100_000), "m").is_err());
+        assert!(parse(&format!("1 {}", "m ".repeat(100_000)), "m").is_err());
+    }
+}

@@ -1,133 +1,90 @@
 //! Scenario files: what was written (raw TOML with positions) becomes what is meant ([`Scenario`], SI, validated).
+//!
+//! `source` reads a file with suspicion, `written` parses it into a tree whose every key knows its place, `extends`
+//! lays a file over the files that it builds on, `reader` and `axes` turn values into numbers and note problems,
+//! `validate` assembles the scenario, `additions` being its effects, measurements and fit. [`parameters`] states every key, unit and range once.
 
-use std::path::PathBuf;
+mod additions;
+mod axes;
+mod diagnostic;
+mod embedded;
+mod extends;
+mod listing;
+pub mod parameters;
+mod reader;
+mod source;
+mod types;
+mod validate;
+mod written;
 
-/// The rig (paper Eqs. 1-8), SI units.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Rig {
-    /// J, inertia of the arm about the torsional axis \[kg m^2\].
-    pub inertia: f64,
-    /// K0, stiffness of the torsional spring \[N m/rad\].
-    pub torsional_stiffness: f64,
-    /// C0, damping of the torsional spring \[N m s/rad\].
-    pub torsional_damping: f64,
-    /// k0, stiffness of each translational (pinching) spring \[N/m\].
-    pub spring_stiffness: f64,
-    /// c0, damping of each translational spring \[N s/m\].
-    pub spring_damping: f64,
-    /// a, arm of the translational springs \[m\].
-    pub spring_arm: f64,
-    /// b, arm of the contact \[m\].
-    pub contact_arm: f64,
+use std::path::Path;
+
+pub use additions::parameter_keys;
+pub use embedded::{FILES as EMBEDDED_FILES, TEMPLATE, file as embedded_file};
+pub use listing::{discover, embedded_names};
+pub use types::*;
+
+use crate::effects::{Effect, REGISTRY};
+use crate::error::{Error, Result};
+use source::Store;
+
+/// What names a scenario may use.
+#[derive(Clone, Copy)]
+pub struct LoadOptions<'a> {
+    /// Names of figures that can be drawn.
+    pub figure_names: &'a [&'a str],
+    /// The catalogue of effects.
+    pub effects: &'a [&'a dyn Effect],
 }
 
-/// How the contact equations are discretised and coupled.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Formulation {
-    /// Kelvin-Voigt bristle in series with a slip interface: the physical statement.
-    Series,
-    /// The published explicit Euler procedure (paper Eqs. 17-18).
-    Paper,
-}
-
-/// The base contact, SI units.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Contact {
-    /// kc, stiffness of the bristles \[N/m\].
-    pub stiffness: f64,
-    /// cc, damping of the bristles \[N s/m\].
-    pub damping: f64,
-    /// mu, coefficient of friction \[-\].
-    pub friction: f64,
-    /// Which of the two formulations is solved.
-    pub formulation: Formulation,
-}
-
-/// How the reading relates to the motion.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Instrument {
-    /// True u0 over stated u0 \[-\].
-    pub drive_gain: f64,
-    /// Reading over true amplitude \[-\].
-    pub amplitude_gain: f64,
-    /// Reading minus true phase \[rad\].
-    pub phase_offset: f64,
-}
-
-impl Default for Instrument {
+impl Default for LoadOptions<'_> {
     fn default() -> Self {
-        Self { drive_gain: 1.0, amplitude_gain: 1.0, phase_offset: 0.0 }
+        Self { figure_names: parameters::FIGURES, effects: REGISTRY }
     }
 }
 
-/// The product of these lists is what is solved; order of the axes, outermost first:
-/// formulation, drive, load, friction, speed, frequency.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Sweep {
-    /// f, drive frequencies \[Hz\].
-    pub frequency: Vec<f64>,
-    /// V, peripheral speeds of the roller \[m/s\].
-    pub speed: Vec<f64>,
-    /// W, normal loads \[N\]; 0 means no contact.
-    pub load: Vec<f64>,
-    /// u0, amplitudes of the actuator \[m\].
-    pub drive: Vec<f64>,
-    /// mu, coefficients of friction \[-\]; the scenario's own where the file gives no list.
-    pub friction: Vec<f64>,
-    /// Formulations; the scenario's own where the file gives no list.
-    pub formulation: Vec<Formulation>,
-    /// Steps per cycle of the Euler procedure; used by [`Formulation::Paper`] only.
-    pub euler_steps: Vec<usize>,
+/// Whether a file has to be complete or only serves others to extend.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Role {
+    /// Something to solve or to compare is needed.
+    Complete,
+    /// Neither a sweep nor measurements are needed.
+    Base,
 }
 
-/// One effect of the catalogue with its parameters, as a scenario carries it.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct EffectSetting {
-    /// Name in the registry.
-    pub name: String,
-    /// Parameter values in SI, in the order of the registry.
-    pub parameters: Vec<f64>,
+/// Reads and validates a scenario file.
+pub fn load(path: impl AsRef<Path>) -> Result<Scenario> {
+    load_with(path, &LoadOptions::default())
 }
 
-/// The table of measured steady states to compare with.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct MeasurementSource {
-    /// Path of the table, resolved against the scenario's folder.
-    pub file: PathBuf,
-    /// Mapping from the standard column name to the header in the table.
-    pub columns: Vec<(String, String)>,
+/// Like [`load`], with another set of names for figures and effects.
+pub fn load_with(path: impl AsRef<Path>, options: &LoadOptions<'_>) -> Result<Scenario> {
+    open(Store::Disk, path.as_ref(), options, Role::Complete)
 }
 
-/// A validated scenario.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Scenario {
-    /// Stable identifier: path below the scenarios folder without extension, e.g. `paper/figure-6`.
-    pub id: String,
-    /// The file as the user named it (for embedded scenarios, its name inside the binary).
-    pub path: PathBuf,
-    /// BLAKE3 hash (hex) of the file and everything it extends.
-    pub hash: String,
-    /// Title; plain text of the user, to be escaped wherever it is shown.
-    pub title: String,
-    /// What the scenario is about, one or two sentences; may be empty.
-    pub description: String,
-    /// Where the numbers come from: "published number", "independent computation", "synthetic, hidden effect", "measured"; may be empty.
-    pub provenance: String,
-    /// The rig.
-    pub rig: Rig,
-    /// The contact.
-    pub contact: Contact,
-    /// The instrument.
-    pub instrument: Instrument,
-    /// What to sweep; absent where only measurements are compared.
-    pub sweep: Option<Sweep>,
-    /// Effects beyond the base law.
-    pub effects: Vec<EffectSetting>,
-    /// Measurements, where there are any.
-    pub measurement: Option<MeasurementSource>,
-    /// Keys of the parameters that a calibration may move, e.g. `contact.stiffness`.
-    pub free: Vec<String>,
-    /// Names of the figures to draw; empty means the default ones.
-    pub figures: Vec<String>,
+/// Loads a scenario from inside the binary by its id, e.g. `paper/figure-6`.
+pub fn load_embedded(name: &str) -> Result<Scenario> {
+    let path = format!("{}.toml", name.trim_end_matches(".toml"));
+    if embedded::file(&path).is_none() {
+        let names = embedded_names();
+        let near = diagnostic::nearest(name, names.iter().map(String::as_str));
+        let hint =
+            near.map_or_else(|| format!("there are {}", names.join(", ")), |near| format!("did you mean `{near}`?"));
+        let title = format!("there is no embedded scenario {}", diagnostic::quote(name));
+        return Err(Error::Input(diagnostic::whole_file(&title, &hint)));
+    }
+    open(Store::Embedded, Path::new(&path), &LoadOptions::default(), Role::Complete)
+}
+
+/// The paper's rig and contact with nothing to sweep: where tests and examples start.
+pub fn paper() -> Scenario {
+    match open(Store::Embedded, Path::new("paper/rig.toml"), &LoadOptions::default(), Role::Base) {
+        Ok(scenario) => scenario,
+        Err(error) => unreachable!("the embedded rig is checked by a test: {error}"),
+    }
+}
+
+fn open(store: Store, path: &Path, options: &LoadOptions<'_>, role: Role) -> Result<Scenario> {
+    let document = extends::read(store, path)?;
+    validate::scenario(&document, listing::id(store, path), store, options, role)
 }

@@ -1,0 +1,129 @@
+//! What a scenario adds to rig and contact: effects, a table of measurements, parameters that may be fitted.
+
+use super::LoadOptions;
+use super::diagnostic::{nearest, quote, suggestion};
+use super::parameters::{COLUMNS, CONTACT, INSTRUMENT, RIG};
+use super::reader::{Reader, Table};
+use super::source::Store;
+use super::types::{EffectSetting, MeasurementSource};
+use super::validate::units;
+use super::written::{Entry, Node, Value};
+
+/// The list `[[effect]]`, each from the catalogue and none twice.
+pub(crate) fn effects(reader: &mut Reader<'_>, node: Option<&Node>, options: &LoadOptions<'_>) -> Vec<EffectSetting> {
+    let Some(node) = node else { return Vec::new() };
+    let help = "write a line [[effect]], double brackets, with name = \"…\" and its parameters below it";
+    let Value::List(items) = &node.value else {
+        let title = format!("`effect` needs to be a list of tables, not {}", node.value.kind());
+        reader.fail(&node.place, &title, "use [[effect]]", help);
+        return Vec::new();
+    };
+    let mut list: Vec<EffectSetting> = Vec::new();
+    for item in items {
+        let Value::Table(entries) = &item.value else {
+            reader.fail(&item.place, "an effect needs to be a table", "not a table", help);
+            continue;
+        };
+        let table = Table { name: "[[effect]]".into(), place: item.place.clone(), entries };
+        let Some(setting) = effect(reader, &table, options) else { continue };
+        if list.iter().any(|other| other.name == setting.name) {
+            let title = format!("the effect `{}` appears twice", setting.name);
+            reader.fail(&item.place, &title, "appeared before", "remove one of the two");
+        } else {
+            list.push(setting);
+        }
+    }
+    list
+}
+
+fn effect(reader: &mut Reader<'_>, table: &Table<'_>, options: &LoadOptions<'_>) -> Option<EffectSetting> {
+    let Some(node) = table.get("name") else {
+        reader.keys(
+            table,
+            &[("name", "text")],
+            &table.entries.iter().map(|entry| entry.key.as_str()).collect::<Vec<_>>(),
+        );
+        return None;
+    };
+    let name = reader.text("name", node)?;
+    let Some(effect) = options.effects.iter().find(|effect| effect.name() == name) else {
+        let known: Vec<_> = options.effects.iter().map(|effect| effect.name()).collect();
+        let label = suggestion(nearest(&name, known.iter().copied()), "not in the catalogue");
+        let help = format!("`stickslip effects` lists the catalogue: {}", known.join(", "));
+        reader.fail(&node.place, &format!("unknown effect {}", quote(&name)), &label, &help);
+        return None;
+    };
+    let infos = effect.parameters();
+    let table = Table { name: format!("the effect `{name}`"), place: node.place.clone(), entries: table.entries };
+    reader.keys(&table, &units(infos), &["name"]);
+    let values: Vec<_> =
+        infos.iter().map(|info| table.get(info.key).and_then(|node| reader.quantity(node, info))).collect();
+    Some(EffectSetting { name, parameters: values.into_iter().collect::<Option<_>>()? })
+}
+
+/// The table `[measurement]`; the outer option tells whether it is sound, the inner one whether it is there.
+pub(crate) fn measurement(
+    reader: &mut Reader<'_>,
+    entries: &[Entry],
+    store: Store,
+) -> Option<Option<MeasurementSource>> {
+    if !entries.iter().any(|entry| entry.key == "measurement") {
+        return Some(None);
+    }
+    let table = reader.table(entries, "measurement")?;
+    reader.keys(&table, &[("file", "text")], &["columns"]);
+    let node = table.get("file")?;
+    let name = reader.text("file", node)?;
+    let folder = reader.source(&node.place).path.parent().unwrap_or(std::path::Path::new("")).to_path_buf();
+    let file = folder.join(&name);
+    if name.is_empty() || store == Store::Disk && !file.is_file() {
+        let title = format!("there is no measurement table {}", quote(&name));
+        let help = "the path is relative to the file that contains it; check its spelling";
+        reader.fail(&node.place, &title, "no such file", help);
+        return None;
+    }
+    let columns = match table.get("columns") {
+        Some(node) => columns(reader, node)?,
+        None => Vec::new(),
+    };
+    Some(Some(MeasurementSource { file, columns }))
+}
+
+fn columns(reader: &mut Reader<'_>, node: &Node) -> Option<Vec<(String, String)>> {
+    let Value::Table(entries) = &node.value else {
+        let title = format!("`columns` needs to be a table, not {}", node.value.kind());
+        let help = "write e.g. columns = { frequency = \"f [Hz]\" }";
+        reader.fail(&node.place, &title, "a table is needed", help);
+        return None;
+    };
+    reader.keys(&Table { name: "`columns`".into(), place: node.place.clone(), entries }, &[], COLUMNS);
+    let pairs = entries.iter().map(|entry| reader.text(&entry.key, &entry.node).map(|text| (entry.key.clone(), text)));
+    pairs.collect()
+}
+
+/// `[fit] free`, each the key of a parameter that this scenario has.
+pub(crate) fn free(
+    reader: &mut Reader<'_>,
+    entries: &[Entry],
+    effects: &[EffectSetting],
+    options: &LoadOptions<'_>,
+) -> Vec<String> {
+    let Some(table) = reader.table(entries, "fit") else { return Vec::new() };
+    reader.keys(&table, &[("free", "list")], &[]);
+    let Some(node) = table.get("free") else { return Vec::new() };
+    let present = |name: &str| effects.iter().any(|setting| setting.name == name);
+    let present: Vec<_> = options.effects.iter().filter(|effect| present(effect.name())).copied().collect();
+    let known = parameter_keys(&present);
+    let known: Vec<&str> = known.iter().map(String::as_str).collect();
+    reader.names("free", node, &known, "a parameter of this scenario")
+}
+
+/// Keys of all parameters that a calibration may move: of the rig, the contact, the instrument, and of `effects`.
+pub fn parameter_keys(effects: &[&dyn crate::effects::Effect]) -> Vec<String> {
+    let base = [("rig", RIG), ("contact", CONTACT), ("instrument", INSTRUMENT)];
+    let base = base.iter().flat_map(|(table, infos)| infos.iter().map(move |info| format!("{table}.{}", info.key)));
+    let added = effects.iter().flat_map(|effect| {
+        effect.parameters().iter().map(move |info| format!("effect.{}.{}", effect.name(), info.key))
+    });
+    base.chain(added).collect()
+}
