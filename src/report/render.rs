@@ -7,8 +7,9 @@ use minijinja::value::{Serde, Value};
 use minijinja::{AutoEscape, Environment, HtmlEscape, UndefinedBehavior, context};
 
 use super::glossary::meaning;
+use super::svg;
 use super::verdict::Tone;
-use super::view::ReportView;
+use super::view::{FigureView, ReportView};
 
 /// Name in the environment and text of every template; `.html.j2` is escaped automatically, the style sheet is not.
 const TEMPLATES: &[(&str, &str)] = &[
@@ -36,9 +37,12 @@ pub enum RenderError {
 
 /// The page.
 pub fn render(view: &ReportView) -> Result<String, RenderError> {
-    let figures = view.scenarios.iter().flat_map(|scenario| &scenario.figures);
-    let drawings: BTreeMap<&str, Value> =
-        figures.map(|figure| (figure.anchor.as_str(), Value::from_safe_string(figure.svg.clone()))).collect();
+    let drawing = |figure: &FigureView| {
+        let svg = svg::inline(&figure.svg, &format!("{}--", figure.anchor)).unwrap_or_default();
+        (figure.anchor.clone(), Value::from_safe_string(svg))
+    };
+    let drawings: BTreeMap<String, Value> =
+        view.scenarios.iter().flat_map(|scenario| &scenario.figures).map(drawing).collect();
     let environment = environment()?;
     let page = environment.get_template("report.html.j2")?;
     Ok(page.render(context! { report => Value::from(Serde(view)), drawings => drawings })?)

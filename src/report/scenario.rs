@@ -4,7 +4,6 @@ use super::anchor;
 use super::format::{NONE, computed, percent, setting};
 use super::glossary::meaning;
 use super::parameters::{formulation, parameters};
-use super::svg;
 use super::verdict::Completeness;
 use super::view::{AxisView, CurveView, FigureView, FileView, LimitView, NoteView, Quantity, ScenarioView};
 use crate::scenario::Formulation;
@@ -76,7 +75,7 @@ fn figure(scenario_id: &str, input: &FigureInput) -> FigureView {
         kind: name.rsplit_once('.').map_or("file".into(), |(_, extension)| extension.to_ascii_uppercase()),
     };
     FigureView {
-        svg: svg::inline(&input.svg, &format!("{anchor}--")).unwrap_or_default(),
+        svg: input.svg.clone(),
         anchor,
         name: input.name.clone(),
         title: input.title.clone(),
@@ -149,8 +148,8 @@ fn axes(curves: &[CurveView]) -> Vec<AxisView> {
     ];
     let axis = |(key, symbol, name, field): (&str, &str, &str, Field)| {
         let first = curves.first().map(field)?;
-        let fixed = curves.iter().all(|curve| field(curve) == first).then(|| first.text.clone());
-        if fixed.as_deref() == Some(NONE) {
+        let fixed = curves.iter().all(|curve| field(curve) == first).then(|| first.clone());
+        if fixed.as_ref().is_some_and(|common| common.text == NONE) {
             return None;
         }
         Some(AxisView { key: key.into(), symbol: symbol.into(), name: name.into(), fixed })

@@ -180,7 +180,7 @@ pub struct FigureView {
     pub notes: Vec<NoteView>,
     /// Files beside the report.
     pub files: Vec<FileView>,
-    /// The drawing, safe to stand inside the page; empty where it is not. Not part of the JSON: it is among the files.
+    /// The drawing, checked when the page is made. Not part of the JSON: it is among the files.
     #[serde(skip)]
     pub svg: String,
 }
@@ -215,7 +215,7 @@ pub struct AxisView {
     /// Meaning.
     pub name: String,
     /// The common value where all curves have the same; such an axis is not a column.
-    pub fixed: Option<String>,
+    pub fixed: Option<Quantity>,
 }
 
 /// What one curve amounts to.
