@@ -108,7 +108,7 @@ fn headlines(claims: &[ClaimView], scenarios: &[ScenarioView], checks: &[CheckVi
         verdict: scenario.status.words().into(),
         subject: scenario.title.clone(),
         detail: format!(
-            "of {} points {} failed and {} excite themselves",
+            "{} points: {} failed, {} self-excited",
             scenario.points, scenario.failed, scenario.self_excited
         ),
         anchor: scenario.anchor.clone(),
