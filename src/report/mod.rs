@@ -1,1 +1,29 @@
-//! report
+//! The report: serialisable views whose strings are already formatted, rendered as one HTML file and written as JSON.
+//!
+//! Data flows one way here too: outcomes, drawings and claims become a [`ReportView`] ([`scenario_view`], [`ReportView::assemble`]),
+//! the view becomes HTML ([`render`]) and JSON ([`json`]). The templates lay out and never compute, so that whatever the page says
+//! can be read from `report.json` as well. Titles, captions and paths come from users and are escaped; only drawings made by
+//! the program go in as they are, after [`svg::inline`] has found nothing but drawing in them.
+
+pub mod anchor;
+pub mod format;
+mod glossary;
+mod parameters;
+pub mod provenance;
+mod render;
+mod scenario;
+mod summary;
+pub mod svg;
+mod verdict;
+mod view;
+
+pub use glossary::glossary;
+pub use provenance::{Provenance, SECTION as PROVENANCE_SECTION};
+pub use render::{RenderError, json, render};
+pub use scenario::{FigureInput, scenario_view};
+pub use verdict::{Agreement, Completeness, Tone, Verdict};
+pub use view::{
+    AxisView, CheckView, ClaimView, CurveView, FigureView, FileView, Headline, InputView, LimitView, NoteView,
+    ParameterView, ProvenanceView, Quantity, ReportView, SCHEMA, ScenarioView, SummaryView, SymbolView, TallyView,
+    TimingView,
+};

@@ -1,0 +1,116 @@
+//! Every number of a scenario as a row: symbol, meaning, value with unit, origin.
+
+use super::format;
+use super::glossary::meaning;
+use super::view::ParameterView;
+use crate::effects::REGISTRY;
+use crate::scenario::{EffectSetting, Formulation, Scenario, Sweep};
+
+/// All parameters of the scenario: rig, contact, instrument, effects, sweep.
+pub fn parameters(scenario: &Scenario) -> Vec<ParameterView> {
+    let (rig, contact, instrument) = (&scenario.rig, &scenario.contact, &scenario.instrument);
+    let number = |key: &str, symbol: &str, value: f64, unit: &str| ParameterView {
+        key: key.into(),
+        symbol: symbol.into(),
+        name: meaning(symbol).into(),
+        value: format::setting(value, unit).text,
+        unit: unit.into(),
+        source: scenario.provenance.clone(),
+    };
+    let mut rows = vec![
+        number("rig.inertia", "J", rig.inertia, "kg m^2"),
+        number("rig.torsional_stiffness", "K₀", rig.torsional_stiffness, "N m/rad"),
+        number("rig.torsional_damping", "C₀", rig.torsional_damping, "N m s/rad"),
+        number("rig.spring_stiffness", "k₀", rig.spring_stiffness, "N/m"),
+        number("rig.spring_damping", "c₀", rig.spring_damping, "N s/m"),
+        number("rig.spring_arm", "a", rig.spring_arm, "m"),
+        number("rig.contact_arm", "b", rig.contact_arm, "m"),
+        number("contact.stiffness", "k_c", contact.stiffness, "N/m"),
+        number("contact.damping", "c_c", contact.damping, "N s/m"),
+        number("contact.friction", "μ", contact.friction, "1"),
+        words(
+            "contact.formulation",
+            "formulation of the contact",
+            formulation(contact.formulation),
+            &scenario.provenance,
+        ),
+    ];
+    let readings = [
+        ("instrument.drive_gain", "true over stated amplitude of the actuator", instrument.drive_gain, 1.0, "1"),
+        ("instrument.amplitude_gain", "reading over true amplitude", instrument.amplitude_gain, 1.0, "1"),
+        ("instrument.phase_offset", "reading minus true phase", instrument.phase_offset, 0.0, "rad"),
+    ];
+    for (key, name, value, neutral, unit) in readings {
+        let source = if value == neutral { "ideal instrument" } else { &scenario.provenance };
+        rows.push(ParameterView { name: name.into(), source: source.into(), ..number(key, "", value, unit) });
+    }
+    rows.extend(scenario.effects.iter().flat_map(|effect| of_effect(effect, &scenario.provenance)));
+    rows.extend(scenario.sweep.iter().flat_map(|sweep| of_sweep(sweep)));
+    rows
+}
+
+/// The formulation in the word of the scenario files.
+pub fn formulation(formulation: Formulation) -> &'static str {
+    match formulation {
+        Formulation::Series => "series",
+        Formulation::Paper => "paper",
+    }
+}
+
+fn words(key: &str, name: &str, value: &str, source: &str) -> ParameterView {
+    ParameterView {
+        key: key.into(),
+        symbol: String::new(),
+        name: name.into(),
+        value: value.into(),
+        unit: String::new(),
+        source: source.into(),
+    }
+}
+
+fn of_effect(effect: &EffectSetting, source: &str) -> Vec<ParameterView> {
+    let known = REGISTRY.iter().find(|known| known.name() == effect.name).map_or(&[][..], |known| known.parameters());
+    let row = |(index, value): (usize, &f64)| {
+        let info = known.get(index);
+        let key = info.map_or_else(|| format!("{}", index + 1), |info| info.key.to_owned());
+        ParameterView {
+            key: format!("effect.{}.{key}", effect.name),
+            symbol: info.map_or("", |info| info.symbol).into(),
+            name: info.map_or("", |info| info.meaning).into(),
+            value: format::setting(*value, info.map_or("1", |info| info.unit)).text,
+            unit: info.map_or("1", |info| info.unit).into(),
+            source: source.into(),
+        }
+    };
+    effect.parameters.iter().enumerate().map(row).collect()
+}
+
+fn of_sweep(sweep: &Sweep) -> Vec<ParameterView> {
+    let axis = |key: &str, symbol: &str, values: &[f64], unit: &str| ParameterView {
+        key: key.into(),
+        symbol: symbol.into(),
+        name: meaning(symbol).into(),
+        value: list(values, unit),
+        unit: unit.into(),
+        source: "sweep".into(),
+    };
+    vec![
+        axis("sweep.frequency", "f", &sweep.frequency, "Hz"),
+        axis("sweep.speed", "V", &sweep.speed, "m/s"),
+        axis("sweep.load", "W", &sweep.load, "N"),
+        axis("sweep.drive", "u₀", &sweep.drive, "m"),
+        axis("sweep.friction", "μ", &sweep.friction, "1"),
+    ]
+}
+
+/// Up to eight values in full; more as their range and number.
+fn list(values: &[f64], unit: &str) -> String {
+    let text = |value: &f64| format::setting(*value, unit).text;
+    match values {
+        [] => format::NONE.into(),
+        [first, .., last] if values.len() > 8 => {
+            format!("{} … {} ({} values)", text(first), text(last), format::count(values.len()))
+        }
+        _ => values.iter().map(text).collect::<Vec<_>>().join(", "),
+    }
+}

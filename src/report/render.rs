@@ -1,0 +1,105 @@
+//! From the view to bytes: one self-contained HTML file, or JSON.
+
+use std::collections::BTreeMap;
+
+use minijinja::syntax::SyntaxConfig;
+use minijinja::value::{Serde, Value};
+use minijinja::{AutoEscape, Environment, HtmlEscape, UndefinedBehavior, context};
+
+use super::glossary::meaning;
+use super::svg;
+use super::verdict::Tone;
+use super::view::{FigureView, ReportView};
+
+/// Name in the environment and text of every template; `.html.j2` is escaped automatically, the style sheet is not.
+const TEMPLATES: &[(&str, &str)] = &[
+    ("report.html.j2", include_str!("../../templates/report.html.j2")),
+    ("report.css", include_str!("../../templates/report.css")),
+    ("macros.html.j2", include_str!("../../templates/partials/macros.html.j2")),
+    ("summary.html.j2", include_str!("../../templates/partials/summary.html.j2")),
+    ("claims.html.j2", include_str!("../../templates/partials/claims.html.j2")),
+    ("scenario.html.j2", include_str!("../../templates/partials/scenario.html.j2")),
+    ("verification.html.j2", include_str!("../../templates/partials/verification.html.j2")),
+    ("symbols.html.j2", include_str!("../../templates/partials/symbols.html.j2")),
+    ("provenance.html.j2", include_str!("../../templates/partials/provenance.html.j2")),
+];
+
+/// The report could not be written down. Either is a fault of the program, not of its input.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// A template asks for something that the view does not have.
+    #[error("the report's template does not fit its data: {0:#}")]
+    Template(#[from] minijinja::Error),
+    /// The view cannot be written as JSON.
+    #[error("the report cannot be written as JSON: {0}")]
+    Json(#[from] serde_json::Error),
+}
+
+/// The page.
+pub fn render(view: &ReportView) -> Result<String, RenderError> {
+    let drawing = |figure: &FigureView| {
+        let svg = svg::inline(&figure.svg, &format!("{}--", figure.anchor)).unwrap_or_default();
+        (figure.anchor.clone(), Value::from_safe_string(svg))
+    };
+    let drawings: BTreeMap<String, Value> =
+        view.scenarios.iter().flat_map(|scenario| &scenario.figures).map(drawing).collect();
+    let environment = environment()?;
+    let page = environment.get_template("report.html.j2")?;
+    Ok(page.render(context! { report => Value::from(Serde(view)), drawings => drawings })?)
+}
+
+/// The same view as JSON: indented, keys in the order of the types, a line feed at the end.
+pub fn json(view: &ReportView) -> Result<String, RenderError> {
+    Ok(serde_json::to_string_pretty(view)? + "\n")
+}
+
+fn environment() -> Result<Environment<'static>, minijinja::Error> {
+    let mut environment = Environment::new();
+    environment.set_undefined_behavior(UndefinedBehavior::Strict);
+    environment.set_syntax(SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?);
+    environment
+        .set_auto_escape_callback(|name| if name.ends_with(".css") { AutoEscape::None } else { AutoEscape::Html });
+    environment.add_filter("tone", |verdict: &str| Tone::of(verdict).class());
+    environment.add_filter("sign", |verdict: &str| Tone::of(verdict).symbol());
+    environment.add_filter("symbol", symbol);
+    environment.add_filter("raw", raw);
+    for (name, text) in TEMPLATES {
+        environment.add_template(name, text)?;
+    }
+    Ok(environment)
+}
+
+/// A symbol in italics, its index lowered, with its meaning as a hint.
+fn symbol(text: &str) -> Value {
+    let (letter, index) = text.split_once('_').unwrap_or((text, ""));
+    let mut html = format!("<var>{}</var>", HtmlEscape(letter));
+    if !index.is_empty() {
+        html.push_str(&format!("<sub>{}</sub>", HtmlEscape(index)));
+    }
+    let hint = meaning(text);
+    if !hint.is_empty() {
+        html = format!("<abbr title=\"{}\">{html}</abbr>", HtmlEscape(hint));
+    }
+    Value::from_safe_string(html)
+}
+
+/// A number exactly as the JSON has it.
+fn raw(number: f64) -> String {
+    serde_json::to_string(&number).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_template_parses() {
+        environment().unwrap();
+    }
+
+    #[test]
+    fn symbols_are_escaped_and_explained() {
+        assert_eq!(symbol("<b>_c").to_string(), "<var>&lt;b&gt;</var><sub>c</sub>");
+        assert!(symbol("k_c").to_string().starts_with("<abbr title=\"stiffness of the bristles"));
+    }
+}

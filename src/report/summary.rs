@@ -1,0 +1,126 @@
+//! Puts the parts together: unique anchors, links that lead somewhere, the summary with failures first.
+
+use super::anchor::{self, Anchors};
+use super::glossary::glossary;
+use super::provenance::{Provenance, SECTION};
+use super::verdict::{Agreement, Completeness, Tone, Verdict};
+use super::view::{CheckView, ClaimView, Headline, ReportView, SCHEMA, ScenarioView, SummaryView, TallyView};
+
+/// Ids of the page's own sections.
+pub const SECTIONS: [&str; 7] = ["top", "content", "summary", "claims", "verification", "symbols", SECTION];
+
+const PAPER: &str = "The experiment of Nakano and others on the dynamic response of rubber in frictional contact (Frontiers in \
+    Mechanical Engineering 5:9, 2019), simulated from its printed values. This page states what each published claim comes to when \
+    it is computed, shows the figures and the numbers they hold, and says how far the numbers can be trusted and how to obtain them again.";
+
+const PLAIN: &str = "Simulations of a torsional rig in frictional contact with a driven roller, after Nakano and others (Frontiers in \
+    Mechanical Engineering 5:9, 2019). This page shows the figures and the numbers they hold, and says how far the numbers can be \
+    trusted and how to obtain them again.";
+
+impl ReportView {
+    /// The report from its parts. Anchors are made unique, links to figures that do not exist are dropped.
+    pub fn assemble(
+        title: &str,
+        mut claims: Vec<ClaimView>,
+        mut scenarios: Vec<ScenarioView>,
+        mut verification: Vec<CheckView>,
+        provenance: &Provenance,
+    ) -> Self {
+        let mut anchors = Anchors::default();
+        for section in SECTIONS {
+            anchors.claim(section);
+        }
+        for scenario in &mut scenarios {
+            scenario.anchor = anchors.claim(&scenario.anchor);
+            for figure in &mut scenario.figures {
+                figure.anchor = anchors.claim(&figure.anchor);
+            }
+        }
+        for claim in &mut claims {
+            claim.figure = claim.figure.take().filter(|figure| anchors.has(figure));
+            claim.anchor = anchors.claim(&anchor::claim(&claim.id));
+        }
+        for check in &mut verification {
+            check.anchor = anchors.claim(&anchor::check(&check.name));
+        }
+        Self {
+            schema: SCHEMA.into(),
+            title: title.into(),
+            lead: if claims.is_empty() { PLAIN } else { PAPER }.into(),
+            summary: SummaryView::of(&claims, &scenarios, &verification),
+            provenance: provenance.view(&scenarios),
+            claims,
+            scenarios,
+            verification,
+            glossary: glossary(),
+        }
+    }
+}
+
+impl SummaryView {
+    /// Counts and headlines, the most serious first.
+    pub fn of(claims: &[ClaimView], scenarios: &[ScenarioView], checks: &[CheckView]) -> Self {
+        let claim_words = || claims.iter().map(|claim| claim.verdict.words());
+        let scenario_words = || scenarios.iter().map(|scenario| scenario.status.words());
+        let check_words = || checks.iter().map(|check| check.verdict.words());
+        Self {
+            sentence: sentence(claims, scenarios, checks),
+            claims: tally(&Verdict::ALL.map(Verdict::words), claim_words()),
+            verification: tally(&Agreement::ALL.map(Agreement::words), check_words()),
+            scenarios: tally(&Completeness::ALL.map(Completeness::words), scenario_words()),
+            headlines: headlines(claims, scenarios, checks),
+        }
+    }
+}
+
+fn tally<'a>(order: &[&str], found: impl Iterator<Item = &'a str>) -> Vec<TallyView> {
+    let found: Vec<&str> = found.collect();
+    let count = |verdict: &str| found.iter().filter(|word| **word == verdict).count();
+    order.iter().map(|&verdict| TallyView { verdict: verdict.into(), count: count(verdict) }).collect()
+}
+
+fn sentence(claims: &[ClaimView], scenarios: &[ScenarioView], checks: &[CheckView]) -> String {
+    let held = claims.iter().filter(|claim| matches!(claim.verdict, Verdict::Reproduced | Verdict::Caveat)).count();
+    let points: usize = scenarios.iter().map(|scenario| scenario.points).sum();
+    let steady: usize = scenarios.iter().map(|scenario| scenario.steady).sum();
+    let agree = checks.iter().filter(|check| check.verdict == Agreement::Agrees).count();
+    let mut parts = Vec::new();
+    if !claims.is_empty() {
+        parts.push(format!("{held} of {} published claims are reproduced", claims.len()));
+    }
+    if points > 0 {
+        parts.push(format!("{steady} of {points} points in {} scenarios are steady states", scenarios.len()));
+    }
+    if !checks.is_empty() {
+        parts.push(format!("{agree} of {} checks of the solvers agree", checks.len()));
+    }
+    if parts.is_empty() { "Nothing was computed.".into() } else { format!("{}.", parts.join("; ")) }
+}
+
+fn headlines(claims: &[ClaimView], scenarios: &[ScenarioView], checks: &[CheckView]) -> Vec<Headline> {
+    let of_check = |check: &CheckView| Headline {
+        verdict: check.verdict.words().into(),
+        subject: check.name.clone(),
+        detail: format!("computed {}, expected {}", check.computed, check.expected),
+        anchor: check.anchor.clone(),
+    };
+    let of_scenario = |scenario: &ScenarioView| Headline {
+        verdict: scenario.status.words().into(),
+        subject: scenario.title.clone(),
+        detail: format!(
+            "{} points: {} failed, {} self-excited",
+            scenario.points, scenario.failed, scenario.self_excited
+        ),
+        anchor: scenario.anchor.clone(),
+    };
+    let of_claim = |claim: &ClaimView| Headline {
+        verdict: claim.verdict.words().into(),
+        subject: claim.statement.clone(),
+        detail: claim.note.clone(),
+        anchor: claim.anchor.clone(),
+    };
+    let all = checks.iter().map(of_check).chain(scenarios.iter().map(of_scenario)).chain(claims.iter().map(of_claim));
+    let mut worth: Vec<Headline> = all.filter(|headline| Tone::of(&headline.verdict) != Tone::Good).collect();
+    worth.sort_by_key(|headline| std::cmp::Reverse(Tone::of(&headline.verdict)));
+    worth
+}

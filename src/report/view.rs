@@ -1,0 +1,346 @@
+//! What the report says, as data. The JSON is this; the HTML shows this and nothing else.
+
+use serde::{Deserialize, Serialize};
+
+use super::verdict::{Agreement, Completeness, Verdict};
+
+/// Schema of `report.json`.
+pub const SCHEMA: &str = "stickslip.report/1";
+
+/// A number with its wording.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Quantity {
+    /// The value in SI; absent where there is none (not a number).
+    pub value: Option<f64>,
+    /// What the page shows, with unit.
+    pub text: String,
+}
+
+/// The whole report.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ReportView {
+    /// [`SCHEMA`].
+    pub schema: String,
+    /// Title of the page.
+    pub title: String,
+    /// One paragraph: what this is.
+    pub lead: String,
+    /// Verdicts first.
+    pub summary: SummaryView,
+    /// The claims ledger, in the order of the paper.
+    pub claims: Vec<ClaimView>,
+    /// One section per scenario.
+    pub scenarios: Vec<ScenarioView>,
+    /// The numbers that prove the solvers.
+    pub verification: Vec<CheckView>,
+    /// Symbols.
+    pub glossary: Vec<SymbolView>,
+    /// Versions, inputs, timings, host: the only part that may differ between two runs on the same input.
+    pub provenance: ProvenanceView,
+}
+
+/// What to know first.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct SummaryView {
+    /// One sentence with the result of everything.
+    pub sentence: String,
+    /// Number of claims by verdict, the most serious first.
+    pub claims: Vec<TallyView>,
+    /// Number of checks of the solvers by verdict.
+    pub verification: Vec<TallyView>,
+    /// Number of scenarios by completeness.
+    pub scenarios: Vec<TallyView>,
+    /// What deserves attention, failures first.
+    pub headlines: Vec<Headline>,
+}
+
+/// How many have one verdict.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TallyView {
+    /// The verdict in words.
+    pub verdict: String,
+    /// How many.
+    pub count: usize,
+}
+
+/// A sentence that leads to its place in the report.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Headline {
+    /// The verdict in words.
+    pub verdict: String,
+    /// What has that verdict.
+    pub subject: String,
+    /// Why, or with what numbers; may be empty.
+    pub detail: String,
+    /// Where the report treats it.
+    pub anchor: String,
+}
+
+/// A published statement, computed and judged.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct ClaimView {
+    /// Stable identifier, e.g. `no-influence-of-mu`.
+    pub id: String,
+    /// Id in the page; [`ReportView::assemble`] fills it.
+    pub anchor: String,
+    /// Section of the paper where it stands.
+    pub section: String,
+    /// The statement in our words.
+    pub statement: String,
+    /// The quantity that decides it.
+    pub quantity: String,
+    /// Expected value or relation.
+    pub expected: String,
+    /// What the program computed.
+    pub computed: String,
+    /// Tolerance.
+    pub tolerance: String,
+    /// Why this tolerance.
+    pub reason: String,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Caveat, or what would make it follow; may be empty.
+    pub note: String,
+    /// Anchor of the figure that shows it ([`super::anchor::figure`]); dropped where the report has no such figure.
+    pub figure: Option<String>,
+}
+
+/// A scenario: what was simulated, with which numbers, and what came out.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ScenarioView {
+    /// Stable identifier of the scenario.
+    pub id: String,
+    /// Stable id of its section in the page.
+    pub anchor: String,
+    /// Title of the user.
+    pub title: String,
+    /// What it is about; may be empty.
+    pub description: String,
+    /// Where its numbers come from; may be empty.
+    pub provenance: String,
+    /// Whether every point is steady.
+    pub status: Completeness,
+    /// Number of steady states asked for.
+    pub points: usize,
+    /// Of these, steady.
+    pub steady: usize,
+    /// Of these, self-excited.
+    pub self_excited: usize,
+    /// Of these, without an answer.
+    pub failed: usize,
+    /// First reasons given by points that are not steady, each once.
+    pub reasons: Vec<String>,
+    /// Figures.
+    pub figures: Vec<FigureView>,
+    /// Every number that went in.
+    pub parameters: Vec<ParameterView>,
+    /// What distinguishes the curves: the columns of their table.
+    pub axes: Vec<AxisView>,
+    /// One row per curve.
+    pub curves: Vec<CurveView>,
+    /// Limiting cases in closed form.
+    pub limits: Vec<LimitView>,
+    /// The file as the user named it.
+    pub path: String,
+    /// BLAKE3 hash of the file and everything it extends.
+    pub hash: String,
+}
+
+/// A parameter with its origin.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ParameterView {
+    /// Key in a scenario file, e.g. `rig.inertia`.
+    pub key: String,
+    /// Symbol.
+    pub symbol: String,
+    /// Meaning.
+    pub name: String,
+    /// Value with unit; a list for the axes of a sweep.
+    pub value: String,
+    /// SI unit in the notation of scenario files; `1` for pure numbers, empty for words.
+    pub unit: String,
+    /// Where it comes from.
+    pub source: String,
+}
+
+/// A drawing.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FigureView {
+    /// Name of the figure.
+    pub name: String,
+    /// Stable id in the page.
+    pub anchor: String,
+    /// Title.
+    pub title: String,
+    /// What it shows and what to look for.
+    pub caption: String,
+    /// The drawing in words, for those who cannot see it.
+    pub alt: String,
+    /// Numbers that belong to it.
+    pub notes: Vec<NoteView>,
+    /// Files beside the report.
+    pub files: Vec<FileView>,
+    /// The drawing, checked when the page is made. Not part of the JSON: it is among the files.
+    #[serde(skip)]
+    pub svg: String,
+}
+
+/// A labelled remark under a figure.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct NoteView {
+    /// Label, e.g. "largest difference".
+    pub label: String,
+    /// Text.
+    pub text: String,
+}
+
+/// A file beside the report.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FileView {
+    /// Path relative to the report.
+    pub name: String,
+    /// The same as a safe relative link.
+    pub href: String,
+    /// What it is: `SVG`, `PNG`, `CSV`.
+    pub kind: String,
+}
+
+/// A setting that distinguishes curves, or is the same for all of them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AxisView {
+    /// Field of [`CurveView`].
+    pub key: String,
+    /// Symbol.
+    pub symbol: String,
+    /// Meaning.
+    pub name: String,
+    /// The common value where all curves have the same; such an axis is not a column.
+    pub fixed: Option<Quantity>,
+}
+
+/// What one curve amounts to.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CurveView {
+    /// Formulation solved.
+    pub formulation: Quantity,
+    /// Steps per cycle of the Euler procedure.
+    pub euler_steps: Quantity,
+    /// u0.
+    pub drive: Quantity,
+    /// W.
+    pub load: Quantity,
+    /// mu.
+    pub friction: Quantity,
+    /// V.
+    pub speed: Quantity,
+    /// Frequency of the largest amplitude on the grid.
+    pub peak_frequency: Quantity,
+    /// Largest amplitude on the grid.
+    pub peak_amplitude: Quantity,
+    /// Phase there.
+    pub peak_phase: Quantity,
+    /// Amplitude of the arm's speed there.
+    pub peak_speed_amplitude: Quantity,
+    /// Share of the cycle spent sticking there.
+    pub stick_fraction: Quantity,
+    /// Steady points.
+    pub steady: usize,
+    /// Self-excited points.
+    pub self_excited: usize,
+    /// Points without an answer.
+    pub failed: usize,
+}
+
+/// Peak of a limiting case in closed form.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LimitView {
+    /// Which case.
+    pub case: String,
+    /// u0.
+    pub drive: Quantity,
+    /// Frequency of the largest amplitude.
+    pub peak_frequency: Quantity,
+    /// Largest amplitude.
+    pub peak_amplitude: Quantity,
+    /// Frequency of the largest speed amplitude.
+    pub speed_peak_frequency: Quantity,
+    /// Largest speed amplitude.
+    pub speed_peak: Quantity,
+}
+
+/// A number that proves a solver.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct CheckView {
+    /// Id in the page; [`ReportView::assemble`] fills it.
+    pub anchor: String,
+    /// Name of the check.
+    pub name: String,
+    /// What is compared with what.
+    pub compares: String,
+    /// Expected, with unit.
+    pub expected: String,
+    /// Computed, with unit.
+    pub computed: String,
+    /// Difference.
+    pub difference: String,
+    /// Tolerance.
+    pub tolerance: String,
+    /// The verdict.
+    pub verdict: Agreement,
+}
+
+/// A symbol of the equations.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SymbolView {
+    /// Symbol.
+    pub symbol: String,
+    /// SI unit.
+    pub unit: String,
+    /// Meaning.
+    pub meaning: String,
+}
+
+/// Where the report comes from.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct ProvenanceView {
+    /// Program.
+    pub program: String,
+    /// Its version.
+    pub version: String,
+    /// Schemas written or read.
+    pub schemas: Vec<String>,
+    /// Inputs with their hashes.
+    pub inputs: Vec<InputView>,
+    /// How to run it again.
+    pub command: String,
+    /// When it was made.
+    pub generated: String,
+    /// Operating system.
+    pub os: String,
+    /// Architecture.
+    pub arch: String,
+    /// Threads.
+    pub threads: String,
+    /// Wall times.
+    pub timings: Vec<TimingView>,
+}
+
+/// An input file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct InputView {
+    /// Scenario.
+    pub id: String,
+    /// The file as the user named it.
+    pub path: String,
+    /// BLAKE3 hash of the file and everything it extends.
+    pub hash: String,
+}
+
+/// Wall time of one part of the run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TimingView {
+    /// Part.
+    pub part: String,
+    /// Wall time with unit.
+    pub time: String,
+}

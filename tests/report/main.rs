@@ -1,0 +1,206 @@
+//! The report: escaped, self-contained, navigable, the same every time, and the same as its JSON.
+
+mod demo;
+
+use std::collections::BTreeSet;
+
+use serde_json::Value;
+use stickslip::report::{ReportView, SCHEMA, json, render};
+
+const TITLE: &str = "Transition between sticking and slipping";
+
+const HOSTILE: &str =
+    "</title></style><script>alert(1)</script>\"' onload='x' <img src=x onerror=y> javascript:alert(2) µ\u{202e}漢";
+
+/// All values of an attribute.
+fn attributes<'a>(page: &'a str, name: &str) -> Vec<&'a str> {
+    let key = format!(" {name}=\"");
+    page.split(key.as_str()).skip(1).filter_map(|rest| rest.split_once('"').map(|(value, _)| value)).collect()
+}
+
+/// Undoes the escaping of the templates.
+fn unescape(page: &str) -> String {
+    [("&lt;", "<"), ("&gt;", ">"), ("&quot;", "\""), ("&#x27;", "'"), ("&#x2f;", "/"), ("&amp;", "&")]
+        .iter()
+        .fold(page.to_owned(), |page, (from, to)| page.replace(from, to))
+}
+
+/// Every string and number of the JSON with its key.
+fn leaves<'a>(value: &'a Value, key: &'a str, found: &mut Vec<(&'a str, String)>) {
+    match value {
+        Value::Object(fields) => fields.iter().for_each(|(key, value)| leaves(value, key, found)),
+        Value::Array(items) => items.iter().for_each(|item| leaves(item, key, found)),
+        Value::String(text) => found.push((key, text.clone())),
+        Value::Number(number) => found.push((key, number.to_string())),
+        _ => {}
+    }
+}
+
+#[test]
+fn hostile_text_stays_text() {
+    let mut view = demo::report(HOSTILE);
+    let claim = &mut view.claims[0];
+    for field in [&mut claim.statement, &mut claim.note, &mut claim.expected, &mut claim.section, &mut claim.reason] {
+        *field = HOSTILE.into();
+    }
+    let figure = demo::figure(HOSTILE, HOSTILE, HOSTILE);
+    let mut scenario = demo::scenario(HOSTILE, HOSTILE);
+    scenario.provenance = HOSTILE.into();
+    scenario.description = HOSTILE.into();
+    let status = stickslip::solver::Status::Failed(HOSTILE.into());
+    view.scenarios.push(stickslip::report::scenario_view(&demo::outcome(scenario, &status), &[figure]));
+    view.provenance.command = HOSTILE.into();
+    let page = render(&view).unwrap();
+    assert!(!page.contains("<script") && !page.contains("<img"), "an element came through");
+    assert_eq!(page.matches("</style>").count(), 1);
+    assert_eq!(page.matches("</title>").count(), 1);
+    assert!(page.contains("&lt;script&gt;alert(1)"));
+    for link in attributes(&page, "href") {
+        assert!(link.starts_with('#') || !link.contains(':'), "{link}");
+    }
+    for tag in page.split('<').skip(1).filter_map(|rest| rest.split_once('>').map(|(tag, _)| tag)) {
+        let outside = tag.split('"').step_by(2).collect::<String>();
+        assert!(!outside.contains(" on"), "an event handler came through: <{tag}>");
+    }
+}
+
+#[test]
+fn a_drawing_that_could_run_is_left_out() {
+    let mut figure = demo::figure("a", "b", "c");
+    figure.svg = "<svg><script>alert(1)</script></svg>".into();
+    let outcome = demo::outcome(demo::scenario("a", "a"), &stickslip::solver::Status::Steady);
+    let mut view = demo::report(TITLE);
+    view.scenarios.push(stickslip::report::scenario_view(&outcome, &[figure]));
+    let page = render(&view).unwrap();
+    assert!(!page.contains("<script"));
+    assert!(page.contains("The drawing is not part of this page"));
+}
+
+#[test]
+fn ids_are_unique_and_every_link_has_its_target() {
+    let page = render(&demo::report(TITLE)).unwrap();
+    let ids = attributes(&page, "id");
+    let unique: BTreeSet<&str> = ids.iter().copied().collect();
+    assert_eq!(ids.len(), unique.len(), "an id is used twice");
+    let links: Vec<&str> = attributes(&page, "href");
+    assert!(links.len() > 20);
+    for target in links.iter().filter_map(|link| link.strip_prefix('#')) {
+        assert!(unique.contains(target), "no target for #{target}");
+    }
+    for list in ["aria-labelledby", "aria-describedby"] {
+        for id in attributes(&page, list).iter().flat_map(|ids| ids.split_ascii_whitespace()) {
+            assert!(unique.contains(id), "no element for {list}={id}");
+        }
+    }
+}
+
+#[test]
+fn things_of_the_same_name_keep_apart() {
+    let view = demo::report(TITLE);
+    let twice = |mut items: Vec<stickslip::report::ScenarioView>| {
+        items.extend(items.clone());
+        items
+    };
+    let provenance = stickslip::report::Provenance::fixed("stickslip");
+    let claims = [demo::claims(), demo::claims()].concat();
+    let view = ReportView::assemble(TITLE, claims, twice(view.scenarios), view.verification, &provenance);
+    let page = render(&view).unwrap();
+    let ids = attributes(&page, "id");
+    assert_eq!(ids.len(), ids.iter().collect::<BTreeSet<_>>().len());
+    assert_eq!(view.scenarios[2].anchor, "scenario-paper-figure-6-2");
+}
+
+#[test]
+fn nothing_is_loaded_from_anywhere() {
+    let page = render(&demo::report(TITLE)).unwrap();
+    assert!(page.contains("default-src 'none'"));
+    for element in ["<script", "<link", "<iframe", "<img", "<object", "<embed", "@import", "@font-face"] {
+        assert!(!page.contains(element), "{element}");
+    }
+    for value in ["src", "href", "xlink:href"].iter().flat_map(|name| attributes(&page, name)) {
+        assert!(!value.contains("//"), "{value}");
+    }
+    assert!(!page.replace("url(#", "").contains("url("));
+}
+
+#[test]
+fn the_same_view_gives_the_same_bytes() {
+    let (first, second) = (demo::report(TITLE), demo::report(TITLE));
+    assert_eq!(render(&first).unwrap(), render(&second).unwrap());
+    assert_eq!(json(&first).unwrap(), json(&second).unwrap());
+}
+
+#[test]
+fn only_the_provenance_may_differ() {
+    let fixed = demo::report(TITLE);
+    let mut dated = fixed.clone();
+    let mut provenance = stickslip::report::Provenance::now("stickslip", 7);
+    provenance.timings.push(("all".into(), 1.5));
+    dated.provenance = provenance.view(&dated.scenarios);
+    let before = |page: String| page.split("<section id=\"provenance\"").next().map(str::to_owned);
+    assert_eq!(before(render(&fixed).unwrap()), before(render(&dated).unwrap()));
+}
+
+#[test]
+fn what_the_json_says_the_page_shows() {
+    let view = demo::report(TITLE);
+    let data: Value = serde_json::from_str(&json(&view).unwrap()).unwrap();
+    assert_eq!(data["schema"], SCHEMA);
+    let page = unescape(&render(&view).unwrap());
+    let mut found = Vec::new();
+    leaves(&data, "", &mut found);
+    assert!(found.len() > 300);
+    // Field names that lay out, symbols (split into letter and index), SI units and names that stand inside paths.
+    let silent = ["key", "symbol", "unit", "name"];
+    for (key, text) in found.iter().filter(|(key, text)| !["", "–"].contains(&text.as_str()) && !silent.contains(key))
+    {
+        assert!(page.contains(text.as_str()), "{key}: {text} is not in the page");
+    }
+    assert!(!json(&view).unwrap().contains("<svg"));
+}
+
+#[test]
+fn the_json_can_be_read_back() {
+    let mut view = demo::report(TITLE);
+    let read: ReportView = serde_json::from_str(&json(&view).unwrap()).unwrap();
+    view.scenarios.iter_mut().flat_map(|s| &mut s.figures).for_each(|figure| figure.svg.clear());
+    assert_eq!(read, view);
+}
+
+#[test]
+fn failures_come_first() {
+    let view = demo::report(TITLE);
+    let verdicts: Vec<&str> = view.summary.headlines.iter().map(|headline| headline.verdict.as_str()).collect();
+    assert_eq!(
+        verdicts,
+        [
+            "disagrees",
+            "failed",
+            "not reproducible from the printed values",
+            "some points self-excited",
+            "reproduced with a caveat"
+        ]
+    );
+    assert_eq!(
+        view.summary.sentence,
+        "2 of 4 published claims are reproduced; 1009 of 1010 points in 2 scenarios are steady states; 1 of 2 checks of the solvers agree."
+    );
+    assert_eq!(view.summary.claims.iter().map(|tally| tally.count).sum::<usize>(), view.claims.len());
+}
+
+#[test]
+fn a_view_of_nothing_is_still_a_page() {
+    let provenance = stickslip::report::Provenance::fixed("stickslip");
+    let page = render(&ReportView::assemble("Nothing", vec![], vec![], vec![], &provenance)).unwrap();
+    assert!(page.contains("Nothing was computed.") && !page.contains("href=\"#claims\""));
+}
+
+/// Writes the page to look at: `REPORT_DEMO=/tmp/report-demo cargo test --test report demo_page`.
+#[test]
+fn demo_page() {
+    let Some(folder) = std::env::var_os("REPORT_DEMO").map(std::path::PathBuf::from) else { return };
+    let view = demo::report(TITLE);
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("report.html"), render(&view).unwrap()).unwrap();
+    std::fs::write(folder.join("report.json"), json(&view).unwrap()).unwrap();
+}
