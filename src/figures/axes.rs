@@ -80,7 +80,9 @@ impl Axis {
         let power = 10f64.powf(rough.log10().floor());
         let nice = [1.0, 2.0, 5.0, 10.0].into_iter().find(|m| m * power >= rough * 0.999).unwrap_or(10.0) * power;
         let step = self.step.unwrap_or(nice);
-        let decimals = (-(step * 1.000_001).log10().floor()).clamp(0.0, 9.0) as usize;
+        let exact =
+            |d: &usize| (step * 10f64.powi(*d as i32)).fract().min(1.0 - (step * 10f64.powi(*d as i32)).fract()) < 1e-6;
+        let decimals = (0..12).find(exact).unwrap_or(12);
         let (first, last) = ((self.low / step - 1e-6).ceil() as i64, (self.high / step + 1e-6).floor() as i64);
         let label = |k: i64| format!("{:.decimals$}", k as f64 * step).replace('-', "−");
         (first..=last.min(first + 200)).map(|k| (k as f64 * step, label(k))).collect()
@@ -93,7 +95,7 @@ impl Axis {
         let (first, last) = (self.low.log10().floor() as i32, self.high.log10().ceil() as i32);
         let mut ticks = Vec::new();
         for exponent in first..=last {
-            for digit in 1..10 {
+            for digit in 1..if every > 1 { 2 } else { 10 } {
                 let value = f64::from(digit) * 10f64.powi(exponent);
                 if !(-1e-9..=1.0 + 1e-9).contains(&self.share(value)) {
                     continue;

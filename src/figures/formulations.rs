@@ -105,7 +105,9 @@ impl<'a> Data<'a> {
     fn right_panel(&self, canvas: &mut Canvas, left: f64, width: f64) -> Panel {
         let points = || self.pairs.iter().flat_map(|pair| pair.to_series.iter().chain(&pair.to_limit));
         let x = Axis::logarithmic("Euler steps per cycle [–]", points().map(|point| point.0), 0.08);
-        let y = Axis::logarithmic("largest |relative difference| of α [–]", points().map(|point| point.1), 0.08);
+        let room = range(points().map(|point| 1.9 * point.1)).1;
+        let errors = points().map(|point| point.1).chain([room]);
+        let y = Axis::logarithmic("largest |relative difference| of α [–]", errors, 0.04);
         let panel = Panel { left, top: 44.0, width, height: 554.0, x, y };
         panel.frame(canvas, true, true);
         panel.heading(canvas, "Error of the step size");

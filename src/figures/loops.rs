@@ -41,7 +41,7 @@ impl<'a> Data<'a> {
     fn draw(&self, title: &str, alt: &str) -> String {
         let columns = self.cycles.len().min(3);
         let rows = self.cycles.len().div_ceil(columns);
-        let (left, gap, top, cell_height) = (96.0, 26.0, 96.0, 390.0);
+        let (left, gap, top, cell_height) = (96.0, 40.0, 96.0, 390.0);
         let width = (WIDTH - left - 28.0 - gap * (columns - 1) as f64) / columns as f64;
         let height = if rows == 1 { 430.0 } else { 310.0 };
         let pitch = if rows == 1 { cell_height } else { height + 66.0 };

@@ -65,7 +65,7 @@ impl<'a> Data<'a> {
             let mut start = 0;
             for run in colors.chunk_by(|a, b| a == b) {
                 let (left, right) = (panel.px(columns[start]), panel.px(columns[start + run.len()]));
-                canvas.rectangle((left, top), right - left + 0.6, bottom - top + 0.6, run[0], None);
+                canvas.rectangle((left, top), right - left + 1.2, bottom - top + 1.2, run[0], None);
                 start += run.len();
             }
         }
@@ -115,7 +115,7 @@ fn color(status: &Status, stick: f64) -> Color {
 
 fn label_boundary(panel: &Panel, canvas: &mut Canvas, (f, v): Point) {
     let text = "V = bωα in full slip";
-    let width = text_width(text, 15.0) + 14.0;
+    let width = 1.13 * text_width(text, 15.0) + 16.0;
     let (x, y) = (panel.px(f).clamp(panel.left + 0.5 * width + 4.0, panel.right() - 0.5 * width - 4.0), panel.py(v));
     let y = if y - 38.0 > panel.top { y - 14.0 } else { y + 34.0 };
     if y < panel.bottom() {
@@ -128,10 +128,16 @@ fn color_bar(canvas: &mut Canvas, panel: &Panel) {
     let (left, width, steps) = (panel.right() + 30.0, 22.0, 50);
     let axis = Axis::linear("share of the cycle that sticks", 0.0, 1.0).step(0.2);
     let bar = Panel { left, width, x: Axis::linear("", 0.0, 1.0), y: axis, ..panel.clone() };
-    for i in 0..=steps {
+    for i in (0..=steps).rev() {
         let share = f64::from(i) / f64::from(steps);
         let (low, high) = ((share - 0.01).max(0.0), (share + 0.01).min(1.0));
-        canvas.rectangle((left, bar.py(high)), width, bar.py(low) - bar.py(high) + 0.3, viridis(share), None);
+        canvas.rectangle(
+            (left, bar.py(high)),
+            width,
+            (bar.py(low) - bar.py(high) + 1.2).min(bar.bottom() - bar.py(high)),
+            viridis(share),
+            None,
+        );
     }
     let outline =
         [(left, bar.top), (bar.right(), bar.top), (bar.right(), bar.bottom()), (left, bar.bottom()), (left, bar.top)];

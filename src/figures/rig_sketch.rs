@@ -133,8 +133,8 @@ fn rig(canvas: &mut Canvas) {
         symbol_text(canvas, (PINCH + 38.0, y), sides.0, Anchor::Start, INK);
     }
     let below = LEVEL + 178.0;
-    for (x, from) in [(PIVOT.0, 110.0), (PINCH, 126.0), (CONTACT, 16.0)] {
-        canvas.line((x, LEVEL + from), (x, below + 54.0), Stroke::dashed(GREY, 1.0, "2 4"));
+    for (x, from, to) in [(PIVOT.0, 110.0, 54.0), (PINCH, 126.0, 10.0), (CONTACT, 16.0, 54.0)] {
+        canvas.line((x, LEVEL + from), (x, below + to), Stroke::dashed(GREY, 1.0, "2 4"));
     }
     dimension(canvas, (PIVOT.0, below), (PINCH, below), "a");
     dimension(canvas, (PIVOT.0, below + 44.0), (CONTACT, below + 44.0), "b");
@@ -182,8 +182,9 @@ fn inset(canvas: &mut Canvas) {
     canvas.rectangle((left + 214.0, middle + 28.0), 186.0, 10.0, STEEL, None);
     canvas.arrow((left + 312.0, middle - 4.0), (left + 392.0, middle - 4.0), Stroke::solid(ROLLER, 3.0));
     symbol_text(canvas, (left + 352.0, middle - 14.0), "V − bθ′", Anchor::Middle, ROLLER);
-    let rule = "stick: s = 0, |F| ≤ µW      slip: |F| = µW";
-    canvas.text((left + 0.5 * width, top + height - 16.0), rule, Type::at(Anchor::Middle));
+    let baseline = top + height - 16.0;
+    canvas.text((left + 30.0, baseline), "stick: s = 0, |F| ≤ µW", Type::default());
+    canvas.text((left + width - 30.0, baseline), "slip: |F| = µW", Type::at(Anchor::End));
 }
 
 fn values(outcome: &Outcome) -> Vec<(&'static str, &'static str, f64, &'static str)> {

@@ -4,7 +4,7 @@ use super::axes::{Axis, Entry, Key, Panel, legend, legend_width, range};
 use super::canvas::{Anchor, Canvas, Mark, Point, Stroke, Type};
 use super::data::{self, Field, crossings, health};
 use super::scheme::{draw_curve, limit_name, limit_points, limits};
-use super::style::{INK, ROLLER, SLIP, Table, Unit, WIDTH, cell, ramp};
+use super::style::{INK, ROLLER, SLIP, TICK_SIZE, Table, Unit, WIDTH, cell, ramp, text_width};
 use super::{Drawing, Figure, FigureError};
 use crate::sweep::{Curve, LimitCurve, LimitingCase, Outcome};
 
@@ -143,9 +143,11 @@ fn drop_lines(panel: &Panel, canvas: &mut Canvas, roots: &[f64], level: f64) {
         let (x, y) = (panel.px(*root), panel.py(level));
         canvas.line((x, y + 6.0), (x, panel.bottom()), Stroke::dashed(INK, 1.2, "2 3"));
         let name = NAMES.get(i).copied().unwrap_or("f");
-        let (offset, anchor) = if i == 0 { (-8.0, Anchor::End) } else { (8.0, Anchor::Start) };
         let text = format!("{name} = {root:.2} Hz");
-        canvas.text((x + offset, panel.bottom() - 26.0), &text, Type::at(anchor).bold());
+        let reach = 1.12 * text_width(&text, TICK_SIZE) + 24.0;
+        let leftwards = if i % 2 == 0 { x - reach > panel.left } else { x + reach > panel.right() };
+        let (offset, anchor) = if leftwards { (-8.0, Anchor::End) } else { (8.0, Anchor::Start) };
+        canvas.text((x + offset, panel.bottom() - 20.0 - 24.0 * i as f64), &text, Type::at(anchor).bold());
     }
 }
 
