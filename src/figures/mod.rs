@@ -1,1 +1,122 @@
-//! figures
+//! Figures: a [`crate::sweep::Outcome`] in, SVG, CSV and caption out; PNG from the SVG. Nothing is simulated here.
+//!
+//! One file per figure: a pure function extracts what is shown, another draws it. [`style`] holds everything they look
+//! alike in, [`canvas`] writes SVG with unrounded coordinates, [`axes`] panels, ticks and legends, [`data`] selections.
+
+pub mod axes;
+pub mod canvas;
+pub mod collapse;
+pub mod data;
+pub mod formulations;
+pub mod friction_independence;
+pub mod loops;
+pub mod orbits;
+pub mod regime_map;
+pub mod resonance;
+pub mod ridge;
+pub mod rig_sketch;
+pub mod scheme;
+pub mod style;
+pub mod time_histories;
+pub mod velocity_amplitude;
+
+use crate::sweep::Outcome;
+
+/// Why a figure could not be drawn.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum FigureError {
+    /// The outcome lacks what the figure shows; the text states what the scenario needs.
+    #[error("{0}")]
+    MissingData(String),
+    /// The SVG could not be turned into pixels.
+    #[error("cannot render the figure as PNG: {0}")]
+    Render(String),
+}
+
+impl FigureError {
+    /// Missing data of the named figure, with what its scenario has to provide.
+    pub fn missing(figure: &str, need: &str) -> Self {
+        Self::MissingData(format!("figure `{figure}` needs {need}"))
+    }
+}
+
+/// A finished figure.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Drawing {
+    /// Name in the registry; also the file's stem.
+    pub name: String,
+    /// Title.
+    pub title: String,
+    /// What it shows and what to look for, with numbers from the data.
+    pub caption: String,
+    /// Text alternative.
+    pub alt: String,
+    /// The drawing, deterministic.
+    pub svg: String,
+    /// Exactly what is shown, with units in the header.
+    pub csv: String,
+    /// Key numbers: name, and value with unit.
+    pub notes: Vec<(String, String)>,
+}
+
+impl Drawing {
+    /// The drawing of a figure: caption and text alternative, SVG and CSV, key numbers.
+    fn of(
+        figure: &dyn Figure,
+        (caption, alt): (String, String),
+        (svg, csv): (String, String),
+        notes: Vec<(String, String)>,
+    ) -> Self {
+        let (name, title) = (figure.name().into(), figure.title().into());
+        Self { name, title, caption, alt, svg, csv, notes }
+    }
+}
+
+/// A figure of the registry.
+pub trait Figure: Sync {
+    /// Name used in scenario files, in kebab-case.
+    fn name(&self) -> &'static str;
+    /// Title.
+    fn title(&self) -> &'static str;
+    /// Whether the sweep must keep the orbits.
+    fn needs_orbits(&self) -> bool {
+        false
+    }
+    /// Draws the outcome.
+    ///
+    /// # Errors
+    /// [`FigureError::MissingData`] where the outcome lacks what the figure shows.
+    fn draw(&self, outcome: &Outcome) -> Result<Drawing, FigureError>;
+}
+
+/// Every figure, in the order in which a report shows them.
+pub static REGISTRY: &[&dyn Figure] = &[
+    &rig_sketch::RigSketch,
+    &velocity_amplitude::VelocityAmplitude,
+    &friction_independence::FrictionIndependence,
+    &resonance::Resonance,
+    &ridge::Ridge,
+    &regime_map::RegimeMap,
+    &collapse::Collapse,
+    &loops::Loops,
+    &time_histories::TimeHistories,
+    &formulations::Formulations,
+];
+
+/// Names of all figures.
+pub fn names() -> Vec<&'static str> {
+    REGISTRY.iter().map(|figure| figure.name()).collect()
+}
+
+/// The figure of that name.
+pub fn find(name: &str) -> Option<&'static dyn Figure> {
+    REGISTRY.iter().copied().find(|figure| figure.name() == name)
+}
+
+/// The SVG as PNG, `scale` pixels per logical pixel.
+///
+/// # Errors
+/// [`FigureError::Render`] where the SVG does not parse or the scale gives no image.
+pub fn png(svg: &str, scale: f32) -> Result<Vec<u8>, FigureError> {
+    style::rasterise(svg, scale)
+}

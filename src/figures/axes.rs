@@ -1,0 +1,293 @@
+//! Panels with axes, ticks and curves, and the legend beside them.
+
+use super::canvas::{Anchor, Canvas, Mark, Point, Stroke, Type};
+use super::style::{Color, GREY, GRID, INK, LABEL_SIZE, TICK_SIZE, WHITE, power_of_ten, text_width};
+
+const X_SPACING: f64 = 88.0;
+const Y_SPACING: f64 = 46.0;
+
+/// An axis in displayed units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// Label with unit.
+    pub label: String,
+    /// Lower end.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+    /// Logarithmic.
+    pub log: bool,
+    /// Fixed distance of the ticks of a linear axis.
+    pub step: Option<f64>,
+}
+
+impl Axis {
+    /// A linear axis over exactly this range, widened where it has no extent.
+    pub fn linear(label: impl Into<String>, low: f64, high: f64) -> Self {
+        let (low, high) = if low.is_finite() && high.is_finite() { (low, high) } else { (0.0, 1.0) };
+        let scale = low.abs().max(high.abs());
+        let flat = high - low <= 1e-9 * scale || high <= low;
+        let pad = if !flat {
+            0.0
+        } else if scale == 0.0 {
+            1.0
+        } else {
+            0.05 * scale
+        };
+        Self { label: label.into(), low: low - pad, high: high + pad, log: false, step: None }
+    }
+
+    /// A linear axis around the values with a margin; from zero where they are positive and come near it.
+    pub fn around(label: impl Into<String>, values: impl IntoIterator<Item = f64>) -> Self {
+        let (low, high) = range(values);
+        let margin = 0.06 * (high - low);
+        if low >= 0.0 && low < 0.45 * high {
+            return Self::linear(label, 0.0, high + margin);
+        }
+        Self::linear(label, low - margin, high + margin)
+    }
+
+    /// A logarithmic axis around the positive values with a margin of `margin` of its length.
+    pub fn logarithmic(label: impl Into<String>, values: impl IntoIterator<Item = f64>, margin: f64) -> Self {
+        let (low, high) = range(values.into_iter().filter(|value| *value > 0.0).map(f64::log10));
+        let (low, high) = if !low.is_finite() { (-1.0, 0.0) } else { (low, high) };
+        let pad = if high - low < 0.05 { 0.3 } else { margin * (high - low) };
+        Self { label: label.into(), low: 10f64.powf(low - pad), high: 10f64.powf(high + pad), log: true, step: None }
+    }
+
+    /// The same with ticks at multiples of `step`.
+    pub fn step(self, step: f64) -> Self {
+        Self { step: Some(step), ..self }
+    }
+
+    /// Position of a value along the axis, 0 at the lower end and 1 at the upper.
+    pub fn share(&self, value: f64) -> f64 {
+        if self.log {
+            (value.log10() - self.low.log10()) / (self.high.log10() - self.low.log10())
+        } else {
+            (value - self.low) / (self.high - self.low)
+        }
+    }
+
+    /// Ticks with their labels (empty for minor ones) for an axis of that length.
+    pub fn ticks(&self, length: f64, spacing: f64) -> Vec<(f64, String)> {
+        let room = (length / spacing).max(2.0);
+        if self.log { self.log_ticks(room) } else { self.linear_ticks(room) }
+    }
+
+    fn linear_ticks(&self, room: f64) -> Vec<(f64, String)> {
+        let rough = (self.high - self.low) / room;
+        let power = 10f64.powf(rough.log10().floor());
+        let nice = [1.0, 2.0, 5.0, 10.0].into_iter().find(|m| m * power >= rough * 0.999).unwrap_or(10.0) * power;
+        let step = self.step.unwrap_or(nice);
+        let exact =
+            |d: &usize| (step * 10f64.powi(*d as i32)).fract().min(1.0 - (step * 10f64.powi(*d as i32)).fract()) < 1e-6;
+        let decimals = (0..12).find(exact).unwrap_or(12);
+        let (first, last) = ((self.low / step - 1e-6).ceil() as i64, (self.high / step + 1e-6).floor() as i64);
+        let label = |k: i64| format!("{:.decimals$}", k as f64 * step).replace('-', "−");
+        (first..=last.min(first + 200)).map(|k| (k as f64 * step, label(k))).collect()
+    }
+
+    fn log_ticks(&self, room: f64) -> Vec<(f64, String)> {
+        let decades = self.high.log10() - self.low.log10();
+        let every = (decades / room).ceil().max(1.0) as i32;
+        let labelled: &[i32] = if decades < 0.6 * room / 2.0 && decades < 2.5 { &[1, 2, 5] } else { &[1] };
+        let (first, last) = (self.low.log10().floor() as i32, self.high.log10().ceil() as i32);
+        let mut ticks = Vec::new();
+        for exponent in first..=last {
+            for digit in 1..if every > 1 { 2 } else { 10 } {
+                let value = f64::from(digit) * 10f64.powi(exponent);
+                if !(-1e-9..=1.0 + 1e-9).contains(&self.share(value)) {
+                    continue;
+                }
+                let named = labelled.contains(&digit) && (exponent - first) % every == 0;
+                ticks.push((value, if named { log_label(digit, exponent) } else { String::new() }));
+            }
+        }
+        ticks
+    }
+}
+
+fn log_label(digit: i32, exponent: i32) -> String {
+    if (-4..5).contains(&exponent) {
+        return format!("{:.*}", (-exponent).max(0) as usize, f64::from(digit) * 10f64.powi(exponent));
+    }
+    if digit == 1 { power_of_ten(exponent) } else { format!("{digit}×{}", power_of_ten(exponent)) }
+}
+
+/// Smallest and largest finite value (infinite ends where there is none).
+pub fn range(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
+    let finite = values.into_iter().filter(|value| value.is_finite());
+    finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)))
+}
+
+/// A rectangle of the figure with its two axes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Panel {
+    /// Left edge \[px\].
+    pub left: f64,
+    /// Upper edge \[px\].
+    pub top: f64,
+    /// Width \[px\].
+    pub width: f64,
+    /// Height \[px\].
+    pub height: f64,
+    /// Horizontal axis.
+    pub x: Axis,
+    /// Vertical axis.
+    pub y: Axis,
+}
+
+impl Panel {
+    /// Pixel of a value on the horizontal axis.
+    pub fn px(&self, value: f64) -> f64 {
+        self.left + self.width * self.x.share(value)
+    }
+
+    /// Pixel of a value on the vertical axis.
+    pub fn py(&self, value: f64) -> f64 {
+        self.top + self.height * (1.0 - self.y.share(value))
+    }
+
+    /// Right edge \[px\].
+    pub fn right(&self) -> f64 {
+        self.left + self.width
+    }
+
+    /// Lower edge \[px\].
+    pub fn bottom(&self) -> f64 {
+        self.top + self.height
+    }
+
+    /// Grid, frame, ticks and labels; tick labels and label of the horizontal axis only where `below` is set, those of
+    /// the vertical axis only where `beside` is set.
+    pub fn frame(&self, canvas: &mut Canvas, below: bool, beside: bool) {
+        let grid = Stroke::solid(GRID, 1.0);
+        for (value, _) in self.x.ticks(self.width, X_SPACING).iter().filter(|(_, label)| !label.is_empty()) {
+            canvas.line((self.px(*value), self.top), (self.px(*value), self.bottom()), grid);
+        }
+        for (value, _) in self.y.ticks(self.height, Y_SPACING).iter().filter(|(_, label)| !label.is_empty()) {
+            canvas.line((self.left, self.py(*value)), (self.right(), self.py(*value)), grid);
+        }
+        self.border(canvas, -1.0);
+        self.labels(canvas, below, beside);
+    }
+
+    /// Frame with its tick marks; they point outwards for `direction` 1, inwards for -1.
+    pub fn border(&self, canvas: &mut Canvas, direction: f64) {
+        let thin = Stroke::solid(INK, 1.2);
+        let length = |label: &str| direction * if label.is_empty() { 3.5 } else { 6.5 };
+        for (value, label) in self.x.ticks(self.width, X_SPACING) {
+            let x = self.px(value);
+            canvas.line((x, self.bottom()), (x, self.bottom() + length(&label)), thin);
+        }
+        for (value, label) in self.y.ticks(self.height, Y_SPACING) {
+            let y = self.py(value);
+            canvas.line((self.left, y), (self.left - length(&label), y), thin);
+        }
+        let (l, r, t, b) = (self.left, self.right(), self.top, self.bottom());
+        canvas.polyline(&[(l, t), (r, t), (r, b), (l, b), (l, t)], thin);
+    }
+
+    /// Tick labels and axis labels below and beside the panel.
+    pub fn labels(&self, canvas: &mut Canvas, below: bool, beside: bool) {
+        let style = Type { size: LABEL_SIZE, anchor: Anchor::Middle, ..Type::default() };
+        if below {
+            for (value, label) in self.x.ticks(self.width, X_SPACING).iter().filter(|(_, label)| !label.is_empty()) {
+                canvas.text((self.px(*value), self.bottom() + 21.0), label, Type::at(Anchor::Middle));
+            }
+            canvas.text((self.left + 0.5 * self.width, self.bottom() + 46.0), &self.x.label, style);
+        }
+        if beside {
+            for (value, label) in self.y.ticks(self.height, Y_SPACING).iter().filter(|(_, label)| !label.is_empty()) {
+                let position = (self.left - 9.0, self.py(*value) + 0.36 * TICK_SIZE);
+                canvas.text(position, label, Type::at(Anchor::End));
+            }
+            let position = (self.left - 68.0, self.top + 0.5 * self.height);
+            canvas.text(position, &self.y.label, Type { upwards: true, ..style });
+        }
+    }
+
+    /// Clips what follows to the panel.
+    pub fn clip(&self, canvas: &mut Canvas) {
+        canvas.clip((self.left, self.top), self.width, self.height);
+    }
+
+    /// A curve, clipped to the panel and interrupted where a value is missing.
+    pub fn curve(&self, canvas: &mut Canvas, points: &[Point], stroke: Stroke) {
+        self.clip(canvas);
+        let pixels: Vec<Point> = points.iter().map(|&(x, y)| (self.px(x), self.py(y))).collect();
+        for run in pixels.split(|(x, y)| !x.is_finite() || !y.is_finite()) {
+            canvas.polyline(run, stroke);
+        }
+        canvas.unclip();
+    }
+
+    /// Marks at the points that lie in the panel; a mark without fill is open.
+    pub fn marks(&self, canvas: &mut Canvas, points: &[Point], mark: Mark, radius: f64, color: Color, filled: bool) {
+        let outline = if filled { Stroke::solid(WHITE, 0.8) } else { Stroke::solid(color, 1.6) };
+        for &(x, y) in points {
+            let inside = |share: f64| (-0.001..=1.001).contains(&share);
+            if inside(self.x.share(x)) && inside(self.y.share(y)) {
+                canvas.mark(mark, (self.px(x), self.py(y)), radius, if filled { color } else { WHITE }, outline);
+            }
+        }
+    }
+
+    /// Bold text above the upper left corner.
+    pub fn heading(&self, canvas: &mut Canvas, text: &str) {
+        canvas.text((self.left, self.top - 9.0), text, Type::default().bold());
+    }
+}
+
+/// What a legend entry shows before its text.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Key {
+    /// A line.
+    Line(Stroke),
+    /// A mark; filled or open.
+    Mark(Mark, Color, bool),
+    /// A patch of colour.
+    Patch(Color),
+    /// Nothing: the entry is a heading.
+    Heading,
+}
+
+/// An entry of a legend.
+pub type Entry = (Key, String);
+
+/// Width that a legend takes \[px\].
+pub fn legend_width(entries: &[Entry]) -> f64 {
+    entries
+        .iter()
+        .map(|(key, text)| text_width(text, TICK_SIZE) + if *key == Key::Heading { 0.0 } else { 44.0 })
+        .fold(0.0, f64::max)
+}
+
+/// Draws a legend downwards from its upper left corner; returns the lower end.
+pub fn legend(canvas: &mut Canvas, left: f64, top: f64, entries: &[Entry]) -> f64 {
+    let mut y = top;
+    for (key, text) in entries {
+        y += if *key == Key::Heading && y > top { 30.0 } else { 21.0 };
+        let middle = y - 5.0;
+        let style = Type::default();
+        match *key {
+            Key::Line(stroke) => canvas.line((left, middle), (left + 36.0, middle), stroke),
+            Key::Mark(mark, color, true) => {
+                canvas.mark(mark, (left + 18.0, middle), 5.0, color, Stroke::solid(GREY, 0.5))
+            }
+            Key::Mark(mark, color, false) => {
+                canvas.mark(mark, (left + 18.0, middle), 5.0, WHITE, Stroke::solid(color, 1.6));
+            }
+            Key::Patch(color) => {
+                canvas.rectangle((left + 4.0, middle - 7.0), 28.0, 14.0, color, Some(Stroke::solid(GREY, 0.7)));
+            }
+            Key::Heading => {
+                canvas.text((left, y), text, style.bold());
+                continue;
+            }
+        }
+        canvas.text((left + 44.0, y), text, style);
+    }
+    y
+}

@@ -1,0 +1,196 @@
+//! Share of the cycle that sticks over drive frequency and roller speed.
+
+use super::axes::{Axis, Panel, range};
+use super::canvas::{Anchor, Canvas, Point, Stroke, Type};
+use super::data::{self, Field, health};
+use super::scheme::limit_points;
+use super::style::{Color, GREY, INK, SLIP, Table, Unit, WHITE, WIDTH, cell, text_width, viridis};
+use super::{Drawing, Figure, FigureError};
+use crate::solver::Status;
+use crate::sweep::{Curve, LimitCurve, LimitingCase, Outcome};
+
+const HEIGHT: f64 = 620.0;
+const MISSING: Color = Color(0xd0, 0xd0, 0xd0);
+
+/// The figure.
+pub struct RegimeMap;
+
+/// What is shown: rows of ascending speed, in SI.
+struct Data<'a> {
+    rows: Vec<&'a Curve>,
+    slip: Option<&'a LimitCurve>,
+    span: (f64, f64),
+    log: bool,
+    left_out: usize,
+}
+
+impl<'a> Data<'a> {
+    fn of(outcome: &'a Outcome) -> Result<Self, FigureError> {
+        let all = data::curves(outcome);
+        let groups = data::groups(&all, Field::Speed);
+        let positive = |group: &[&'a Curve]| -> Vec<&'a Curve> {
+            let moving = group.iter().copied().filter(|c| c.condition.speed > 0.0 && c.frequency.len() > 1);
+            moving.collect()
+        };
+        let mut rows =
+            groups.iter().map(|group| positive(group)).find(|rows| rows.len() > 1).ok_or_else(|| {
+                FigureError::missing("regime-map", "at least two positive speeds and two frequencies")
+            })?;
+        rows.sort_by(|a, b| a.condition.speed.total_cmp(&b.condition.speed));
+        let span = range(rows.iter().flat_map(|curve| curve.frequency.iter().copied()));
+        let log = rows[rows.len() - 1].condition.speed > 12.0 * rows[0].condition.speed;
+        let slip = data::limit(outcome, LimitingCase::FreeOrFullSlip, rows[0].condition.drive);
+        let left_out = all.len() - rows.len();
+        Ok(Self { rows, slip, span, log, left_out })
+    }
+
+    fn boundary(&self) -> Vec<Point> {
+        self.slip.map_or_else(Vec::new, |slip| limit_points(slip, &slip.speed_amplitude, self.span, 1e-3))
+    }
+
+    fn draw(&self, title: &str, alt: &str) -> String {
+        let speeds: Vec<f64> = self.rows.iter().map(|curve| Unit::speed().of(curve.condition.speed)).collect();
+        let edges = edges(&speeds, self.log);
+        let (low, high) = (edges[0], edges[edges.len() - 1]);
+        let y = Axis { log: self.log, ..Axis::linear("roller speed V [mm/s]", low, high) };
+        let x = Axis::linear("frequency f [Hz]", self.span.0, self.span.1);
+        let panel = Panel { left: 92.0, top: 24.0, width: WIDTH - 92.0 - 132.0, height: 536.0, x, y };
+        let mut canvas = Canvas::new(WIDTH, HEIGHT);
+        panel.clip(&mut canvas);
+        for (row, curve) in self.rows.iter().enumerate() {
+            let columns = self::edges(&curve.frequency, false);
+            let (top, bottom) = (panel.py(edges[row + 1]), panel.py(edges[row]));
+            // Neighbours of one colour become one rectangle; a slight overlap avoids seams.
+            let colors: Vec<Color> = curve.states.iter().map(|s| color(&s.status, s.stick_fraction)).collect();
+            let mut start = 0;
+            for run in colors.chunk_by(|a, b| a == b) {
+                let (left, right) = (panel.px(columns[start]), panel.px(columns[start + run.len()]));
+                canvas.rectangle((left, top), right - left + 1.2, bottom - top + 1.2, run[0], None);
+                start += run.len();
+            }
+        }
+        canvas.unclip();
+        panel.curve(&mut canvas, &self.boundary(), Stroke::solid(WHITE, 5.0));
+        panel.curve(&mut canvas, &self.boundary(), Stroke::solid(SLIP, 2.6));
+        panel.border(&mut canvas, 1.0);
+        panel.labels(&mut canvas, true, true);
+        if let Some(slip) = self.slip {
+            label_boundary(&panel, &mut canvas, (slip.speed_peak_frequency, Unit::speed().of(slip.speed_peak)));
+        }
+        color_bar(&mut canvas, &panel);
+        canvas.finish(title, alt)
+    }
+
+    fn csv(&self) -> String {
+        let mut table = Table::new(&["item", "frequency [Hz]", "speed [mm/s]", "stick fraction [-]", "status"]);
+        for curve in &self.rows {
+            let speed = cell(Unit::speed().of(curve.condition.speed));
+            for (f, s) in curve.frequency.iter().zip(&curve.states) {
+                let word = data::status_word(&s.status).to_string();
+                table.row(["cell".into(), cell(*f), speed.clone(), cell(s.stick_fraction), word]);
+            }
+        }
+        for (f, v) in self.boundary() {
+            table.row(["boundary".into(), cell(f), cell(v), "0".into(), "closed form".into()]);
+        }
+        table.finish()
+    }
+}
+
+/// Edges of cells around ascending values: midpoints, and the outer values mirrored.
+fn edges(values: &[f64], log: bool) -> Vec<f64> {
+    let to = |value: f64| if log { value.ln() } else { value };
+    let back = |value: f64| if log { value.exp() } else { value };
+    let at: Vec<f64> = values.iter().map(|value| to(*value)).collect();
+    let last = at.len() - 1;
+    let mut edges = vec![at[0] - 0.5 * (at[1] - at[0])];
+    edges.extend(at.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])));
+    edges.push(at[last] + 0.5 * (at[last] - at[last - 1]));
+    edges.into_iter().map(back).collect()
+}
+
+fn color(status: &Status, stick: f64) -> Color {
+    if *status == Status::Steady && stick.is_finite() { viridis((stick * 50.0).round() / 50.0) } else { MISSING }
+}
+
+fn label_boundary(panel: &Panel, canvas: &mut Canvas, (f, v): Point) {
+    let text = "V = bωα in full slip";
+    let width = 1.13 * text_width(text, 15.0) + 16.0;
+    let (x, y) = (panel.px(f).clamp(panel.left + 0.5 * width + 4.0, panel.right() - 0.5 * width - 4.0), panel.py(v));
+    let y = if y - 38.0 > panel.top { y - 14.0 } else { y + 34.0 };
+    if y < panel.bottom() {
+        canvas.rectangle((x - 0.5 * width, y - 17.0), width, 23.0, WHITE, Some(Stroke::solid(GREY, 0.7)));
+        canvas.text((x, y), text, Type::at(Anchor::Middle).colored(SLIP).bold());
+    }
+}
+
+fn color_bar(canvas: &mut Canvas, panel: &Panel) {
+    let (left, width, steps) = (panel.right() + 30.0, 22.0, 50);
+    let axis = Axis::linear("share of the cycle that sticks", 0.0, 1.0).step(0.2);
+    let bar = Panel { left, width, x: Axis::linear("", 0.0, 1.0), y: axis, ..panel.clone() };
+    for i in (0..=steps).rev() {
+        let share = f64::from(i) / f64::from(steps);
+        let (low, high) = ((share - 0.01).max(0.0), (share + 0.01).min(1.0));
+        canvas.rectangle(
+            (left, bar.py(high)),
+            width,
+            (bar.py(low) - bar.py(high) + 1.2).min(bar.bottom() - bar.py(high)),
+            viridis(share),
+            None,
+        );
+    }
+    let outline =
+        [(left, bar.top), (bar.right(), bar.top), (bar.right(), bar.bottom()), (left, bar.bottom()), (left, bar.top)];
+    canvas.polyline(&outline, Stroke::solid(INK, 1.2));
+    for (value, label) in bar.y.ticks(bar.height, 60.0) {
+        canvas.line((bar.right(), bar.py(value)), (bar.right() + 6.0, bar.py(value)), Stroke::solid(INK, 1.2));
+        canvas.text((bar.right() + 10.0, bar.py(value) + 5.4), &label, Type::at(Anchor::Start));
+    }
+    let middle = (bar.right() + 62.0, bar.top + 0.5 * bar.height);
+    canvas.text(middle, &bar.y.label, Type { upwards: true, ..Type::at(Anchor::Middle) });
+}
+
+impl Figure for RegimeMap {
+    fn name(&self) -> &'static str {
+        "regime-map"
+    }
+
+    fn title(&self) -> &'static str {
+        "Where the contact sticks"
+    }
+
+    fn draw(&self, outcome: &Outcome) -> Result<Drawing, FigureError> {
+        let data = Data::of(outcome)?;
+        let states = || data.rows.iter().flat_map(|curve| &curve.states).filter(|s| s.status == Status::Steady);
+        let (total, slipping) = (states().count(), states().filter(|s| s.stick_fraction <= 0.0).count());
+        let share = 100.0 * slipping as f64 / total.max(1) as f64;
+        let largest = range(states().map(|s| s.stick_fraction)).1;
+        let mut notes = vec![
+            ("Points in full slip".into(), format!("{slipping} of {total} ({share:.0} %)")),
+            ("Largest stick fraction".into(), format!("{largest:.3}")),
+        ];
+        let mut caption = format!(
+            "Share of each cycle during which the contact sticks, for every computed pair of frequency and roller speed; \
+             {slipping} of {total} points slip throughout. Stick should begin exactly at the line, where the arm's speed \
+             amplitude in full slip (closed form) equals the roller's speed."
+        );
+        if let Some(slip) = data.slip {
+            let top = format!("{} at {:.2} Hz", Unit::speed().show(slip.speed_peak, 4), slip.speed_peak_frequency);
+            caption += &format!(" The line's top is at {top}.");
+            notes.push(("Top of the boundary".into(), top));
+        }
+        if data.left_out > 0 {
+            caption +=
+                &format!(" One condition is shown; {} curves (other conditions or V = 0) are not.", data.left_out);
+        }
+        let sick = health(&data.rows);
+        if !sick.is_empty() {
+            caption += &sick
+                .replace("open marks: lock-in averages", "grey")
+                .replace("gaps); no line joins across them", "grey)");
+        }
+        let alt = "Colour map of the stick fraction over frequency and roller speed; stick fills the area below a resonance-shaped boundary line.".to_string();
+        let svg = data.draw(self.title(), &alt);
+        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
+    }
+}

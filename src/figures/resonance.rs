@@ -1,0 +1,190 @@
+//! Amplitude and phase against frequency, one curve per condition, between the limiting cases (paper Figures 5 and 6).
+
+use super::axes::{Axis, Entry, Key, Panel, legend, legend_width, range};
+use super::canvas::{Canvas, Point, Stroke};
+use super::data::{self, health};
+use super::scheme::{Scheme, draw_curve, limit_name, limit_points, limit_stroke, limits, recolored};
+use super::style::{INK, Table, Unit, WIDTH, cell};
+use super::{Drawing, Figure, FigureError};
+use crate::solver::SteadyState;
+use crate::sweep::{LimitCurve, Outcome};
+use std::f64::consts::PI;
+
+const HEIGHT: f64 = 740.0;
+
+/// The figure.
+pub struct Resonance;
+
+/// What is shown.
+struct Data<'a> {
+    scheme: Scheme<'a>,
+    limits: Vec<(&'a LimitCurve, Stroke)>,
+    span: (f64, f64),
+    unit: Unit,
+    wraps: bool,
+}
+
+impl<'a> Data<'a> {
+    fn of(outcome: &'a Outcome) -> Result<Self, FigureError> {
+        let curves = data::curves(outcome);
+        let Some(first) = curves.first() else {
+            return Err(FigureError::missing("resonance", "a sweep with at least one frequency and one condition"));
+        };
+        let limits = limits(outcome, first.condition.drive);
+        let span = range(curves.iter().flat_map(|curve| curve.frequency.iter().copied()));
+        let states = || curves.iter().flat_map(|curve| &curve.states);
+        let of_limits = limits.iter().map(|(limit, _)| limit.peak_amplitude);
+        let largest = range(states().map(|state| state.amplitude).chain(of_limits)).1;
+        let (low, high) = range(states().map(|state| state.phase));
+        let unit = Unit::fitting(largest, "rad");
+        Ok(Self { scheme: Scheme::of(&curves), limits, span, unit, wraps: high > 0.5 * PI && low < -0.5 * PI })
+    }
+
+    /// Phase in degrees; on the branch from -270° to 90° where the sweep crosses -180°.
+    fn phase(&self, phase: f64) -> f64 {
+        (if self.wraps && phase > 0.5 * PI { phase - 2.0 * PI } else { phase }).to_degrees()
+    }
+
+    fn limit_phase(&self, limit: &LimitCurve) -> Vec<f64> {
+        limit.phase.iter().map(|phase| self.phase(*phase)).collect()
+    }
+
+    fn legend(&self) -> Vec<Entry> {
+        let mut entries = self.scheme.legend.clone();
+        if !self.limits.is_empty() {
+            entries.push((Key::Heading, "Limiting cases".into()));
+        }
+        for (limit, _) in &self.limits {
+            entries.push((Key::Line(recolored(limit_stroke(limit.case), INK)), limit_name(limit.case).into()));
+        }
+        entries
+    }
+
+    fn draw(&self, title: &str, alt: &str) -> String {
+        let entries = self.legend();
+        let column = legend_width(&entries);
+        let width = WIDTH - 92.0 - 30.0 - column - 20.0;
+        let axis = || Axis::linear("frequency f [Hz]", self.span.0, self.span.1);
+        let states = || self.scheme.curves.iter().flat_map(|s| &s.curve.states);
+        let amplitudes = states().map(|s| s.amplitude).chain(self.limits.iter().map(|(l, _)| l.peak_amplitude));
+        let amplitude = Axis::around(format!("amplitude α [{}]", self.unit.label), amplitudes.map(|a| self.unit.of(a)));
+        let phases =
+            states().map(|s| self.phase(s.phase)).chain(self.limits.iter().flat_map(|(l, _)| self.limit_phase(l)));
+        let phase = phase_axis(phases);
+        let upper = Panel { left: 92.0, top: 24.0, width, height: 330.0, x: axis(), y: amplitude };
+        let lower = Panel { left: 92.0, top: 382.0, width, height: 300.0, x: axis(), y: phase };
+        let mut canvas = Canvas::new(WIDTH, HEIGHT);
+        upper.frame(&mut canvas, false, true);
+        lower.frame(&mut canvas, true, true);
+        for styled in &self.scheme.curves {
+            draw_curve(&upper, &mut canvas, styled.curve, styled.stroke, |s| self.unit.of(s.amplitude));
+            // A line broken wherever the phase jumps by more than half a turn.
+            let points = data::steady(styled.curve, |s| self.phase(s.phase));
+            for run in unbroken(&points) {
+                lower.curve(&mut canvas, run, styled.stroke);
+            }
+            let dots = |s: &SteadyState| if points.len() == 1 { self.phase(s.phase) } else { f64::NAN };
+            draw_curve(&lower, &mut canvas, styled.curve, styled.stroke, dots);
+            let open = data::self_excited(styled.curve, |s| self.phase(s.phase));
+            lower.marks(&mut canvas, &open, super::canvas::Mark::Circle, 4.0, styled.stroke.color, false);
+        }
+        for (limit, stroke) in &self.limits {
+            let stroke = recolored(*stroke, INK);
+            upper.curve(&mut canvas, &limit_points(limit, &limit.amplitude, self.span, self.unit.factor), stroke);
+            for run in unbroken(&limit_points(limit, &self.limit_phase(limit), self.span, 1.0)) {
+                lower.curve(&mut canvas, run, stroke);
+            }
+        }
+        legend(&mut canvas, upper.right() + 30.0, 20.0, &entries);
+        canvas.finish(title, alt)
+    }
+
+    fn csv(&self) -> String {
+        let amplitude = format!("amplitude [{}]", self.unit.label);
+        let mut table = Table::new(&["curve", "frequency [Hz]", &amplitude, "phase [deg]", "status"]);
+        for styled in &self.scheme.curves {
+            for (f, s) in styled.curve.frequency.iter().zip(&styled.curve.states) {
+                let numbers = [cell(*f), cell(self.unit.of(s.amplitude)), cell(self.phase(s.phase))];
+                let [f, a, p] = numbers;
+                table.row([styled.label.clone(), f, a, p, data::status_word(&s.status).into()]);
+            }
+        }
+        for (limit, _) in &self.limits {
+            let inside = |f: f64| (self.span.0 - 1e-9..=self.span.1 + 1e-9).contains(&f);
+            for (i, f) in limit.frequency.iter().enumerate().filter(|(_, f)| inside(**f)) {
+                let value = |values: &[f64]| values.get(i).copied().unwrap_or(f64::NAN);
+                let (a, p) = (self.unit.of(value(&limit.amplitude)), self.phase(value(&limit.phase)));
+                table.row([limit_name(limit.case).into(), cell(*f), cell(a), cell(p), "closed form".into()]);
+            }
+        }
+        table.finish()
+    }
+}
+
+fn phase_axis(phases: impl IntoIterator<Item = f64>) -> Axis {
+    let (low, high) = range(phases);
+    let (low, high) = if low.is_finite() { (low, high) } else { (-180.0, 0.0) };
+    let step = if high - low > 100.0 { 45.0 } else { 15.0 };
+    let (low, high) = ((low / step).floor() * step, (high / step).ceil() * step);
+    Axis::linear("phase φ [°]", low, high.max(low + step)).step(step)
+}
+
+fn unbroken(points: &[Point]) -> Vec<&[Point]> {
+    points.chunk_by(|a, b| (a.1 - b.1).abs() <= 180.0 || !a.1.is_finite() || !b.1.is_finite()).collect()
+}
+
+impl Figure for Resonance {
+    fn name(&self) -> &'static str {
+        "resonance"
+    }
+
+    fn title(&self) -> &'static str {
+        "Resonance curves"
+    }
+
+    fn draw(&self, outcome: &Outcome) -> Result<Drawing, FigureError> {
+        let data = Data::of(outcome)?;
+        let curves: Vec<_> = data.scheme.curves.iter().map(|styled| styled.curve).collect();
+        let mut notes = Vec::new();
+        for (limit, _) in &data.limits {
+            notes.push((
+                format!("Peak, case {}", limit_name(limit.case)),
+                peak_text((limit.peak_frequency, limit.peak_amplitude), &data.unit),
+            ));
+        }
+        for styled in &data.scheme.curves {
+            if let Some(peak) =
+                data::peak(&data::steady(styled.curve, |s| s.amplitude)).filter(|_| styled.curve.frequency.len() > 2)
+            {
+                notes.push((format!("Peak, {}", styled.label), peak_text(peak, &data.unit)));
+            }
+        }
+        let drives = data::Field::Drive.distinct(&curves).len();
+        let of_drive = if drives > 1 { format!(" of the first of {drives} drives") } else { String::new() };
+        let peaks = match data.limits.as_slice() {
+            [(slip, _), (fixed, _)] => format!(
+                " The limiting cases{of_drive} peak at {} (full slip or no contact) and {} (static contact); look for how the computed peaks pass from one to the other as the roller speeds up, lowest in between.",
+                peak_text((slip.peak_frequency, slip.peak_amplitude), &data.unit),
+                peak_text((fixed.peak_frequency, fixed.peak_amplitude), &data.unit)
+            ),
+            _ => String::new(),
+        };
+        let count = data.scheme.curves.len();
+        let caption = format!(
+            "Amplitude α and phase φ of the arm at the drive frequency, {count} computed curve{} from {} to {} Hz.{peaks}{}",
+            if count == 1 { "" } else { "s" },
+            cell(data.span.0),
+            cell(data.span.1),
+            health(&curves)
+        );
+        let alt = format!(
+            "Two stacked graphs against frequency: amplitude with resonance peaks, and phase falling through resonance, for {count} conditions and the limiting cases as dashed lines."
+        );
+        let svg = data.draw(self.title(), &alt);
+        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
+    }
+}
+
+fn peak_text((f, a): Point, unit: &Unit) -> String {
+    format!("{} at {f:.2} Hz", unit.show(a, 4))
+}

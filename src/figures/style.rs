@@ -1,0 +1,222 @@
+//! What all figures share in looks: sizes, colours, font, numbers with units, CSV, and pixels.
+
+use super::FigureError;
+use resvg::{tiny_skia, usvg};
+use std::fmt;
+use std::sync::{Arc, OnceLock};
+
+/// Width of a figure in logical pixels.
+pub const WIDTH: f64 = 1100.0;
+/// Size of tick and legend text \[px\].
+pub const TICK_SIZE: f64 = 15.0;
+/// Size of axis labels \[px\].
+pub const LABEL_SIZE: f64 = 16.5;
+/// Font families: DejaVu Sans is what the PNG uses; Verdana has nearly its widths.
+pub const FONT: &str = "DejaVu Sans, Verdana, sans-serif";
+
+/// An sRGB colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Color(pub u8, pub u8, pub u8);
+
+impl fmt::Display for Color {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "#{:02x}{:02x}{:02x}", self.0, self.1, self.2)
+    }
+}
+
+/// Text and frames.
+pub const INK: Color = Color(0x22, 0x22, 0x22);
+/// Secondary lines.
+pub const GREY: Color = Color(0x77, 0x77, 0x77);
+/// Grid lines.
+pub const GRID: Color = Color(0xe4, 0xe4, 0xe4);
+/// Background.
+pub const WHITE: Color = Color(0xff, 0xff, 0xff);
+/// Shading of sticking intervals.
+pub const SHADE: Color = Color(0xdc, 0xe9, 0xf5);
+/// Static contact (Okabe and Ito's blue).
+pub const STATIC: Color = Color(0x00, 0x72, 0xb2);
+/// Full slip (Okabe and Ito's vermilion).
+pub const SLIP: Color = Color(0xd5, 0x5e, 0x00);
+/// Roller and computed curve (Okabe and Ito's bluish green).
+pub const ROLLER: Color = Color(0x00, 0x8a, 0x63);
+
+/// Dash of the static-contact limit.
+pub const DASH_STATIC: &str = "9 5";
+/// Dash of the no-contact and full-slip limit.
+pub const DASH_SLIP: &str = "3 3.5";
+/// Dashes of groups of curves, in the order in which they are given out.
+pub const DASHES: [&str; 4] = ["", "11 4", "3 3", "11 4 3 4"];
+
+const VIRIDIS: [Color; 10] = [
+    Color(0x44, 0x01, 0x54),
+    Color(0x48, 0x28, 0x78),
+    Color(0x3e, 0x4a, 0x89),
+    Color(0x31, 0x68, 0x8e),
+    Color(0x26, 0x82, 0x8e),
+    Color(0x1f, 0x9e, 0x89),
+    Color(0x35, 0xb7, 0x79),
+    Color(0x6e, 0xce, 0x58),
+    Color(0xb5, 0xde, 0x2b),
+    Color(0xfd, 0xe7, 0x25),
+];
+
+/// Viridis at `t` in 0..1, for areas.
+pub fn viridis(t: f64) -> Color {
+    let position = if t.is_finite() { t.clamp(0.0, 1.0) * 9.0 } else { 0.0 };
+    let low = (position.floor() as usize).min(8);
+    let (a, b, share) = (VIRIDIS[low], VIRIDIS[low + 1], position - low as f64);
+    let mix = |x: u8, y: u8| (f64::from(x) + (f64::from(y) - f64::from(x)) * share).round() as u8;
+    Color(mix(a.0, b.0), mix(a.1, b.1), mix(a.2, b.2))
+}
+
+/// Colour of line `index` of `count`: viridis without its pale end, so that lines stay readable on white.
+pub fn ramp(index: usize, count: usize) -> Color {
+    if count <= 1 { viridis(0.45) } else { viridis(0.87 * index as f64 / (count - 1) as f64) }
+}
+
+/// A unit with its prefix: displayed value = SI value / `factor`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Unit {
+    /// SI value of one unit.
+    pub factor: f64,
+    /// The unit as written on an axis.
+    pub label: String,
+}
+
+impl Unit {
+    /// Fixed unit.
+    pub fn new(factor: f64, label: &str) -> Self {
+        Self { factor, label: label.into() }
+    }
+
+    /// The largest prefix that shows `largest` as at least 0.1 (1 where nothing is known).
+    pub fn fitting(largest: f64, base: &str) -> Self {
+        let prefixes = [(1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"), (1e-12, "p")];
+        let known = largest.is_finite() && largest > 0.0;
+        let found = prefixes.iter().find(|(factor, _)| known && largest / factor >= 0.1 * (1.0 - 1e-9));
+        let &(factor, prefix) = found.unwrap_or(if known { &prefixes[5] } else { &prefixes[1] });
+        Self { factor, label: format!("{prefix}{base}") }
+    }
+
+    /// Millimetres per second, the unit of speeds throughout.
+    pub fn speed() -> Self {
+        Self::new(1e-3, "mm/s")
+    }
+
+    /// The value in this unit.
+    pub fn of(&self, value: f64) -> f64 {
+        value / self.factor
+    }
+
+    /// The value with `digits` significant digits and the unit.
+    pub fn show(&self, value: f64, digits: usize) -> String {
+        let space = if self.label.is_empty() || self.label == "°" { "" } else { " " };
+        format!("{}{space}{}", significant(self.of(value), digits), self.label)
+    }
+}
+
+/// `value` with at most `digits` significant digits, no trailing zeros, a true minus sign, and powers of ten far from 1.
+pub fn significant(value: f64, digits: usize) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    if !value.is_finite() {
+        return "–".into();
+    }
+    let rounded: f64 = format!("{value:.*e}", digits.max(1) - 1).parse().unwrap_or(value);
+    let exponent = rounded.abs().log10().floor() as i32;
+    if (-4..6).contains(&exponent) {
+        let decimals = (digits as i32 - 1 - exponent).max(0) as usize;
+        return trimmed(&format!("{rounded:.decimals$}"));
+    }
+    let mantissa = rounded / 10f64.powi(exponent);
+    format!("{}×{}", trimmed(&format!("{mantissa:.*}", digits.max(1) - 1)), power_of_ten(exponent))
+}
+
+fn trimmed(text: &str) -> String {
+    let short = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text };
+    short.replace('-', "−")
+}
+
+/// 10 with a raised exponent.
+pub fn power_of_ten(exponent: i32) -> String {
+    const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let digits = exponent.abs().to_string();
+    let raised = digits.chars().map(|digit| digit.to_digit(10).map_or(digit, |d| RAISED[d as usize]));
+    format!("10{}{}", if exponent < 0 { "⁻" } else { "" }, raised.collect::<String>())
+}
+
+/// Width of a text in DejaVu Sans, estimated from classes of glyphs \[px\].
+pub fn text_width(text: &str, size: f64) -> f64 {
+    let em = |c: char| match c {
+        'i' | 'j' | 'l' | ' ' | '.' | ',' | ':' | ';' | '\'' | '|' | 'I' => 0.32,
+        'f' | 't' | 'r' | '(' | ')' | '[' | ']' | '/' | '⁻' | '²' => 0.41,
+        'm' | 'M' | 'W' | 'w' | '≥' | '≤' | '=' | '−' | '×' | '→' => 0.87,
+        c if c.is_uppercase() => 0.70,
+        _ => 0.625,
+    };
+    size * text.chars().map(em).sum::<f64>()
+}
+
+/// What a CSV file holds.
+#[derive(Debug, Clone, Default)]
+pub struct Table {
+    text: String,
+}
+
+impl Table {
+    /// A table with its header.
+    pub fn new(header: &[&str]) -> Self {
+        let mut table = Self::default();
+        table.row(header.iter().map(ToString::to_string));
+        table
+    }
+
+    /// Appends a row; cells with commas or quotes are quoted.
+    pub fn row(&mut self, cells: impl IntoIterator<Item = String>) {
+        let quoted = |cell: String| {
+            if cell.contains([',', '"', '\n']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell }
+        };
+        let cells: Vec<String> = cells.into_iter().map(quoted).collect();
+        self.text.push_str(&cells.join(","));
+        self.text.push('\n');
+    }
+
+    /// The file's text.
+    pub fn finish(self) -> String {
+        self.text
+    }
+}
+
+/// A number for a CSV cell: ten significant digits, empty where there is none.
+pub fn cell(value: f64) -> String {
+    let rounded = format!("{value:.9e}").parse::<f64>().unwrap_or(value);
+    if rounded.is_finite() { format!("{}", if rounded == 0.0 { 0.0 } else { rounded }) } else { String::new() }
+}
+
+/// Parsing options with the embedded fonts, and no font of the system.
+pub fn options() -> usvg::Options<'static> {
+    static FONTS: OnceLock<Arc<usvg::fontdb::Database>> = OnceLock::new();
+    let fonts = FONTS.get_or_init(|| {
+        let mut database = usvg::fontdb::Database::new();
+        database.load_font_data(dejavu::sans::regular().to_vec());
+        database.load_font_data(dejavu::sans::bold().to_vec());
+        Arc::new(database)
+    });
+    usvg::Options { fontdb: Arc::clone(fonts), font_family: "DejaVu Sans".into(), ..usvg::Options::default() }
+}
+
+/// Pixels of an SVG as PNG.
+pub(super) fn rasterise(svg: &str, scale: f32) -> Result<Vec<u8>, FigureError> {
+    let failed = |reason: String| FigureError::Render(reason);
+    let tree = usvg::Tree::from_str(svg, &options()).map_err(|error| failed(error.to_string()))?;
+    let (width, height) = (tree.size().width() * scale, tree.size().height() * scale);
+    if !(1.0..=20_000.0).contains(&width) || !(1.0..=20_000.0).contains(&height) {
+        return Err(failed(format!("scale {scale} gives an image of {width} x {height} pixels")));
+    }
+    let mut pixels = tiny_skia::Pixmap::new(width.round() as u32, height.round() as u32)
+        .ok_or_else(|| failed(format!("no memory for {width} x {height} pixels")))?;
+    resvg::render(&tree, tiny_skia::Transform::from_scale(scale, scale), &mut pixels.as_mut());
+    pixels.encode_png().map_err(|error| failed(error.to_string()))
+}

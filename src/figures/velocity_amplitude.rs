@@ -1,0 +1,202 @@
+//! Speed amplitude of the arm at the contact against frequency, with the roller's speed (paper Figure 2).
+
+use super::axes::{Axis, Entry, Key, Panel, legend, legend_width, range};
+use super::canvas::{Anchor, Canvas, Mark, Point, Stroke, Type};
+use super::data::{self, Field, crossings, health};
+use super::scheme::{draw_curve, limit_name, limit_points, limits};
+use super::style::{INK, ROLLER, SLIP, TICK_SIZE, Table, Unit, WIDTH, cell, ramp, text_width};
+use super::{Drawing, Figure, FigureError};
+use crate::sweep::{Curve, LimitCurve, LimitingCase, Outcome};
+
+const HEIGHT: f64 = 620.0;
+const MOST_CURVES: usize = 8;
+
+/// The figure.
+pub struct VelocityAmplitude;
+
+/// What is shown, in SI.
+struct Data<'a> {
+    curves: Vec<(&'a Curve, Stroke)>,
+    left_out: usize,
+    limits: Vec<(&'a LimitCurve, Stroke)>,
+    span: (f64, f64),
+}
+
+impl<'a> Data<'a> {
+    fn of(outcome: &'a Outcome) -> Result<Self, FigureError> {
+        let all = data::curves(outcome);
+        let groups = data::groups(&all, Field::Speed);
+        let Some(group) = groups.first() else {
+            return Err(FigureError::missing(
+                "velocity-amplitude",
+                "a sweep with at least one frequency and one speed",
+            ));
+        };
+        let shown = data::spread(group, MOST_CURVES);
+        let span = range(shown.iter().flat_map(|curve| curve.frequency.iter().copied()));
+        let count = shown.len();
+        let color = |i: usize| if count == 1 { ROLLER } else { ramp(i, count) };
+        let width = if count == 1 { 4.0 } else { 2.6 };
+        let curves = shown.iter().enumerate().map(|(i, &curve)| (curve, Stroke::solid(color(i), width))).collect();
+        let limits = limits(outcome, group[0].condition.drive);
+        Ok(Self { curves, left_out: all.len() - count, limits, span })
+    }
+
+    fn slip(&self) -> Option<&'a LimitCurve> {
+        self.limits.iter().map(|(limit, _)| *limit).find(|limit| limit.case == LimitingCase::FreeOrFullSlip)
+    }
+
+    /// Frequencies at which the full-slip curve passes the roller's speed.
+    fn onsets(&self, speed: f64) -> Vec<f64> {
+        let Some(slip) = self.slip() else { return Vec::new() };
+        let points = limit_points(slip, &slip.speed_amplitude, self.span, 1.0);
+        if speed > 0.0 { crossings(&points, speed) } else { Vec::new() }
+    }
+
+    /// Speeds below the top of the graph: others would only flatten it.
+    fn fits(&self, speed: f64, top: f64) -> bool {
+        speed > 0.0 && speed <= 1.5 * top
+    }
+
+    fn draw(&self, title: &str, alt: &str) -> String {
+        let unit = Unit::speed();
+        let single = self.curves.len() == 1;
+        let states = self.curves.iter().flat_map(|(curve, _)| curve.states.iter().map(|s| s.speed_amplitude));
+        let top = range(states.chain(self.limits.iter().map(|(limit, _)| limit.speed_peak))).1;
+        let speeds: Vec<f64> =
+            self.curves.iter().map(|(c, _)| c.condition.speed).filter(|v| self.fits(*v, top)).collect();
+        let values = speeds.iter().copied().chain([0.0, top]).map(|v| unit.of(v));
+        let mut entries: Vec<Entry> = vec![(Key::Heading, "Arm, bωα".into())];
+        for (curve, stroke) in &self.curves {
+            let name = if single { "computed, partial stick".into() } else { Field::Speed.equation(&curve.condition) };
+            entries.push((Key::Line(*stroke), name));
+        }
+        entries.extend(self.limits.iter().map(|(limit, stroke)| (Key::Line(*stroke), limit_name(limit.case).into())));
+        if !speeds.is_empty() {
+            let text = if single {
+                Field::Speed.equation(&self.curves[0].0.condition)
+            } else {
+                "V in the curve's colour".into()
+            };
+            entries.push((Key::Heading, "Roller".into()));
+            entries.push((Key::Line(Stroke::dashed(if single { ROLLER } else { INK }, 2.0, "14 4 4 4")), text));
+        }
+        let width = WIDTH - 92.0 - 50.0 - legend_width(&entries);
+        let x = Axis::linear("frequency f [Hz]", self.span.0, self.span.1);
+        let panel = Panel {
+            left: 92.0,
+            top: 24.0,
+            width,
+            height: 536.0,
+            x,
+            y: Axis::around("speed amplitude bωα [mm/s]", values),
+        };
+        let mut canvas = Canvas::new(WIDTH, HEIGHT);
+        panel.frame(&mut canvas, true, true);
+        for (curve, stroke) in &self.curves {
+            let speed = curve.condition.speed;
+            if self.fits(speed, top) {
+                let level = unit.of(speed);
+                let dashes = Stroke::dashed(stroke.color, 2.0, "14 4 4 4");
+                panel.curve(&mut canvas, &[(panel.x.low, level), (panel.x.high, level)], dashes);
+            }
+            draw_curve(&panel, &mut canvas, curve, *stroke, |s| unit.of(s.speed_amplitude));
+        }
+        for (limit, stroke) in &self.limits {
+            panel.curve(&mut canvas, &limit_points(limit, &limit.speed_amplitude, self.span, unit.factor), *stroke);
+        }
+        for (curve, _) in &self.curves {
+            let level = unit.of(curve.condition.speed);
+            let roots = self.onsets(curve.condition.speed);
+            let marks: Vec<Point> = roots.iter().map(|f| (*f, level)).collect();
+            panel.marks(&mut canvas, &marks, Mark::Circle, 6.0, SLIP, false);
+            if single {
+                drop_lines(&panel, &mut canvas, &roots, level);
+            }
+        }
+        legend(&mut canvas, panel.right() + 30.0, 20.0, &entries);
+        canvas.finish(title, alt)
+    }
+
+    fn csv(&self) -> String {
+        let mut table = Table::new(&["curve", "frequency [Hz]", "speed amplitude [mm/s]", "status"]);
+        let unit = Unit::speed();
+        for (curve, _) in &self.curves {
+            let name = Field::Speed.equation(&curve.condition);
+            for (f, s) in curve.frequency.iter().zip(&curve.states) {
+                let word = data::status_word(&s.status);
+                table.row([name.clone(), cell(*f), cell(unit.of(s.speed_amplitude)), word.into()]);
+            }
+        }
+        for (limit, _) in &self.limits {
+            for (f, v) in limit_points(limit, &limit.speed_amplitude, self.span, unit.factor) {
+                table.row([limit_name(limit.case).into(), cell(f), cell(v), "closed form".into()]);
+            }
+        }
+        table.finish()
+    }
+}
+
+fn drop_lines(panel: &Panel, canvas: &mut Canvas, roots: &[f64], level: f64) {
+    const NAMES: [&str; 4] = ["f₁", "f₂", "f₃", "f₄"];
+    for (i, root) in roots.iter().enumerate() {
+        let (x, y) = (panel.px(*root), panel.py(level));
+        canvas.line((x, y + 6.0), (x, panel.bottom()), Stroke::dashed(INK, 1.2, "2 3"));
+        let name = NAMES.get(i).copied().unwrap_or("f");
+        let text = format!("{name} = {root:.2} Hz");
+        let reach = 1.12 * text_width(&text, TICK_SIZE) + 24.0;
+        let leftwards = if i % 2 == 0 { x - reach > panel.left } else { x + reach > panel.right() };
+        let (offset, anchor) = if leftwards { (-8.0, Anchor::End) } else { (8.0, Anchor::Start) };
+        canvas.text((x + offset, panel.bottom() - 20.0 - 24.0 * i as f64), &text, Type::at(anchor).bold());
+    }
+}
+
+impl Figure for VelocityAmplitude {
+    fn name(&self) -> &'static str {
+        "velocity-amplitude"
+    }
+
+    fn title(&self) -> &'static str {
+        "Speed of the arm and speed of the roller"
+    }
+
+    fn draw(&self, outcome: &Outcome) -> Result<Drawing, FigureError> {
+        let data = Data::of(outcome)?;
+        let unit = Unit::speed();
+        let mut notes = Vec::new();
+        for (curve, _) in &data.curves {
+            let speed = unit.show(curve.condition.speed, 4);
+            for (i, root) in data.onsets(curve.condition.speed).iter().enumerate() {
+                notes.push((format!("f{} at V = {speed}", i + 1), format!("{root:.3} Hz")));
+            }
+        }
+        let mut caption = String::from(
+            "Amplitude bωα of the arm's speed at the contact against drive frequency. Where it stays below the roller's \
+             speed V the contact slips throughout and the computed curve lies on the full-slip case; where that case \
+             would exceed V (marks) the contact sticks for part of each cycle and the curve leaves it towards static contact.",
+        );
+        if let Some(slip) = data.slip() {
+            let (v, f) = (unit.show(slip.speed_peak, 4), slip.speed_peak_frequency);
+            caption += &format!(
+                " Full slip peaks at {v} ({f:.2} Hz): a roller faster than that never lets the contact stick."
+            );
+            notes.push(("Largest arm speed in full slip".into(), format!("{v} at {f:.2} Hz")));
+        }
+        if let [(curve, _)] = data.curves.as_slice()
+            && let [first, .., last] = data.onsets(curve.condition.speed).as_slice()
+        {
+            caption += &format!(
+                " Here V = {}, f₁ = {first:.2} Hz and f₂ = {last:.2} Hz.",
+                unit.show(curve.condition.speed, 4)
+            );
+        }
+        if data.left_out > 0 {
+            let (n, left) = (data.curves.len(), data.left_out);
+            caption += &format!(" {n} curves of the first condition are shown, {left} left out.");
+        }
+        caption += &health(&data.curves.iter().map(|(curve, _)| *curve).collect::<Vec<_>>());
+        let alt = "Graph of the arm's speed amplitude against frequency: a lower and a higher dashed resonance peak, the roller's speed as a horizontal line, and the computed curve in between.".to_string();
+        let svg = data.draw(self.title(), &alt);
+        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
+    }
+}
