@@ -162,7 +162,7 @@ pub fn peak(points: &[Point]) -> Option<Point> {
     let [(x0, y0), (x1, y1), (x2, y2)] = [finite[best - 1], finite[best], finite[best + 1]];
     let (left, right) = ((y1 - y0) / (x1 - x0), (y2 - y1) / (x2 - x1));
     let curvature = (right - left) / (x2 - x0);
-    if !(curvature < 0.0) {
+    if curvature >= 0.0 || curvature.is_nan() {
         return Some(finite[best]);
     }
     // Newton's form y = y1 + slope (x - x1) + curvature (x - x1)^2 with the slope at x1.
