@@ -1,5 +1,6 @@
 //! Selections that several figures make from an outcome.
 
+use super::axes::{Axis, range};
 use super::canvas::Point;
 use super::style::{Unit, significant};
 use crate::scenario::Formulation;
@@ -125,6 +126,13 @@ pub fn steady(curve: &Curve, quantity: impl Fn(&SteadyState) -> f64) -> Vec<Poin
 pub fn self_excited(curve: &Curve, quantity: impl Fn(&SteadyState) -> f64) -> Vec<Point> {
     let points = curve.frequency.iter().zip(&curve.states);
     points.filter(|(_, s)| matches!(s.status, Status::SelfExcited(_))).map(|(&f, s)| (f, quantity(s))).collect()
+}
+
+/// The range of frequencies that a figure of these curves spans; widened where there is only one frequency.
+pub fn span(curves: &[&Curve]) -> Point {
+    let (low, high) = range(curves.iter().flat_map(|curve| curve.frequency.iter().copied()));
+    let axis = Axis::linear("", low, high);
+    (axis.low, axis.high)
 }
 
 /// The word for a status in a CSV file.

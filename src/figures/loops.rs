@@ -1,7 +1,8 @@
 //! Loops of contact force against displacement of the arm.
 
-use super::axes::{Axis, Key, Panel, legend, range};
+use super::axes::{Axis, Panel, range};
 use super::canvas::{Anchor, Canvas, Point, Stroke, Type};
+use super::legend::{Key, legend};
 use super::orbits::{Cycle, cycles, left_out};
 use super::style::{INK, SLIP, STATIC, Table, Unit, WIDTH, cell};
 use super::{Drawing, Figure, FigureError};
@@ -146,13 +147,12 @@ impl Figure for Loops {
         let caption = format!(
             "Contact force beyond the Coulomb limit µW against displacement of the arm over one cycle: {}. While the interface \
              slips the force stays at the limit; while it sticks the bristles carry the arm's motion and the force falls below \
-             it. The enclosed area is what the contact takes out of the arm's vibration per cycle: nothing in full slip, \
-             most in between.{}",
+             it. The enclosed area is what the contact takes out of the arm's vibration per cycle.{}",
             regimes.join("; "),
             left_out(data.left_out)
         );
         let alt = format!(
-            "{} panels of force against displacement: a flat line in full slip, an open loop in partial stick, a slim inclined loop when nearly static.",
+            "{} panels of force against displacement: the part of the cycle that sticks drawn solid, the part that slips dashed.",
             data.cycles.len()
         );
         let svg = data.draw(self.title(), &alt);

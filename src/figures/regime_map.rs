@@ -171,7 +171,7 @@ impl Figure for RegimeMap {
         ];
         let mut caption = format!(
             "Share of each cycle during which the contact sticks, for every computed pair of frequency and roller speed; \
-             {slipping} of {total} points slip throughout. Stick should begin exactly at the line, where the arm's speed \
+             {slipping} of {total} points slip throughout. With Coulomb friction stick begins exactly at the line, where the arm's speed \
              amplitude in full slip (closed form) equals the roller's speed."
         );
         if let Some(slip) = data.slip {
@@ -189,7 +189,7 @@ impl Figure for RegimeMap {
                 .replace("open marks: lock-in averages", "grey")
                 .replace("gaps); no line joins across them", "grey)");
         }
-        let alt = "Colour map of the stick fraction over frequency and roller speed; stick fills the area below a resonance-shaped boundary line.".to_string();
+        let alt = "Colour map of the stick fraction over frequency and roller speed; a resonance-shaped line marks where the arm in full slip is as fast as the roller.".to_string();
         let svg = data.draw(self.title(), &alt);
         Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
     }

@@ -1,8 +1,9 @@
 //! Frequency and height of the resonance peak against the roller's speed.
 
-use super::axes::{Axis, Entry, Key, Panel, legend, legend_width, range};
+use super::axes::{Axis, Panel, range};
 use super::canvas::{Anchor, Canvas, MARKS, Mark, Point, Stroke, Type};
 use super::data::{self, Field, health};
+use super::legend::{Entry, Key, legend, legend_width};
 use super::scheme::{limit_name, limits};
 use super::style::{INK, Table, Unit, WIDTH, cell, ramp};
 use super::{Drawing, Figure, FigureError};
@@ -185,7 +186,7 @@ impl Figure for Ridge {
                 Unit::speed().show(low.speed, 3),
                 low.frequency
             );
-            caption += &format!(" The peak is lowest, {text}: there the contact dissipates most.");
+            caption += &format!(" The peak is lowest, {text}.");
             notes.push(("Lowest peak".into(), text));
         }
         for (limit, _) in &data.limits {
@@ -195,7 +196,7 @@ impl Figure for Ridge {
         if let Some(v) = data.threshold() {
             let text = Unit::speed().show(v, 4);
             caption += &format!(
-                " Above V = {text} (dotted) the arm never catches up with the roller, and the peak is that of full slip."
+                " Above V = {text} (dotted) the arm in full slip never catches up with the roller; with Coulomb friction alone the peak is then exactly that of full slip."
             );
             notes.push(("Threshold of full slip, max bωα".into(), text));
         }
@@ -203,7 +204,7 @@ impl Figure for Ridge {
             caption += " Peaks at V = 0 have no place on the logarithmic axis; they are in the table.";
         }
         caption += &health(&data.curves);
-        let alt = "Two stacked graphs against roller speed on a logarithmic axis: the peak frequency falls from the static to the full-slip value, the peak amplitude dips in between.".to_string();
+        let alt = "Two stacked graphs against roller speed on a logarithmic axis; peak frequency above and peak amplitude below, with the static and full-slip values as horizontal lines.".to_string();
         let svg = data.draw(self.title(), &alt);
         Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
     }

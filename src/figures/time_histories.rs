@@ -1,7 +1,8 @@
 //! Speeds and force over one cycle.
 
-use super::axes::{Axis, Key, Panel, legend, range};
+use super::axes::{Axis, Panel, range};
 use super::canvas::{Anchor, Canvas, Point, Stroke, Type};
+use super::legend::{Key, legend};
 use super::orbits::{Cycle, cycles, left_out};
 use super::style::{Color, INK, ROLLER, SHADE, SLIP, Table, Unit, WIDTH, cell};
 use super::{Drawing, Figure, FigureError};

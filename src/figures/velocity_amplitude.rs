@@ -1,9 +1,10 @@
 //! Speed amplitude of the arm at the contact against frequency, with the roller's speed (paper Figure 2).
 
-use super::axes::{Axis, Entry, Key, Panel, legend, legend_width, range};
+use super::axes::{Axis, Panel, range};
 use super::canvas::{Anchor, Canvas, Mark, Point, Stroke, Type};
 use super::data::{self, Field, crossings, health};
-use super::scheme::{draw_curve, limit_name, limit_points, limits};
+use super::legend::{Entry, Key, legend, legend_width};
+use super::scheme::{draw_curve, draw_limit, limit_name, limit_points, limits};
 use super::style::{INK, ROLLER, SLIP, TICK_SIZE, Table, Unit, WIDTH, cell, ramp, text_width};
 use super::{Drawing, Figure, FigureError};
 use crate::sweep::{Curve, LimitCurve, LimitingCase, Outcome};
@@ -33,7 +34,7 @@ impl<'a> Data<'a> {
             ));
         };
         let shown = data::spread(group, MOST_CURVES);
-        let span = range(shown.iter().flat_map(|curve| curve.frequency.iter().copied()));
+        let span = data::span(&shown);
         let count = shown.len();
         let color = |i: usize| if count == 1 { ROLLER } else { ramp(i, count) };
         let width = if count == 1 { 4.0 } else { 2.6 };
@@ -62,13 +63,17 @@ impl<'a> Data<'a> {
         let unit = Unit::speed();
         let single = self.curves.len() == 1;
         let states = self.curves.iter().flat_map(|(curve, _)| curve.states.iter().map(|s| s.speed_amplitude));
-        let top = range(states.chain(self.limits.iter().map(|(limit, _)| limit.speed_peak))).1;
+        let of_limits =
+            self.limits.iter().flat_map(|(l, _)| limit_points(l, &l.speed_amplitude, self.span, 1.0)).map(|p| p.1);
+        let top = range(states.chain(of_limits)).1;
         let speeds: Vec<f64> =
             self.curves.iter().map(|(c, _)| c.condition.speed).filter(|v| self.fits(*v, top)).collect();
         let values = speeds.iter().copied().chain([0.0, top]).map(|v| unit.of(v));
         let mut entries: Vec<Entry> = vec![(Key::Heading, "Arm, bωα".into())];
         for (curve, stroke) in &self.curves {
-            let name = if single { "computed, partial stick".into() } else { Field::Speed.equation(&curve.condition) };
+            let partial = curve.states.iter().any(|s| s.stick_fraction > 0.0 && s.stick_fraction < 1.0);
+            let alone = if partial { "computed, partial stick" } else { "computed" };
+            let name = if single { alone.into() } else { Field::Speed.equation(&curve.condition) };
             entries.push((Key::Line(*stroke), name));
         }
         entries.extend(self.limits.iter().map(|(limit, stroke)| (Key::Line(*stroke), limit_name(limit.case).into())));
@@ -103,7 +108,8 @@ impl<'a> Data<'a> {
             draw_curve(&panel, &mut canvas, curve, *stroke, |s| unit.of(s.speed_amplitude));
         }
         for (limit, stroke) in &self.limits {
-            panel.curve(&mut canvas, &limit_points(limit, &limit.speed_amplitude, self.span, unit.factor), *stroke);
+            let points = limit_points(limit, &limit.speed_amplitude, self.span, unit.factor);
+            draw_limit(&panel, &mut canvas, &points, *stroke);
         }
         for (curve, _) in &self.curves {
             let level = unit.of(curve.condition.speed);
