@@ -21,10 +21,11 @@ pub type Entry = (Key, String);
 
 /// Width that a legend takes \[px\].
 pub fn legend_width(entries: &[Entry]) -> f64 {
-    entries
-        .iter()
-        .map(|(key, text)| text_width(text, TICK_SIZE) + if *key == Key::Heading { 0.0 } else { 44.0 })
-        .fold(0.0, f64::max)
+    let width = |(key, text): &Entry| {
+        let plain = text_width(text, TICK_SIZE);
+        if *key == Key::Heading { 1.12 * plain } else { plain + 44.0 }
+    };
+    entries.iter().map(width).fold(0.0, f64::max)
 }
 
 /// Draws a legend downwards from its upper left corner; returns the lower end.

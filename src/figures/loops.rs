@@ -3,7 +3,7 @@
 use super::axes::{Axis, Panel, range};
 use super::canvas::{Anchor, Canvas, Point, Stroke, Type};
 use super::legend::{Key, legend};
-use super::orbits::{Cycle, cycles, left_out};
+use super::orbits::{Cycle, cycles, force_unit, left_out};
 use super::style::{INK, SLIP, STATIC, Table, Unit, WIDTH, cell};
 use super::{Drawing, Figure, FigureError};
 use crate::sweep::Outcome;
@@ -24,10 +24,7 @@ impl<'a> Data<'a> {
         let (cycles, left_out) = cycles(outcome, "loops")?;
         let moves = cycles.iter().flat_map(|c| (0..c.len()).map(|i| c.displacement(i).abs()));
         let stroke = Unit::fitting(range(moves).1, "m");
-        let force = range(cycles.iter().flat_map(|c| (0..c.len()).map(|i| c.force(i).abs()))).1;
-        // A force that never leaves the Coulomb limit has only rounding to show.
-        let scale = cycles.iter().map(|c| c.condition.friction * c.condition.load).fold(0.0, f64::max);
-        let force = if force > 1e-9 * scale { Unit::fitting(force, "N") } else { Unit::new(1e-3, "mN") };
+        let force = force_unit(&cycles);
         Ok(Self { cycles, left_out, stroke, force })
     }
 
@@ -54,8 +51,8 @@ impl<'a> Data<'a> {
         let pad = 0.08 * (highest - lowest).max(1e-3);
         let mut canvas = Canvas::new(WIDTH, total);
         let entries = [
-            (Key::Line(Stroke::solid(STATIC, 4.0)), "interface sticks".to_string()),
-            (Key::Line(Stroke::dashed(SLIP, 3.0, "7 3")), "interface slips, F = µW".to_string()),
+            (Key::Line(Stroke::solid(STATIC, 4.5)), "interface sticks".to_string()),
+            (Key::Line(Stroke::solid(SLIP, 2.0)), "interface slips, F = µW".to_string()),
         ];
         legend(&mut canvas, left, 2.0, &entries[..1]);
         legend(&mut canvas, left + 220.0, 2.0, &entries[1..]);
@@ -82,7 +79,7 @@ impl<'a> Data<'a> {
         for run in points.chunk_by(|a, b| a.1 == b.1) {
             let end = (start + run.len() + 1).min(points.len());
             let line: Vec<Point> = points[start..end].iter().map(|point| point.0).collect();
-            let stroke = if run[0].1 { Stroke::solid(STATIC, 4.0) } else { Stroke::dashed(SLIP, 3.0, "7 3") };
+            let stroke = if run[0].1 { Stroke::solid(STATIC, 4.5) } else { Stroke::solid(SLIP, 2.0) };
             panel.curve(canvas, &line, stroke);
             start += run.len();
         }
@@ -152,7 +149,7 @@ impl Figure for Loops {
             left_out(data.left_out)
         );
         let alt = format!(
-            "{} panels of force against displacement: the part of the cycle that sticks drawn solid, the part that slips dashed.",
+            "{} panels of force against displacement: the part of the cycle that sticks drawn thick, the part that slips thin.",
             data.cycles.len()
         );
         let svg = data.draw(self.title(), &alt);
