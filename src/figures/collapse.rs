@@ -182,7 +182,7 @@ impl Figure for Collapse {
         let caption = format!(
             "Amplitude over drive, α/u₀, for {count} curves with {} drives (marks) and {} ratios V/u₀ (colours). With Coulomb \
              friction the response depends on speed and drive only through their ratio: curves of one colour must fall on \
-             one another. The strip below shows how far they are apart (largest minus smallest, over their mean): at most {}.{}",
+             one another. The strip below shows how far they are apart (largest minus smallest, over their mean; below 10⁻¹⁶ drawn at that value): at most {}.{}",
             data.drives.len(),
             data.groups.len(),
             significant(largest, 2),

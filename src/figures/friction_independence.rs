@@ -153,7 +153,8 @@ impl Figure for FrictionIndependence {
         let mut caption = format!(
             "Amplitude and phase for {count} coefficients of friction ({condition}), drawn as nested lines: each leaves the \
              wider ones below it visible, so one line with several rims means that all coincide. The largest relative \
-             difference in amplitude is {largest}, the largest difference in phase {turn}."
+             difference in amplitude is {largest}, the largest difference in phase {turn}. The strip below shows the \
+             former at every frequency (below 10⁻¹⁶ drawn at that value)."
         );
         if data.left_out > 0 {
             caption += &format!(" {} curves of other conditions are not shown.", data.left_out);

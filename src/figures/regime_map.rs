@@ -61,7 +61,8 @@ impl<'a> Data<'a> {
             let columns = self::edges(&curve.frequency, false);
             let (top, bottom) = (panel.py(edges[row + 1]), panel.py(edges[row]));
             // Neighbours of one colour become one rectangle; a slight overlap avoids seams.
-            let colors: Vec<Color> = curve.states.iter().map(|s| color(&s.status, s.stick_fraction)).collect();
+            let colors: Vec<Color> =
+                curve.states.iter().take(curve.frequency.len()).map(|s| color(&s.status, s.stick_fraction)).collect();
             let mut start = 0;
             for run in colors.chunk_by(|a, b| a == b) {
                 let (left, right) = (panel.px(columns[start]), panel.px(columns[start + run.len()]));

@@ -7,7 +7,7 @@ use super::legend::{Entry, Key, legend, legend_width};
 use super::scheme::{draw_curve, draw_limit, limit_name, limit_points, limits};
 use super::style::{INK, ROLLER, SLIP, TICK_SIZE, Table, Unit, WIDTH, cell, ramp, text_width};
 use super::{Drawing, Figure, FigureError};
-use crate::sweep::{Curve, LimitCurve, LimitingCase, Outcome};
+use crate::sweep::{Condition, Curve, LimitCurve, LimitingCase, Outcome};
 
 const HEIGHT: f64 = 620.0;
 const MOST_CURVES: usize = 8;
@@ -47,11 +47,11 @@ impl<'a> Data<'a> {
         self.limits.iter().map(|(limit, _)| *limit).find(|limit| limit.case == LimitingCase::FreeOrFullSlip)
     }
 
-    /// Frequencies at which the full-slip curve passes the roller's speed.
-    fn onsets(&self, speed: f64) -> Vec<f64> {
+    /// Frequencies at which the full-slip curve passes the roller's speed; none without contact.
+    fn onsets(&self, condition: &Condition) -> Vec<f64> {
         let Some(slip) = self.slip() else { return Vec::new() };
         let points = limit_points(slip, &slip.speed_amplitude, self.span, 1.0);
-        if speed > 0.0 { crossings(&points, speed) } else { Vec::new() }
+        if condition.speed > 0.0 && condition.load > 0.0 { crossings(&points, condition.speed) } else { Vec::new() }
     }
 
     /// Speeds below the top of the graph: others would only flatten it.
@@ -113,7 +113,7 @@ impl<'a> Data<'a> {
         }
         for (curve, _) in &self.curves {
             let level = unit.of(curve.condition.speed);
-            let roots = self.onsets(curve.condition.speed);
+            let roots = self.onsets(&curve.condition);
             let marks: Vec<Point> = roots.iter().map(|f| (*f, level)).collect();
             panel.marks(&mut canvas, &marks, Mark::Circle, 6.0, SLIP, false);
             if single {
@@ -172,7 +172,7 @@ impl Figure for VelocityAmplitude {
         let mut notes = Vec::new();
         for (curve, _) in &data.curves {
             let speed = unit.show(curve.condition.speed, 4);
-            for (i, root) in data.onsets(curve.condition.speed).iter().enumerate() {
+            for (i, root) in data.onsets(&curve.condition).iter().enumerate() {
                 notes.push((format!("f{} at V = {speed}", i + 1), format!("{root:.3} Hz")));
             }
         }
@@ -189,7 +189,7 @@ impl Figure for VelocityAmplitude {
             notes.push(("Largest arm speed in full slip".into(), format!("{v} at {f:.2} Hz")));
         }
         if let [(curve, _)] = data.curves.as_slice()
-            && let [first, .., last] = data.onsets(curve.condition.speed).as_slice()
+            && let [first, .., last] = data.onsets(&curve.condition).as_slice()
         {
             caption += &format!(
                 " Here V = {}, f₁ = {first:.2} Hz and f₂ = {last:.2} Hz.",
