@@ -33,7 +33,7 @@ type Result<T> = std::result::Result<T, String>;
 
 /// A curve: a limiting case or an operating point.
 #[derive(Clone)]
-enum Curve {
+pub enum Curve {
     Limit(LimitingCase, f64),
     Operation { speed: f64, load: f64, drive: f64, friction: Option<f64>, formulation: Formulation },
 }
@@ -71,7 +71,7 @@ impl Curve {
             Self::Limit(LimitingCase::StaticContact, _) => "case II".into(),
             Self::Operation { speed, formulation, .. } => {
                 let how = if *formulation == Formulation::Paper { " (paper formulation)" } else { "" };
-                format!("V = {:.3e} mm/s{how}", speed * 1e3).replace("e0 ", " ").replace(".000", "")
+                format!("V = {}{how}", crate::units::format(*speed, "m/s"))
             }
         }
     }
