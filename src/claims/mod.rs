@@ -163,8 +163,9 @@ pub fn judge(text: &str, file: &str, scenario: &Scenario) -> Result<Vec<Judged>>
         .claim
         .par_iter()
         .map(|claim| {
-            judge_one(claim, &context)
-                .map_err(|why| Error::Input(format!("error: {file}: claim `{}`: {why}\n  = help: correct the claim", claim.id)))
+            judge_one(claim, &context).map_err(|why| {
+                Error::Input(format!("error: {file}: claim `{}`: {why}\n  = help: correct the claim", claim.id))
+            })
         })
         .collect()
 }

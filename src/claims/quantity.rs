@@ -45,7 +45,9 @@ impl Curve {
             let case = match case.as_str() {
                 "free-or-full-slip" => LimitingCase::FreeOrFullSlip,
                 "static-contact" => LimitingCase::StaticContact,
-                other => return Err(format!("case `{other}` is unknown; it can be free-or-full-slip or static-contact")),
+                other => {
+                    return Err(format!("case `{other}` is unknown; it can be free-or-full-slip or static-contact"));
+                }
             };
             return Ok(Self::Limit(case, drive));
         }
@@ -145,7 +147,9 @@ impl Setting {
                 let only_slow_arm = match text.region.as_deref() {
                     None => false,
                     Some("arm-slower-than-roller") => true,
-                    Some(other) => return Err(format!("`where = \"{other}\"` is unknown; it can be \"arm-slower-than-roller\"")),
+                    Some(other) => {
+                        return Err(format!("`where = \"{other}\"` is unknown; it can be \"arm-slower-than-roller\""));
+                    }
                 };
                 Ok(Self::LargestDifference { a: pair()?, only_slow_arm })
             }

@@ -17,7 +17,10 @@ const RIG: &str = "paper/rig.toml";
 pub fn execute(paths: &[PathBuf], out: &Path, global: &Global) -> Result<()> {
     let scenarios = select::scenarios(paths)?;
     if scenarios.is_empty() {
-        return Err(Error::Input("error: no scenario to report on\n  = help: name a scenario file, or write one with `stickslip init`".into()));
+        return Err(Error::Input(
+            "error: no scenario to report on\n  = help: name a scenario file, or write one with `stickslip init`"
+                .into(),
+        ));
     }
     let mut clock = Clock::start();
     let outcomes = scenarios.iter().map(|s| simulate::outcome(s, global.quiet)).collect::<Result<Vec<_>>>()?;
@@ -74,7 +77,8 @@ fn command(paths: &[PathBuf]) -> String {
 fn judge(scenarios: &[Scenario]) -> Result<Vec<Judged>> {
     let Some(one) = scenarios.iter().find(|scenario| scenario.id.starts_with("paper/")) else { return Ok(Vec::new()) };
     // The folder of the scenarios has its own ledger and rig, unless they are the ones in the binary.
-    let beside = |name: &str| one.path.parent().and_then(Path::parent).map(|root| root.join(name)).filter(|p| p.is_file());
+    let beside =
+        |name: &str| one.path.parent().and_then(Path::parent).map(|root| root.join(name)).filter(|p| p.is_file());
     match (beside(LEDGER), beside(RIG)) {
         (Some(ledger), Some(rig)) => {
             let text = std::fs::read_to_string(&ledger).map_err(Error::io("read", &ledger))?;
@@ -131,7 +135,8 @@ fn number(value: f64, unit: &str) -> String {
 }
 
 fn check_view(check: &verification::Check) -> CheckView {
-    let show = |value: f64| if check.unit == "1" { format!("{value:.6}") } else { format::quantity(value, check.unit, 5) };
+    let show =
+        |value: f64| if check.unit == "1" { format!("{value:.6}") } else { format::quantity(value, check.unit, 5) };
     CheckView {
         name: check.name.into(),
         compares: check.compares.into(),

@@ -47,12 +47,24 @@ pub fn run() -> Vec<Check> {
     checks
 }
 
-fn value(name: &'static str, compares: &'static str, unit: &'static str, expected: f64, computed: f64, tolerance: f64) -> Check {
+fn value(
+    name: &'static str,
+    compares: &'static str,
+    unit: &'static str,
+    expected: f64,
+    computed: f64,
+    tolerance: f64,
+) -> Check {
     let difference = (computed / expected - 1.0).abs();
     Check { name, compares, unit, expected: Some(expected), computed: Some(computed), difference, tolerance }
 }
 
-fn largest(name: &'static str, compares: &'static str, differences: impl Iterator<Item = f64>, tolerance: f64) -> Check {
+fn largest(
+    name: &'static str,
+    compares: &'static str,
+    differences: impl Iterator<Item = f64>,
+    tolerance: f64,
+) -> Check {
     let difference = differences.fold(0.0, |m: f64, d| if d.is_nan() { d } else { m.max(d) });
     Check { name, compares, unit: "1", expected: None, computed: None, difference, tolerance }
 }
@@ -118,7 +130,12 @@ fn scaling(model: &Model) -> Check {
         scaled.amplitude /= 3.0;
         distance(&scaled, &steady(model, &at(v, f), Tolerance::default()))
     });
-    largest("Collapse on V/u0", "exact property: V and u0 times 3 give 3 times alpha, the same phase", differences, 1e-9)
+    largest(
+        "Collapse on V/u0",
+        "exact property: V and u0 times 3 give 3 times alpha, the same phase",
+        differences,
+        1e-9,
+    )
 }
 
 fn euler_against_shooting(model: &Model) -> Check {
@@ -134,8 +151,9 @@ fn euler_against_shooting(model: &Model) -> Check {
 
 fn step_size(model: &Model) -> Check {
     let fine = Tolerance { steps: 400, roughness: 1e-5 };
-    let differences =
-        POINTS.iter().map(|&(v, f)| distance(&steady(model, &at(v, f), Tolerance::default()), &steady(model, &at(v, f), fine)));
+    let differences = POINTS
+        .iter()
+        .map(|&(v, f)| distance(&steady(model, &at(v, f), Tolerance::default()), &steady(model, &at(v, f), fine)));
     let how = "shooting at the default tolerance against 12 times finer steps";
     largest("Discretisation error of shooting", how, differences, 1e-6)
 }
