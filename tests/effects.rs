@@ -102,7 +102,7 @@ fn zero_strength_is_the_base() {
     let base = paper_model(Series);
     for effect in REGISTRY.iter().filter(|effect| !effect.zero().is_empty()) {
         let mut parameters = tabulated(*effect);
-        let mut tolerance = 1e-12;
+        let mut tolerance = 1e-10;
         for zero in effect.zero() {
             parameters[zero.parameter] = zero.value;
             if zero.value.is_infinite() {
@@ -119,7 +119,8 @@ fn zero_strength_is_the_base() {
                 let what = format!("{} {at:?} {:?}", effect.name(), with.status);
                 let error = common::distance(&with, &without);
                 assert!(error <= tolerance, "{what}: {error:e}");
-                assert!((with.mean - without.mean).abs() <= tolerance * without.mean.abs().max(1e-6), "{what}");
+                let shift = (with.mean - without.mean).abs();
+                assert!(shift <= tolerance * without.mean.abs().max(1e-3), "{what}: mean shifted by {shift:e}");
             }
         }
     }
@@ -225,7 +226,7 @@ fn laws_are_finite_for_whatever_the_solver_tries() {
 
 #[test]
 fn derivatives_of_steady_states_match_differences() {
-    let fine = Tolerance { steps: 96, roughness: 1e-5 };
+    let fine = Tolerance { steps: 400, roughness: 1e-5 };
     let solved = |model: &Model, at: &Operation, derivatives: bool| -> Solution {
         solve(model, at, EULER_STEPS, &fine, derivatives, &mut Warm::default())
     };
