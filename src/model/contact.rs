@@ -243,7 +243,10 @@ impl Problem {
             && self.laws.iter().all(|(e, p)| e.friction(p, 0.0, 0.0).is_none());
         if constant_friction {
             let response = self.lumps.free_response();
-            if self.speed > self.b * self.omega * magnitude(response) {
+            // Bristles that are replaced keep being stretched at this rate; the interface slips at what is left of V.
+            let relaxing = self.cc + if self.k1 > 0.0 { self.k1 / self.branch_rate } else { 0.0 };
+            let stretching = self.mu * self.load * self.renewal / (self.kc + self.renewal * relaxing);
+            if self.speed - stretching > self.b * self.omega * magnitude(response) {
                 let force = self.mu * self.load;
                 let mean = self.b * force * self.inverse_inertia / self.k;
                 return Some(LimitingState { response, mean, stick_fraction: 0.0, force: (force, force) });
@@ -390,7 +393,8 @@ impl HybridSystem for Problem {
         if let Some(i) = self.psi {
             scales[i] = self.psi_scale;
         }
-        scales
+        // A state that a strength of zero keeps at rest has no scale of its own.
+        scales.map(|scale| if scale > 0.0 { scale } else { 1.0 })
     }
 
     fn slip_scale(&self) -> f64 {
@@ -622,9 +626,14 @@ impl HybridSystem for Problem {
             } else {
                 0.0
             };
-            let force = mu / (1.0 + heat) * self.load + self.sigma2 * self.speed;
-            z[0] = self.b * force * self.inverse_inertia / self.k;
-            z[self.x] = mu / (1.0 + heat) * self.load / (self.kc + self.cc * self.renewal);
+            // The deflection b F/K changes the load, which changes F.
+            let mu = mu / (1.0 + heat);
+            let compliance = self.b * self.inverse_inertia / self.k;
+            let feedback = 1.0 - mu * self.load_stiffness * self.b * compliance;
+            let normal = if feedback > 0.0 { self.load / feedback } else { self.load };
+            let force = mu * normal + self.sigma2 * self.speed;
+            z[0] = compliance * force;
+            z[self.x] = mu * normal / (self.kc + self.cc * self.renewal);
             if let Some(i) = self.roller {
                 let [inverse, _, k] = self.support;
                 z[i] = -force * inverse / k;
@@ -641,7 +650,7 @@ impl HybridSystem for Problem {
 
     fn resting_state(&self, z: &[f64]) -> [Option<(f64, [f64; MAX_STATES])>; MAX_STATES] {
         let mut out = [None; MAX_STATES];
-        if self.renewal == 0.0 {
+        if self.renewal == 0.0 && self.speed == 0.0 {
             // No roller motion without slip, hence x = y - b th.
             let y = self.roller.map_or(0.0, |i| z[i]);
             let mut gradient = [0.0; MAX_STATES];
@@ -651,6 +660,14 @@ impl HybridSystem for Problem {
                 gradient[i] = -1.0;
             }
             out[self.x] = Some((z[self.x] - y + self.b * (self.forcing(0.0).angle + z[0]), gradient));
+        } else if self.renewal == 0.0 {
+            // Under a moving roller such a cycle is no steady state: the bristles are taken to where they slip next.
+            let th = self.forcing(0.0).angle + z[0];
+            let (mu, ..) = self.friction(0.0, self.state(self.psi, z), self.state(self.heat, z));
+            let normal = (self.load + self.load_stiffness * self.b * th).max(0.0);
+            let mut gradient = [0.0; MAX_STATES];
+            gradient[self.x] = 1.0;
+            out[self.x] = Some((z[self.x] - (mu * normal - self.state(self.q, z)) / self.kc, gradient));
         }
         if let Some(i) = self.psi {
             let mut gradient = [0.0; MAX_STATES];
@@ -658,6 +675,10 @@ impl HybridSystem for Problem {
             out[i] = Some((z[i] - self.psi_scale, gradient));
         }
         out
+    }
+
+    fn can_rest(&self) -> bool {
+        self.speed == 0.0 || self.renewal > 0.0
     }
 
     fn columns(&self) -> usize {
