@@ -58,7 +58,10 @@ fn broken_ledgers_name_the_claim_and_what_is_possible() {
         (&format!("{SHIFT}\nexpect = {{ }}"), "at_least"),
         (&format!("{SHIFT}\nexpect = {{ at_least = \"1 kg\" }}"), "kg"),
         (&format!("{SHIFT}\nexpect = {{ atleast = 1 }}"), "atleast"),
-        ("quantity = { name = \"peak-ratio\", a = { case = \"IV\" }, b = { speed = 0 } }\nexpect = { at_least = 1 }", "IV"),
+        (
+            "quantity = { name = \"peak-ratio\", a = { case = \"IV\" }, b = { speed = 0 } }\nexpect = { at_least = 1 }",
+            "IV",
+        ),
         ("quantity = 3\nexpect = { at_least = 1 }", "claims.toml"),
     ];
     for (claim, told) in cases {

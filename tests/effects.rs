@@ -3,7 +3,7 @@
 mod common;
 
 use common::{EULER_STEPS, paper_model, steady};
-use stickslip::effects::{Effect, Law, REGISTRY, ParameterInfo, find, typical};
+use stickslip::effects::{Effect, Law, ParameterInfo, REGISTRY, find, typical};
 use stickslip::model::lumps::FIRST_EFFECT_PARAMETER;
 use stickslip::model::{Model, Operation};
 use stickslip::scenario::Formulation::Series;

@@ -3,6 +3,10 @@
 //! States: th and th' relative to the motion without contact; y and y' of the roller's support; the heating T; the stretch
 //! x of the bristles; the force q of the viscoelastic branch; the interface state psi (those present, in that order).
 
+mod parallel;
+
+pub use parallel::Continuum;
+
 use super::lumps::{FIRST_EFFECT_PARAMETER, Lumps};
 use super::system::{Evaluation, Forcing, HybridSystem, MAX_STATES, Mode, ParameterColumns};
 use super::{Model, Operation, dual::Dual};
@@ -252,7 +256,7 @@ impl Problem {
                 return Some(LimitingState { response, mean, stick_fraction: 0.0, force: (force, force) });
             }
         }
-        if self.speed == 0.0 {
+        if self.speed == 0.0 && self.continuum().is_none() {
             let response = self.lumps.stuck_response();
             // F = [Gamma e^{i phi0}/A - (K - J w^2 + i w C)] A / (-b), the force that makes up the difference to the free arm.
             let (free, stuck) = (self.lumps.free_response(), response);

@@ -1,16 +1,17 @@
 //! Periodic states of a contact of many parallel sliders: fixed Radau steps, each slider solved at the stages for
 //! itself, Newton for the few states they share.
 
-use super::radau::{A, C};
+use super::radau::{A, C, Stepper};
 use crate::model::continuum::Element;
 use crate::model::system::Forcing;
+use nalgebra::{DMatrix, DVector};
 
 /// Three stage values.
 pub type Stages = [f64; 3];
 /// Coefficients between stages.
 pub type Block = [Stages; 3];
 
-/// A linear subsystem x' = M x + g f of two states driven by the force f (arm or support).
+/// An oscillator x'' = -stiffness x - damping x' + f (arm or support).
 #[derive(Debug, Clone, Copy)]
 pub struct Linear {
     /// Stiffness over inertia \[1/s^2\].
@@ -74,7 +75,10 @@ pub struct Found {
 
 /// Steps per period.
 const STEPS: usize = 96;
+/// Relative change of the shared states over a cycle below which they count as periodic.
 const PERIODIC: f64 = 1e-9;
+/// Change of the mean stretch over a cycle, relative to the stroke, below which the sliders count as periodic.
+const CREEP: f64 = 3e-6;
 const MAX_CYCLES: usize = 120;
 
 #[derive(Debug, Clone, Copy)]
@@ -116,17 +120,26 @@ pub fn solve(system: &dyn ParallelSystem) -> Result<Found, String> {
             Slider { x, q: 0.0, psi }
         })
         .collect();
-    let mut jacobian = None;
+    let mut jacobian: Option<DMatrix<f64>> = None;
+    let mut slope: Option<DMatrix<f64>> = None;
+    let mut last: Option<DVector<f64>> = None;
     let mut best = f64::INFINITY;
     let mut cycles = 0;
     while cycles < MAX_CYCLES {
         let cycle = method.cycle(&shared, &sliders)?;
         cycles += 1;
         let residual: Vec<f64> = active.iter().map(|&i| (cycle.shared[i] - shared[i]) / scales[i]).collect();
-        let inner = cycle.sliders.iter().zip(&sliders).zip(&cycle.slipped).filter(|(_, slipped)| **slipped);
-        let memory = inner.fold(0.0f64, |m, ((new, old), _)| m.max((new.x - old.x).abs() / stroke));
-        let size = residual.iter().fold(memory, |m, r| m.max(r.abs()));
-        if size < PERIODIC {
+        // Sliders that give way a little once a cycle creep for long; what counts is their share of the force.
+        let creep: f64 = system
+            .elements()
+            .iter()
+            .zip(cycle.sliders.iter().zip(&sliders))
+            .zip(&cycle.slipped)
+            .filter(|(_, slipped)| **slipped)
+            .map(|((e, (new, old)), _)| e.share * (new.x - old.x).abs() / stroke)
+            .sum();
+        let size = residual.iter().fold(0.0f64, |m, r| m.max(r.abs()));
+        if size < PERIODIC && creep < CREEP {
             let multiplier = match &jacobian {
                 Some(j) => radius(j),
                 None => radius(&method.jacobian(&shared, &sliders, &cycle, &scales, &active)?),
@@ -134,25 +147,36 @@ pub fn solve(system: &dyn ParallelSystem) -> Result<Found, String> {
             let Cycle { fundamental, mean, stick, force, .. } = cycle;
             return Ok(Found { fundamental, mean, stick_fraction: stick, force, cycles, residual: size, multiplier });
         }
-        if jacobian.is_none() || size > 0.5 * best {
-            jacobian = Some(method.jacobian(&shared, &sliders, &cycle, &scales, &active)?);
-            cycles += active.len();
+        let residual = DVector::from_vec(residual);
+        match (&mut slope, &last) {
+            (Some(slope), Some(step)) if size < 2.0 * best => {
+                // Broyden's update: what the sliders' memory adds to the slope shows in the steps taken.
+                let square = step.norm_squared();
+                if square > 0.0 {
+                    *slope += &residual * step.transpose() / square;
+                }
+            }
+            _ => {
+                let map = method.jacobian(&shared, &sliders, &cycle, &scales, &active)?;
+                cycles += active.len();
+                slope = Some(&map - DMatrix::identity(active.len(), active.len()));
+                jacobian = Some(map);
+            }
         }
         best = size;
-        let n = active.len();
-        let mut matrix = jacobian.clone().unwrap_or_else(|| nalgebra::DMatrix::identity(n, n));
-        for i in 0..n {
-            matrix[(i, i)] -= 1.0;
-        }
-        let step = matrix.lu().solve(&nalgebra::DVector::from_fn(n, |i, _| -residual[i]));
-        match step {
+        let step = slope.as_ref().and_then(|slope| slope.clone().lu().solve(&-&residual));
+        last = match step {
             Some(step) if step.iter().all(|d| d.is_finite()) => {
                 for (k, &i) in active.iter().enumerate() {
                     shared[i] += step[k] * scales[i];
                 }
+                Some(step)
             }
-            _ => shared = cycle.shared,
-        }
+            _ => {
+                shared = cycle.shared;
+                None
+            }
+        };
         sliders = cycle.sliders;
         if system.at_rest() {
             // What never slips started with the arm, and an interface that never slips has no rate.
@@ -166,7 +190,7 @@ pub fn solve(system: &dyn ParallelSystem) -> Result<Found, String> {
     Err(format!("no periodic state of the parallel sliders within {MAX_CYCLES} cycles"))
 }
 
-fn radius(matrix: &nalgebra::DMatrix<f64>) -> f64 {
+fn radius(matrix: &DMatrix<f64>) -> f64 {
     matrix.complex_eigenvalues().iter().fold(0.0, |m, e| m.max(e.norm()))
 }
 
@@ -222,9 +246,9 @@ impl<'a> Method<'a> {
         base: &Cycle,
         scales: &[f64; 5],
         active: &[usize],
-    ) -> Result<nalgebra::DMatrix<f64>, String> {
+    ) -> Result<DMatrix<f64>, String> {
         let n = active.len();
-        let mut out = nalgebra::DMatrix::zeros(n, n);
+        let mut out = DMatrix::zeros(n, n);
         for (column, &j) in active.iter().enumerate() {
             let mut moved = *shared;
             moved[j] += 1e-6 * scales[j];
@@ -250,8 +274,16 @@ impl<'a> Method<'a> {
         let kc = system.bristles()[0];
         let mut force: Stages =
             [system.elements().iter().zip(sliders).map(|(e, s)| e.share * (kc * s.x + s.q)).sum(); 3];
+        let mut before: Option<(f64, Stages)> = None;
         for step in 0..STEPS {
-            force = self.step(self.h * step as f64, force, &mut out, shared[0])?;
+            // The first guess continues the polynomial of the last step.
+            let start = force[2];
+            if let Some((start, stages)) = before {
+                force = C.map(|c| Stepper::interpolate(start, stages, 1.0 + c));
+            }
+            let stages = self.step(self.h * step as f64, force, &mut out, shared[0])?;
+            before = Some((start, stages));
+            force = stages;
         }
         Ok(out)
     }
@@ -263,7 +295,7 @@ impl<'a> Method<'a> {
         let [angle, velocity, support, support_velocity, heat] = cycle.shared;
         let forcing = C.map(|c| system.forcing(t + c * self.h));
         let (stroke, speed) = system.scale();
-        let tolerance = 1e-11 * system.bristles()[0] * stroke;
+        let tolerance = 1e-10 * system.bristles()[0] * stroke;
         let mut force = guess;
         let mut torque = [0.0; 3];
         let mut heats = [heat; 3];
@@ -292,8 +324,7 @@ impl<'a> Method<'a> {
                     }
                 }
             }
-            let v: Stages =
-                std::array::from_fn(|i| system.relative_speed(&forcing[i], velocities[i], supports.1[i]));
+            let v: Stages = std::array::from_fn(|i| system.relative_speed(&forcing[i], velocities[i], supports.1[i]));
             // All sliders at these speeds.
             let (mut sum, mut slope, mut power) = ([0.0; 3], [[0.0; 3]; 3], [0.0; 3]);
             for (j, element) in elements.iter().enumerate() {
@@ -397,13 +428,7 @@ impl<'a> Method<'a> {
     }
 
     /// One slider at the stages: stuck or at its limit, each stage by itself.
-    fn slider(
-        &self,
-        slider: &Slider,
-        v: &Stages,
-        limit: &dyn Fn(usize, f64, f64) -> (f64, f64),
-        speed: f64,
-    ) -> Solved {
+    fn slider(&self, slider: &Slider, v: &Stages, limit: &dyn Fn(usize, f64, f64) -> (f64, f64), speed: f64) -> Solved {
         let kc = self.system.bristles()[0];
         let own: Stages = std::array::from_fn(|i| kc * self.stretch.0[i] * slider.x + self.branch.0[i] * slider.q);
         let force = |d: &Stages| -> Stages {
@@ -411,6 +436,9 @@ impl<'a> Method<'a> {
         };
         let mut d = *v;
         let mut f = force(&d);
+        if (0..3).all(|i| f[i].abs() <= limit(i, 0.0, slider.psi).0) && self.system.interface(0.0).is_none() {
+            return Solved { force: f, rate: d, slope: self.stiffness };
+        }
         let mut psi = [slider.psi; 3];
         let mut sign = [0.0; 3];
         let mut slopes = [0.0; 3];
@@ -455,6 +483,9 @@ impl<'a> Method<'a> {
             if !changed && change < 1e-13 * speed {
                 break;
             }
+        }
+        if sign.iter().all(|s| *s != 0.0) && slopes == [0.0; 3] {
+            return Solved { force: f, rate: d, slope: [[0.0; 3]; 3] };
         }
         // dd/dv: stuck stages follow, slipping ones through the slope of the law.
         let mut matrix = [[0.0; 3]; 3];
@@ -528,9 +559,8 @@ impl Pair {
 
 /// Stages of y' = d - rate y: (from the start value, from d at the stages).
 fn relaxation(h: f64, rate: f64) -> (Stages, Block) {
-    let matrix: Block = std::array::from_fn(|i| {
-        std::array::from_fn(|k| f64::from(u8::from(i == k)) + h * rate * A[i][k])
-    });
+    let matrix: Block =
+        std::array::from_fn(|i| std::array::from_fn(|k| f64::from(u8::from(i == k)) + h * rate * A[i][k]));
     let start = solve3(matrix, [1.0; 3]);
     let mut out = [[0.0; 3]; 3];
     for k in 0..3 {
