@@ -274,6 +274,41 @@ impl Problem {
         self.x
     }
 
+    /// State at time 0 of the motion with the bristles stuck to a roller at rest, where friction can hold them.
+    fn stuck_state(&self) -> Option<[f64; MAX_STATES]> {
+        let w = self.omega;
+        let (free, stuck) = (self.lumps.free_response(), self.lumps.stuck_response());
+        let apart = (stuck.0.value - free.0.value, stuck.1.value - free.1.value);
+        let scale = 1.0 / (self.inverse_inertia * self.b);
+        // F = (K - J w^2 + i w C) (stuck - free)/b
+        let force = times(apart, (scale * (self.k - w * w), scale * w * self.c));
+        if force.0.hypot(force.1) > self.mu * self.load {
+            return None;
+        }
+        let mut y = (0.0, 0.0);
+        let mut z = [0.0; MAX_STATES];
+        (z[0], z[1]) = (apart.1, w * apart.0);
+        if let Some(i) = self.roller {
+            // m y'' + c y' + k y = -F
+            let [inverse, c, k] = self.support;
+            let d = (k - w * w, w * c);
+            y = times((-inverse * force.0, -inverse * force.1), (d.0, -d.1));
+            y = (y.0 / (d.0 * d.0 + d.1 * d.1), y.1 / (d.0 * d.0 + d.1 * d.1));
+            (z[i], z[i + 1]) = (y.1, w * y.0);
+        }
+        let stretch = (y.0 - self.b * stuck.0.value, y.1 - self.b * stuck.1.value);
+        z[self.x] = stretch.1;
+        if let Some(i) = self.q {
+            // q = k1 x i w/(1/tau + i w)
+            let gain = self.k1 * w / (self.branch_rate * self.branch_rate + w * w);
+            z[i] = gain * (w * stretch.1 + self.branch_rate * stretch.0);
+        }
+        if let Some(i) = self.psi {
+            z[i] = self.psi_scale;
+        }
+        Some(z)
+    }
+
     fn steady_interface_state(&self, s: f64) -> f64 {
         let rate = |psi: f64| self.laws.iter().find_map(|(e, p)| e.interface_rate(p, s, psi));
         match rate(0.0) {
@@ -362,6 +397,11 @@ impl Problem {
         }
         Some(0.5 * (low + high))
     }
+}
+
+/// Product of two complex numbers (real, imaginary).
+fn times(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0)
 }
 
 impl HybridSystem for Problem {
@@ -618,6 +658,9 @@ impl HybridSystem for Problem {
     fn initial_state(&self) -> [f64; MAX_STATES] {
         let mut z = [0.0; MAX_STATES];
         if self.speed == 0.0 {
+            if let Some(stuck) = self.stuck_state() {
+                return stuck;
+            }
             // At rest: the bristles are stretched by the arm's own motion.
             let forcing = self.forcing(0.0);
             let limit = 0.5 * self.mu * self.load / self.kc;
