@@ -274,6 +274,31 @@ impl Problem {
         self.x
     }
 
+    /// Mean angle of the arm and normal load under sliding friction `mu`: K th = torque(th) + b F, the load and the torque
+    /// depending on the angle. The load given, where there is no such equilibrium.
+    fn deflection(&self, mu: f64) -> (f64, f64) {
+        let drag = self.sigma2 * self.speed;
+        let (coupling, stiffness) = (self.load_stiffness * self.b, self.k / self.inverse_inertia);
+        let linear = self.b * (mu * self.load + drag) / stiffness;
+        let mut th = linear;
+        for _ in 0..20 {
+            let mut balance = self.b * (mu * (self.load + coupling * th) + drag) - stiffness * th;
+            let mut slope = self.b * mu * coupling - stiffness;
+            for law in self.laws.iter().filter_map(|(e, p)| e.torque(p, th, 0.0)) {
+                balance += law.value;
+                slope += law.d_first;
+            }
+            if slope >= 0.0 {
+                break;
+            }
+            th -= balance / slope;
+            if balance.abs() < 1e-12 * (stiffness * th).abs() {
+                return (th, (self.load + coupling * th).max(0.0));
+            }
+        }
+        (linear, self.load)
+    }
+
     /// State at time 0 of the motion with the bristles stuck to a roller at rest, where friction can hold them.
     fn stuck_state(&self) -> Option<[f64; MAX_STATES]> {
         let w = self.omega;
@@ -675,13 +700,10 @@ impl HybridSystem for Problem {
             } else {
                 0.0
             };
-            // The deflection b F/K changes the load, which changes F.
             let mu = mu / (1.0 + heat);
-            let compliance = self.b * self.inverse_inertia / self.k;
-            let feedback = 1.0 - mu * self.load_stiffness * self.b * compliance;
-            let normal = if feedback > 0.0 { self.load / feedback } else { self.load };
+            let (angle, normal) = self.deflection(mu);
             let force = mu * normal + self.sigma2 * self.speed;
-            z[0] = compliance * force;
+            z[0] = angle;
             z[self.x] = mu * normal / (self.kc + self.cc * self.renewal);
             if let Some(i) = self.roller {
                 let [inverse, _, k] = self.support;
