@@ -180,8 +180,8 @@ fn check(law: &dyn Fn(&[f64], f64, f64) -> Option<Law>, p: &[f64], first: f64, s
     };
     compare("first", first, at.d_first, &|x| value(p, x, second));
     compare("second", second, at.d_second, &|x| value(p, first, x));
-    for i in 0..p.len() {
-        compare(&format!("parameter {i}"), p[i], at.d_parameters[i], &|x| {
+    for (i, (&value_i, &slope)) in p.iter().zip(&at.d_parameters).enumerate() {
+        compare(&format!("parameter {i}"), value_i, slope, &|x| {
             let mut p = p.to_vec();
             p[i] = x;
             value(&p, first, second)
