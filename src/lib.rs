@@ -9,6 +9,7 @@
 //! * [`model`] - rig, contact and effects assembled; no numerics.
 //! * [`solver`] - knows no physics: closed forms, Euler procedure, shooting.
 //! * [`sweep`] - rayon over cases, input order preserved, progress.
+//! * [`verification`] - numbers that prove the solvers in every run.
 //! * [`claims`] - the ledger of published statements, each computed and judged.
 //! * [`figures`] - outcome in, SVG, PNG and CSV out; never simulates.
 //! * [`report`] - serialisable views, rendered as HTML and written as JSON.
@@ -17,9 +18,11 @@ pub mod cli;
 pub mod effects;
 pub mod error;
 pub mod figures;
+pub mod files;
 pub mod model;
 pub mod report;
 pub mod scenario;
 pub mod solver;
 pub mod sweep;
 pub mod units;
+pub mod verification;

@@ -17,7 +17,8 @@ fn peaks_of_the_limiting_cases_are_those_of_the_specification() {
     let free = limiting_oscillator(&model, LimitingCase::FreeOrFullSlip, 2.5e-6);
     let stuck = limiting_oscillator(&model, LimitingCase::StaticContact, 2.5e-6);
     let b = model.rig.contact_arm;
-    let close = |value: f64, expected: f64, digits: f64| assert!((value - expected).abs() < digits, "{value} {expected}");
+    let close =
+        |value: f64, expected: f64, digits: f64| assert!((value - expected).abs() < digits, "{value} {expected}");
     let (f, alpha) = free.peak(50.0, 100.0, 0);
     close(f, 71.194, 5e-4);
     close(alpha * 1e6, 6.2401, 5e-5);
@@ -47,15 +48,15 @@ fn limiting_cases_of_the_contact_are_the_closed_forms() {
         check(Operation { load: 0.0, ..at(0.0, f) }, free, 1e-12);
         check(at(0.02, f), free, 1e-10);
         check(at(0.0, f), stuck, 1e-12);
-            // The shooting solver, which is not asked for these points, gives them too.
-            for (operation, expected) in [(at(0.02, f), free), (at(0.0, f), stuck)] {
-                let problem = Problem::new(&model, &operation);
-                let found = shooting::solve(&problem, None, &Tolerance::default()).unwrap().cycle.fundamental;
-                let (re, im) = problem.lumps.free_response();
-                let (re, im) = (re.value + found.0, im.value + found.1);
-                let expected = (expected.0 * expected.1.cos(), expected.0 * expected.1.sin());
-                assert!((re - expected.0).hypot(im - expected.1) < 1e-6 * re.hypot(im), "{operation:?}");
-            }
+        // The shooting solver, which is not asked for these points, gives them too.
+        for (operation, expected) in [(at(0.02, f), free), (at(0.0, f), stuck)] {
+            let problem = Problem::new(&model, &operation);
+            let found = shooting::solve(&problem, None, &Tolerance::default()).unwrap().cycle.fundamental;
+            let (re, im) = problem.lumps.free_response();
+            let (re, im) = (re.value + found.0, im.value + found.1);
+            let expected = (expected.0 * expected.1.cos(), expected.0 * expected.1.sin());
+            assert!((re - expected.0).hypot(im - expected.1) < 1e-6 * re.hypot(im), "{operation:?}");
+        }
     }
 }
 
@@ -146,7 +147,8 @@ fn order(errors: &[f64]) -> f64 {
 #[test]
 fn euler_procedure_converges_with_order_one() {
     let model = paper_model(Paper);
-    let solved = |steps| solve(&model, &at(1e-4, 74.0), steps, &Tolerance::default(), false, &mut Warm::default()).state;
+    let solved =
+        |steps| solve(&model, &at(1e-4, 74.0), steps, &Tolerance::default(), false, &mut Warm::default()).state;
     let fine = solved(256_000);
     let errors: Vec<f64> = [4000, 8000, 16000].map(|n| distance(&solved(n), &fine)).to_vec();
     let observed = order(&errors);
@@ -235,7 +237,10 @@ fn derivatives_agree_with_differences() {
             let given = (da * phi.cos() - alpha * dp * phi.sin(), da * phi.sin() + alpha * dp * phi.cos());
             let error = (given.0 - expected.0).hypot(given.1 - expected.1);
             let size = expected.0.hypot(expected.1);
-            assert!(error < 2e-5 * size.max(1e-3 * alpha / step * 1e-5), "{operation:?} parameter {index}: {given:?} {expected:?}");
+            assert!(
+                error < 2e-5 * size.max(1e-3 * alpha / step * 1e-5),
+                "{operation:?} parameter {index}: {given:?} {expected:?}"
+            );
         }
     }
 }

@@ -40,9 +40,8 @@ const PEAKS: [(f64, f64, f64); 8] = [
 #[test]
 fn peaks_of_the_paper_formulation_agree_with_the_independent_table() {
     let model = paper_model(Formulation::Paper);
-    let euler = |at: &Operation| {
-        solve(&model, at, 80_000, &Tolerance::default(), false, &mut Warm::default()).state.amplitude
-    };
+    let euler =
+        |at: &Operation| solve(&model, at, 80_000, &Tolerance::default(), false, &mut Warm::default()).state.amplitude;
     for (speed, frequency, alpha) in PEAKS {
         // Around the tabulated peak the whole half-hertz grid is searched.
         let (best, peak) = (-4..=4)

@@ -1,10 +1,12 @@
 //! `stickslip check`: read and validate, nothing else.
 
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use crate::error::{Error, Result};
-use crate::scenario::{self, Scenario};
+use crate::scenario::Scenario;
+
+use super::select::outcomes;
 
 /// Checks files, and the scenarios below folders; without any, those below `scenarios/`, or where there is no such
 /// folder the ones inside the binary. One line per sound file; the problems of all others are told together.
@@ -17,22 +19,6 @@ pub fn execute(paths: &[PathBuf]) -> Result<()> {
         }
     }
     if problems.is_empty() { Ok(()) } else { Err(Error::Input(problems.join("\n\n"))) }
-}
-
-fn outcomes(paths: &[PathBuf]) -> Vec<Result<Scenario>> {
-    if !paths.is_empty() {
-        return paths.iter().flat_map(|path| below(path)).collect();
-    }
-    let found = scenario::discover(Path::new("scenarios"));
-    if found.is_empty() {
-        return scenario::embedded_names().iter().map(|name| scenario::load_embedded(name)).collect();
-    }
-    found.iter().map(scenario::load).collect()
-}
-
-fn below(path: &Path) -> Vec<Result<Scenario>> {
-    let found = if path.is_dir() { scenario::discover(path) } else { Vec::new() };
-    if found.is_empty() { vec![scenario::load(path)] } else { found.iter().map(scenario::load).collect() }
 }
 
 fn print(scenario: &Scenario) -> Result<()> {

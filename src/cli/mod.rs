@@ -1,5 +1,94 @@
-//! The command line: one file per command.
+//! The command line: one file per command, each an `execute` that reads as a table of contents.
 
 pub mod check;
 pub mod effects;
 pub mod init;
+pub mod report;
+pub mod run;
+mod select;
+mod simulate;
+
+use crate::error::{Error, Result};
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Reproduces a published friction experiment, compares its model with measurements, and finds what is missing.
+#[derive(Debug, Parser)]
+#[command(version, about, long_about = None, after_help = EXIT_STATUS, disable_help_subcommand = true)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    global: Global,
+}
+
+const EXIT_STATUS: &str = "Without a command: report. Exit status: 0 done; 1 done and a gate failed; \
+    2 bad usage or input; 3 could not finish.";
+
+/// Options of every command.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct Global {
+    /// Print nothing but errors
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+    /// Number of threads [default: one per core]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Simulate everything, draw the figures, write report.html and report.json
+    Report {
+        /// Scenario files or folders [default: scenarios/, or the built-in ones]
+        scenarios: Vec<PathBuf>,
+        /// Folder of the results
+        #[arg(long, default_value = "output", value_name = "DIR")]
+        out: PathBuf,
+    },
+    /// Simulate one scenario and draw its figures; curves as CSV
+    Run {
+        /// Scenario file
+        scenario: PathBuf,
+        /// Folder of the results
+        #[arg(long, default_value = "output", value_name = "DIR")]
+        out: PathBuf,
+    },
+    /// Read and validate only
+    Check {
+        /// Scenario files or folders [default: scenarios/, or the built-in ones]
+        scenarios: Vec<PathBuf>,
+    },
+    /// Write the built-in scenarios and a commented template; never overwrites
+    Init {
+        /// Folder to write to
+        #[arg(default_value = ".")]
+        dir: PathBuf,
+    },
+}
+
+/// Runs the command that the arguments name.
+///
+/// # Errors
+/// Whatever the command reports; [`Error::exit_code`] is the exit status.
+pub fn run(cli: Cli) -> Result<()> {
+    let global = cli.global;
+    if let Some(threads) = global.threads {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
+        pool.build_global().map_err(|why| Error::Unfinished(format!("the threads could not be started: {why}")))?;
+    }
+    match cli.command.unwrap_or(Command::Report { scenarios: Vec::new(), out: "output".into() }) {
+        Command::Report { scenarios, out } => report::execute(&scenarios, &out, &global),
+        Command::Run { scenario, out } => run::execute(&scenario, &out, &global),
+        Command::Check { scenarios } => check::execute(&scenarios),
+        Command::Init { dir } => init::execute(&dir),
+    }
+}
+
+/// Prints a line on standard output, unless the reader has gone.
+fn say(global: &Global, line: &str) {
+    use std::io::Write as _;
+    if !global.quiet {
+        let _ = writeln!(std::io::stdout().lock(), "{line}");
+    }
+}

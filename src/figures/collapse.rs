@@ -1,8 +1,9 @@
 //! Compliance alpha/u0 against frequency: curves of equal V/u0 fall on one another.
 
-use super::axes::{Axis, Entry, Key, Panel, legend, legend_width, range};
+use super::axes::{Axis, Panel, range};
 use super::canvas::{Canvas, MARKS, Mark, Point, Stroke};
 use super::data::{self, Field, health};
+use super::legend::{Entry, Key, legend, legend_width};
 use super::style::{Color, Table, Unit, WIDTH, cell, ramp, significant};
 use super::{Drawing, Figure, FigureError};
 use crate::sweep::{Curve, Outcome};
@@ -181,14 +182,14 @@ impl Figure for Collapse {
         let caption = format!(
             "Amplitude over drive, α/u₀, for {count} curves with {} drives (marks) and {} ratios V/u₀ (colours). With Coulomb \
              friction the response depends on speed and drive only through their ratio: curves of one colour must fall on \
-             one another. The strip below shows how far they are apart (largest minus smallest, over their mean): at most {}.{}",
+             one another. The strip below shows how far they are apart (largest minus smallest, over their mean; below 10⁻¹⁶ drawn at that value): at most {}.{}",
             data.drives.len(),
             data.groups.len(),
             significant(largest, 2),
             health(&data.groups.iter().flat_map(|group| group.curves.iter().copied()).collect::<Vec<_>>())
         );
         let notes = vec![("Largest relative spread at equal V/u₀".to_string(), significant(largest, 2))];
-        let alt = "Graph of amplitude over drive against frequency: curves of equal ratio of speed to drive coincide; a strip below shows their tiny relative spread.".to_string();
+        let alt = "Graph of amplitude over drive against frequency: one colour for each ratio of speed to drive; a strip below shows the relative spread within each ratio.".to_string();
         let svg = data.draw(self.title(), &alt);
         Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
     }

@@ -1,5 +1,6 @@
 //! Selections that several figures make from an outcome.
 
+use super::axes::{Axis, range};
 use super::canvas::Point;
 use super::style::{Unit, significant};
 use crate::scenario::Formulation;
@@ -127,6 +128,13 @@ pub fn self_excited(curve: &Curve, quantity: impl Fn(&SteadyState) -> f64) -> Ve
     points.filter(|(_, s)| matches!(s.status, Status::SelfExcited(_))).map(|(&f, s)| (f, quantity(s))).collect()
 }
 
+/// The range of frequencies that a figure of these curves spans; widened where there is only one frequency.
+pub fn span(curves: &[&Curve]) -> Point {
+    let (low, high) = range(curves.iter().flat_map(|curve| curve.frequency.iter().copied()));
+    let axis = Axis::linear("", low, high);
+    (axis.low, axis.high)
+}
+
 /// The word for a status in a CSV file.
 pub fn status_word(status: &Status) -> &'static str {
     match status {
@@ -162,7 +170,7 @@ pub fn peak(points: &[Point]) -> Option<Point> {
     let [(x0, y0), (x1, y1), (x2, y2)] = [finite[best - 1], finite[best], finite[best + 1]];
     let (left, right) = ((y1 - y0) / (x1 - x0), (y2 - y1) / (x2 - x1));
     let curvature = (right - left) / (x2 - x0);
-    if !(curvature < 0.0) {
+    if curvature >= 0.0 || curvature.is_nan() {
         return Some(finite[best]);
     }
     // Newton's form y = y1 + slope (x - x1) + curvature (x - x1)^2 with the slope at x1.

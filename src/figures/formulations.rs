@@ -1,8 +1,9 @@
 //! The published procedure against the series formulation, and the error of its step size.
 
-use super::axes::{Axis, Entry, Key, Panel, legend, legend_width, range};
+use super::axes::{Axis, Panel, range};
 use super::canvas::{Anchor, Canvas, MARKS, Mark, Point, Stroke, Type};
 use super::data::{self, Field, health};
+use super::legend::{Entry, Key, legend, legend_width};
 use super::style::{Color, DASHES, GREY, INK, Table, WIDTH, cell, ramp, significant};
 use super::{Drawing, Figure, FigureError};
 use crate::scenario::Formulation;

@@ -1,8 +1,9 @@
 //! Curves for several coefficients of friction coincide (paper Figure 3).
 
-use super::axes::{Axis, Entry, Key, Panel, legend, legend_width, range};
+use super::axes::{Axis, Panel, range};
 use super::canvas::{Canvas, Mark, Point, Stroke};
 use super::data::{self, Field, health};
+use super::legend::{Entry, Key, legend, legend_width};
 use super::style::{Table, Unit, WIDTH, cell, ramp, significant};
 use super::{Drawing, Figure, FigureError};
 use crate::sweep::{Curve, Outcome};
@@ -152,7 +153,8 @@ impl Figure for FrictionIndependence {
         let mut caption = format!(
             "Amplitude and phase for {count} coefficients of friction ({condition}), drawn as nested lines: each leaves the \
              wider ones below it visible, so one line with several rims means that all coincide. The largest relative \
-             difference in amplitude is {largest}, the largest difference in phase {turn}."
+             difference in amplitude is {largest}, the largest difference in phase {turn}. The strip below shows the \
+             former at every frequency (below 10⁻¹⁶ drawn at that value)."
         );
         if data.left_out > 0 {
             caption += &format!(" {} curves of other conditions are not shown.", data.left_out);
@@ -164,7 +166,7 @@ impl Figure for FrictionIndependence {
             ("Largest difference in phase".into(), turn),
         ];
         let alt = format!(
-            "Amplitude and phase against frequency for {count} coefficients of friction, which coincide; a strip below shows the relative differences on a logarithmic axis."
+            "Amplitude and phase against frequency for {count} coefficients of friction as nested lines; a strip below shows the relative differences on a logarithmic axis."
         );
         let svg = data.draw(self.title(), &alt);
         Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))

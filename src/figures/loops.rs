@@ -1,8 +1,9 @@
 //! Loops of contact force against displacement of the arm.
 
-use super::axes::{Axis, Key, Panel, legend, range};
+use super::axes::{Axis, Panel, range};
 use super::canvas::{Anchor, Canvas, Point, Stroke, Type};
-use super::orbits::{Cycle, cycles, left_out};
+use super::legend::{Key, legend};
+use super::orbits::{Cycle, cycles, force_unit, left_out};
 use super::style::{INK, SLIP, STATIC, Table, Unit, WIDTH, cell};
 use super::{Drawing, Figure, FigureError};
 use crate::sweep::Outcome;
@@ -23,10 +24,7 @@ impl<'a> Data<'a> {
         let (cycles, left_out) = cycles(outcome, "loops")?;
         let moves = cycles.iter().flat_map(|c| (0..c.len()).map(|i| c.displacement(i).abs()));
         let stroke = Unit::fitting(range(moves).1, "m");
-        let force = range(cycles.iter().flat_map(|c| (0..c.len()).map(|i| c.force(i).abs()))).1;
-        // A force that never leaves the Coulomb limit has only rounding to show.
-        let scale = cycles.iter().map(|c| c.condition.friction * c.condition.load).fold(0.0, f64::max);
-        let force = if force > 1e-9 * scale { Unit::fitting(force, "N") } else { Unit::new(1e-3, "mN") };
+        let force = force_unit(&cycles);
         Ok(Self { cycles, left_out, stroke, force })
     }
 
@@ -53,8 +51,8 @@ impl<'a> Data<'a> {
         let pad = 0.08 * (highest - lowest).max(1e-3);
         let mut canvas = Canvas::new(WIDTH, total);
         let entries = [
-            (Key::Line(Stroke::solid(STATIC, 4.0)), "interface sticks".to_string()),
-            (Key::Line(Stroke::dashed(SLIP, 3.0, "7 3")), "interface slips, F = µW".to_string()),
+            (Key::Line(Stroke::solid(STATIC, 4.5)), "interface sticks".to_string()),
+            (Key::Line(Stroke::solid(SLIP, 2.0)), "interface slips, F = µW".to_string()),
         ];
         legend(&mut canvas, left, 2.0, &entries[..1]);
         legend(&mut canvas, left + 220.0, 2.0, &entries[1..]);
@@ -81,7 +79,7 @@ impl<'a> Data<'a> {
         for run in points.chunk_by(|a, b| a.1 == b.1) {
             let end = (start + run.len() + 1).min(points.len());
             let line: Vec<Point> = points[start..end].iter().map(|point| point.0).collect();
-            let stroke = if run[0].1 { Stroke::solid(STATIC, 4.0) } else { Stroke::dashed(SLIP, 3.0, "7 3") };
+            let stroke = if run[0].1 { Stroke::solid(STATIC, 4.5) } else { Stroke::solid(SLIP, 2.0) };
             panel.curve(canvas, &line, stroke);
             start += run.len();
         }
@@ -146,13 +144,12 @@ impl Figure for Loops {
         let caption = format!(
             "Contact force beyond the Coulomb limit µW against displacement of the arm over one cycle: {}. While the interface \
              slips the force stays at the limit; while it sticks the bristles carry the arm's motion and the force falls below \
-             it. The enclosed area is what the contact takes out of the arm's vibration per cycle: nothing in full slip, \
-             most in between.{}",
+             it. The enclosed area is what the contact takes out of the arm's vibration per cycle.{}",
             regimes.join("; "),
             left_out(data.left_out)
         );
         let alt = format!(
-            "{} panels of force against displacement: a flat line in full slip, an open loop in partial stick, a slim inclined loop when nearly static.",
+            "{} panels of force against displacement: the part of the cycle that sticks drawn thick, the part that slips thin.",
             data.cycles.len()
         );
         let svg = data.draw(self.title(), &alt);

@@ -1,8 +1,9 @@
 //! Points whose orbits were kept, as the figures of loops and histories show them.
 
 use super::FigureError;
+use super::axes::range;
 use super::data;
-use super::style::Unit;
+use super::style::{Unit, significant};
 use crate::solver::{Orbit, Status, SteadyState};
 use crate::sweep::{Condition, Outcome};
 
@@ -74,14 +75,10 @@ impl Cycle<'_> {
         let share = 100.0 * self.state.stick_fraction;
         let excited = if self.state.status == Status::Steady { "" } else { ", not steady" };
         [
-            format!("{} Hz, V = {speed}", data_number(self.frequency)),
+            format!("{} Hz, V = {speed}", significant(self.frequency, 5)),
             format!("{}: {share:.0} % stick{excited}", self.regime()),
         ]
     }
-}
-
-fn data_number(value: f64) -> String {
-    super::style::significant(value, 5)
 }
 
 /// The points with orbits, at most six, spread evenly; and how many were left out.
@@ -116,4 +113,11 @@ pub fn cycles<'a>(outcome: &'a Outcome, figure: &str) -> Result<(Vec<Cycle<'a>>,
 /// What the caption says about points that are not shown.
 pub fn left_out(count: usize) -> String {
     if count == 0 { String::new() } else { format!(" {count} further points with orbits are not shown.") }
+}
+
+/// The unit that suits the forces beyond mu W; mN where they never leave that limit and only rounding would show.
+pub fn force_unit(cycles: &[Cycle<'_>]) -> Unit {
+    let forces = cycles.iter().flat_map(|c| (0..c.len()).map(|i| c.force(i).abs()));
+    let (largest, limits) = (range(forces).1, cycles.iter().map(|c| c.condition.friction * c.condition.load));
+    if largest > 1e-9 * limits.fold(0.0, f64::max) { Unit::fitting(largest, "N") } else { Unit::new(1e-3, "mN") }
 }

@@ -61,7 +61,8 @@ impl<'a> Data<'a> {
             let columns = self::edges(&curve.frequency, false);
             let (top, bottom) = (panel.py(edges[row + 1]), panel.py(edges[row]));
             // Neighbours of one colour become one rectangle; a slight overlap avoids seams.
-            let colors: Vec<Color> = curve.states.iter().map(|s| color(&s.status, s.stick_fraction)).collect();
+            let colors: Vec<Color> =
+                curve.states.iter().take(curve.frequency.len()).map(|s| color(&s.status, s.stick_fraction)).collect();
             let mut start = 0;
             for run in colors.chunk_by(|a, b| a == b) {
                 let (left, right) = (panel.px(columns[start]), panel.px(columns[start + run.len()]));
@@ -171,7 +172,7 @@ impl Figure for RegimeMap {
         ];
         let mut caption = format!(
             "Share of each cycle during which the contact sticks, for every computed pair of frequency and roller speed; \
-             {slipping} of {total} points slip throughout. Stick should begin exactly at the line, where the arm's speed \
+             {slipping} of {total} points slip throughout. With Coulomb friction stick begins exactly at the line, where the arm's speed \
              amplitude in full slip (closed form) equals the roller's speed."
         );
         if let Some(slip) = data.slip {
@@ -189,7 +190,7 @@ impl Figure for RegimeMap {
                 .replace("open marks: lock-in averages", "grey")
                 .replace("gaps); no line joins across them", "grey)");
         }
-        let alt = "Colour map of the stick fraction over frequency and roller speed; stick fills the area below a resonance-shaped boundary line.".to_string();
+        let alt = "Colour map of the stick fraction over frequency and roller speed; a resonance-shaped line marks where the arm in full slip is as fast as the roller.".to_string();
         let svg = data.draw(self.title(), &alt);
         Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
     }

@@ -1,9 +1,10 @@
 //! Amplitude and phase against frequency, one curve per condition, between the limiting cases (paper Figures 5 and 6).
 
-use super::axes::{Axis, Entry, Key, Panel, legend, legend_width, range};
-use super::canvas::{Canvas, Point, Stroke};
+use super::axes::{Axis, Panel, range};
+use super::canvas::{Canvas, Mark, Point, Stroke};
 use super::data::{self, health};
-use super::scheme::{Scheme, draw_curve, limit_name, limit_points, limit_stroke, limits, recolored};
+use super::legend::{Entry, Key, legend, legend_width};
+use super::scheme::{Scheme, draw_curve, draw_limit, limit_name, limit_points, limit_stroke, limits, recolored};
 use super::style::{INK, Table, Unit, WIDTH, cell};
 use super::{Drawing, Figure, FigureError};
 use crate::solver::SteadyState;
@@ -31,9 +32,10 @@ impl<'a> Data<'a> {
             return Err(FigureError::missing("resonance", "a sweep with at least one frequency and one condition"));
         };
         let limits = limits(outcome, first.condition.drive);
-        let span = range(curves.iter().flat_map(|curve| curve.frequency.iter().copied()));
+        let span = data::span(&curves);
         let states = || curves.iter().flat_map(|curve| &curve.states);
-        let of_limits = limits.iter().map(|(limit, _)| limit.peak_amplitude);
+        let of_limits =
+            limits.iter().flat_map(|(limit, _)| limit_points(limit, &limit.amplitude, span, 1.0)).map(|p| p.1);
         let largest = range(states().map(|state| state.amplitude).chain(of_limits)).1;
         let (low, high) = range(states().map(|state| state.phase));
         let unit = Unit::fitting(largest, "rad");
@@ -57,6 +59,10 @@ impl<'a> Data<'a> {
         for (limit, _) in &self.limits {
             entries.push((Key::Line(recolored(limit_stroke(limit.case), INK)), limit_name(limit.case).into()));
         }
+        let mut states = self.scheme.curves.iter().flat_map(|styled| &styled.curve.states);
+        if states.any(|state| data::status_word(&state.status) == "self-excited") {
+            entries.push((Key::Mark(Mark::Circle, INK, false), "self-excited".into()));
+        }
         entries
     }
 
@@ -66,7 +72,9 @@ impl<'a> Data<'a> {
         let width = WIDTH - 92.0 - 30.0 - column - 20.0;
         let axis = || Axis::linear("frequency f [Hz]", self.span.0, self.span.1);
         let states = || self.scheme.curves.iter().flat_map(|s| &s.curve.states);
-        let amplitudes = states().map(|s| s.amplitude).chain(self.limits.iter().map(|(l, _)| l.peak_amplitude));
+        let of_limits =
+            self.limits.iter().flat_map(|(l, _)| limit_points(l, &l.amplitude, self.span, 1.0)).map(|p| p.1);
+        let amplitudes = states().map(|s| s.amplitude).chain(of_limits);
         let amplitude = Axis::around(format!("amplitude α [{}]", self.unit.label), amplitudes.map(|a| self.unit.of(a)));
         let phases =
             states().map(|s| self.phase(s.phase)).chain(self.limits.iter().flat_map(|(l, _)| self.limit_phase(l)));
@@ -86,13 +94,14 @@ impl<'a> Data<'a> {
             let dots = |s: &SteadyState| if points.len() == 1 { self.phase(s.phase) } else { f64::NAN };
             draw_curve(&lower, &mut canvas, styled.curve, styled.stroke, dots);
             let open = data::self_excited(styled.curve, |s| self.phase(s.phase));
-            lower.marks(&mut canvas, &open, super::canvas::Mark::Circle, 4.0, styled.stroke.color, false);
+            lower.marks(&mut canvas, &open, Mark::Circle, 4.0, styled.stroke.color, false);
         }
         for (limit, stroke) in &self.limits {
             let stroke = recolored(*stroke, INK);
-            upper.curve(&mut canvas, &limit_points(limit, &limit.amplitude, self.span, self.unit.factor), stroke);
+            let points = limit_points(limit, &limit.amplitude, self.span, self.unit.factor);
+            draw_limit(&upper, &mut canvas, &points, stroke);
             for run in unbroken(&limit_points(limit, &self.limit_phase(limit), self.span, 1.0)) {
-                lower.curve(&mut canvas, run, stroke);
+                draw_limit(&lower, &mut canvas, run, stroke);
             }
         }
         legend(&mut canvas, upper.right() + 30.0, 20.0, &entries);
@@ -163,18 +172,19 @@ impl Figure for Resonance {
         let of_drive = if drives > 1 { format!(" of the first of {drives} drives") } else { String::new() };
         let peaks = match data.limits.as_slice() {
             [(slip, _), (fixed, _)] => format!(
-                " The limiting cases{of_drive} peak at {} (full slip or no contact) and {} (static contact); look for how the computed peaks pass from one to the other as the roller speeds up, lowest in between.",
+                " The limiting cases{of_drive} peak at {} (full slip or no contact) and {} (static contact); look for how each computed curve leaves the one and nears the other.",
                 peak_text((slip.peak_frequency, slip.peak_amplitude), &data.unit),
                 peak_text((fixed.peak_frequency, fixed.peak_amplitude), &data.unit)
             ),
             _ => String::new(),
         };
         let count = data.scheme.curves.len();
+        let (from, to) = range(curves.iter().flat_map(|curve| curve.frequency.iter().copied()));
         let caption = format!(
             "Amplitude α and phase φ of the arm at the drive frequency, {count} computed curve{} from {} to {} Hz.{peaks}{}",
             if count == 1 { "" } else { "s" },
-            cell(data.span.0),
-            cell(data.span.1),
+            cell(from),
+            cell(to),
             health(&curves)
         );
         let alt = format!(

@@ -1,8 +1,9 @@
 //! Frequency and height of the resonance peak against the roller's speed.
 
-use super::axes::{Axis, Entry, Key, Panel, legend, legend_width, range};
+use super::axes::{Axis, Panel, range};
 use super::canvas::{Anchor, Canvas, MARKS, Mark, Point, Stroke, Type};
 use super::data::{self, Field, health};
+use super::legend::{Entry, Key, legend, legend_width};
 use super::scheme::{limit_name, limits};
 use super::style::{INK, Table, Unit, WIDTH, cell, ramp};
 use super::{Drawing, Figure, FigureError};
@@ -13,11 +14,23 @@ const HEIGHT: f64 = 720.0;
 /// The figure.
 pub struct Ridge;
 
+/// The peak of a curve, in SI.
+#[derive(Debug, Clone, Copy)]
+struct Peak {
+    speed: f64,
+    frequency: f64,
+    amplitude: f64,
+    /// Whether it lies inside the sweep, not at its end.
+    inside: bool,
+}
+
+/// A quantity of a peak that a panel shows, and the size of its unit.
+type Shown = (fn(&Peak) -> f64, f64);
+
 /// A line of peaks: one condition apart from the speed.
 struct Line {
     label: String,
-    /// V, peak frequency, peak amplitude, whether the peak lies inside the sweep.
-    peaks: Vec<(f64, f64, f64, bool)>,
+    peaks: Vec<Peak>,
     stroke: Stroke,
     mark: Mark,
 }
@@ -37,14 +50,14 @@ impl<'a> Data<'a> {
         let fields: Vec<Field> = data::varying(&curves).into_iter().filter(|field| *field != Field::Speed).collect();
         let mut lines = Vec::new();
         for (i, group) in groups.iter().enumerate() {
-            let mut peaks: Vec<(f64, f64, f64, bool)> = group.iter().filter_map(|curve| peak(curve)).collect();
-            peaks.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let mut peaks: Vec<Peak> = group.iter().filter_map(|curve| peak(curve)).collect();
+            peaks.sort_by(|a, b| a.speed.total_cmp(&b.speed));
             let label =
                 if fields.is_empty() { "computed".into() } else { data::describe(&group[0].condition, &fields) };
             let (stroke, mark) = (Stroke::solid(ramp(i, groups.len()), 2.2), MARKS[i % MARKS.len()]);
             lines.push(Line { label, peaks, stroke, mark });
         }
-        lines.retain(|line| line.peaks.iter().filter(|peak| peak.0 > 0.0).count() > 1);
+        lines.retain(|line| line.peaks.iter().filter(|peak| peak.speed > 0.0).count() > 1);
         let first = curves.first().filter(|_| !lines.is_empty()).ok_or_else(missing)?;
         let limits = limits(outcome, first.condition.drive);
         Ok(Self { lines, limits, curves })
@@ -55,17 +68,17 @@ impl<'a> Data<'a> {
         Some(slip.0.speed_peak)
     }
 
-    fn peaks(&self) -> impl Iterator<Item = &(f64, f64, f64, bool)> {
+    fn peaks(&self) -> impl Iterator<Item = &Peak> {
         self.lines.iter().flat_map(|line| &line.peaks)
     }
 
     fn draw(&self, title: &str, alt: &str) -> String {
         let speed = Unit::speed();
-        let unit = Unit::fitting(range(self.peaks().map(|p| p.2)).1, "rad");
+        let unit = Unit::fitting(range(self.peaks().map(|p| p.amplitude)).1, "rad");
         let mut entries: Vec<Entry> = vec![(Key::Heading, "Peak of the curve".into())];
         entries
             .extend(self.lines.iter().map(|line| (Key::Mark(line.mark, line.stroke.color, true), line.label.clone())));
-        if self.peaks().any(|peak| !peak.3) {
+        if self.peaks().any(|peak| !peak.inside) {
             entries.push((Key::Mark(Mark::Circle, INK, false), "at the sweep's end".into()));
         }
         entries.push((Key::Heading, "Limiting cases".into()));
@@ -75,21 +88,21 @@ impl<'a> Data<'a> {
             entries.push((Key::Heading, String::new()));
         }
         let width = WIDTH - 92.0 - 50.0 - legend_width(&entries);
-        let speeds = || self.peaks().map(|peak| speed.of(peak.0)).chain(self.threshold().map(|v| speed.of(v)));
+        let speeds = || self.peaks().map(|peak| speed.of(peak.speed)).chain(self.threshold().map(|v| speed.of(v)));
         let axis = || Axis::logarithmic("roller speed V [mm/s]", speeds(), 0.04);
-        let frequencies = self.peaks().map(|p| p.1).chain(self.limits.iter().map(|(l, _)| l.peak_frequency));
+        let frequencies = self.peaks().map(|p| p.frequency).chain(self.limits.iter().map(|(l, _)| l.peak_frequency));
         let (low, high) = range(frequencies);
         let pad = 0.12 * (high - low).max(0.5);
         let y = Axis::linear("peak frequency [Hz]", low - pad, high + pad);
         let upper = Panel { left: 92.0, top: 24.0, width, height: 305.0, x: axis(), y };
-        let amplitudes = self.peaks().map(|p| p.2).chain(self.limits.iter().map(|(l, _)| l.peak_amplitude));
+        let amplitudes = self.peaks().map(|p| p.amplitude).chain(self.limits.iter().map(|(l, _)| l.peak_amplitude));
         let (low, high) = range(amplitudes.map(|a| unit.of(a)));
         let pad = 0.1 * (high - low).max(0.01 * high);
         let y = Axis::linear(format!("peak amplitude [{}]", unit.label), low - pad, high + pad);
         let lower = Panel { left: 92.0, top: 357.0, width, height: 305.0, x: axis(), y };
         let mut canvas = Canvas::new(WIDTH, HEIGHT);
-        self.panel(&mut canvas, &upper, (|p| p.1, 1.0), |limit| limit.peak_frequency, false);
-        self.panel(&mut canvas, &lower, (|p| p.2, unit.factor), |limit| limit.peak_amplitude, true);
+        self.panel(&mut canvas, &upper, (|p| p.frequency, 1.0), |limit| limit.peak_frequency, false);
+        self.panel(&mut canvas, &lower, (|p| p.amplitude, unit.factor), |limit| limit.peak_amplitude, true);
         let end = legend(&mut canvas, upper.right() + 30.0, 20.0, &entries);
         if self.threshold().is_some() {
             for (i, text) in ["faster than the arm", "ever moves: full slip"].iter().enumerate() {
@@ -103,7 +116,7 @@ impl<'a> Data<'a> {
         &self,
         canvas: &mut Canvas,
         panel: &Panel,
-        (quantity, factor): (fn(&(f64, f64, f64, bool)) -> f64, f64),
+        (quantity, factor): Shown,
         level: fn(&LimitCurve) -> f64,
         below: bool,
     ) {
@@ -118,23 +131,23 @@ impl<'a> Data<'a> {
             panel.curve(canvas, &[(x, panel.y.low), (x, panel.y.high)], Stroke::dashed(INK, 1.4, "2 3"));
         }
         for line in &self.lines {
-            let moving = || line.peaks.iter().filter(|peak| peak.0 > 0.0);
-            let points: Vec<Point> = moving().map(|peak| (speed.of(peak.0), quantity(peak) / factor)).collect();
+            let moving = || line.peaks.iter().filter(|peak| peak.speed > 0.0);
+            let points: Vec<Point> = moving().map(|peak| (speed.of(peak.speed), quantity(peak) / factor)).collect();
             panel.curve(canvas, &points, line.stroke);
             for (point, peak) in points.iter().zip(moving()) {
-                panel.marks(canvas, &[*point], line.mark, 5.0, line.stroke.color, peak.3);
+                panel.marks(canvas, &[*point], line.mark, 5.0, line.stroke.color, peak.inside);
             }
         }
     }
 
     fn csv(&self) -> String {
-        let unit = Unit::fitting(range(self.peaks().map(|p| p.2)).1, "rad");
+        let unit = Unit::fitting(range(self.peaks().map(|p| p.amplitude)).1, "rad");
         let amplitude = format!("peak amplitude [{}]", unit.label);
         let mut table =
             Table::new(&["condition", "speed [mm/s]", "peak frequency [Hz]", &amplitude, "inside the sweep"]);
         for line in &self.lines {
-            for (v, f, a, inside) in &line.peaks {
-                let numbers = [Unit::speed().of(*v), *f, unit.of(*a)].map(cell);
+            for Peak { speed, frequency, amplitude, inside } in &line.peaks {
+                let numbers = [Unit::speed().of(*speed), *frequency, unit.of(*amplitude)].map(cell);
                 let word = if *inside { "yes" } else { "no" };
                 table.row(std::iter::once(line.label.clone()).chain(numbers).chain([word.to_string()]));
             }
@@ -143,10 +156,10 @@ impl<'a> Data<'a> {
     }
 }
 
-fn peak(curve: &Curve) -> Option<(f64, f64, f64, bool)> {
-    let (f, a) = data::peak(&data::steady(curve, |s| s.amplitude))?;
+fn peak(curve: &Curve) -> Option<Peak> {
+    let (frequency, amplitude) = data::peak(&data::steady(curve, |s| s.amplitude))?;
     let (low, high) = range(curve.frequency.iter().copied());
-    Some((curve.condition.speed, f, a, f > low && f < high))
+    Some(Peak { speed: curve.condition.speed, frequency, amplitude, inside: frequency > low && frequency < high })
 }
 
 impl Figure for Ridge {
@@ -160,15 +173,20 @@ impl Figure for Ridge {
 
     fn draw(&self, outcome: &Outcome) -> Result<Drawing, FigureError> {
         let data = Data::of(outcome)?;
-        let unit = Unit::fitting(range(data.peaks().map(|p| p.2)).1, "rad");
+        let unit = Unit::fitting(range(data.peaks().map(|p| p.amplitude)).1, "rad");
         let mut caption = String::from(
             "Frequency (above) and height (below) of the resonance peak against the roller's speed, from a parabola through \
              the largest point of each curve and its neighbours.",
         );
         let mut notes = Vec::new();
-        if let Some(low) = data.peaks().min_by(|a, b| a.2.total_cmp(&b.2)) {
-            let text = format!("{} at V = {} and {:.2} Hz", unit.show(low.2, 4), Unit::speed().show(low.0, 3), low.1);
-            caption += &format!(" The peak is lowest, {text}: there the contact dissipates most.");
+        if let Some(low) = data.peaks().min_by(|a, b| a.amplitude.total_cmp(&b.amplitude)) {
+            let text = format!(
+                "{} at V = {} and {:.2} Hz",
+                unit.show(low.amplitude, 4),
+                Unit::speed().show(low.speed, 3),
+                low.frequency
+            );
+            caption += &format!(" The peak is lowest, {text}.");
             notes.push(("Lowest peak".into(), text));
         }
         for (limit, _) in &data.limits {
@@ -178,15 +196,15 @@ impl Figure for Ridge {
         if let Some(v) = data.threshold() {
             let text = Unit::speed().show(v, 4);
             caption += &format!(
-                " Above V = {text} (dotted) the arm never catches up with the roller, and the peak is that of full slip."
+                " Above V = {text} (dotted) the arm in full slip never catches up with the roller; with Coulomb friction alone the peak is then exactly that of full slip."
             );
             notes.push(("Threshold of full slip, max bωα".into(), text));
         }
-        if data.peaks().any(|peak| peak.0 == 0.0) {
+        if data.peaks().any(|peak| peak.speed == 0.0) {
             caption += " Peaks at V = 0 have no place on the logarithmic axis; they are in the table.";
         }
         caption += &health(&data.curves);
-        let alt = "Two stacked graphs against roller speed on a logarithmic axis: the peak frequency falls from the static to the full-slip value, the peak amplitude dips in between.".to_string();
+        let alt = "Two stacked graphs against roller speed on a logarithmic axis; peak frequency above and peak amplitude below, with the static and full-slip values as horizontal lines.".to_string();
         let svg = data.draw(self.title(), &alt);
         Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
     }

@@ -1,8 +1,9 @@
 //! How curves are told apart: colour for the leading property, dashes for the rest, and the legend that says so.
 
-use super::axes::{Entry, Key, Panel};
+use super::axes::Panel;
 use super::canvas::{Canvas, Mark, Point, Stroke};
 use super::data::{self, Field};
+use super::legend::{Entry, Key};
 use super::style::{Color, DASH_SLIP, DASH_STATIC, DASHES, INK, SLIP, STATIC, ramp};
 use crate::solver::SteadyState;
 use crate::sweep::{Curve, LimitCurve, LimitingCase, Outcome};
@@ -129,6 +130,15 @@ pub fn limits(outcome: &Outcome, drive: f64) -> Vec<(&LimitCurve, Stroke)> {
         (LimitingCase::StaticContact, limit_stroke(LimitingCase::StaticContact)),
     ];
     cases.into_iter().filter_map(|(case, stroke)| Some((data::limit(outcome, case, drive)?, stroke))).collect()
+}
+
+/// Draws part of a limiting case; a lone point as a mark.
+pub fn draw_limit(panel: &Panel, canvas: &mut Canvas, points: &[Point], stroke: Stroke) {
+    panel.curve(canvas, points, stroke);
+    if points.len() == 1 {
+        let mark = if stroke.dash == DASH_SLIP { Mark::Triangle } else { Mark::Square };
+        panel.marks(canvas, points, mark, 6.0, stroke.color, false);
+    }
 }
 
 /// The line of a limiting case in its own colour.

@@ -1,8 +1,9 @@
 //! Speeds and force over one cycle.
 
-use super::axes::{Axis, Key, Panel, legend, range};
+use super::axes::{Axis, Panel, range};
 use super::canvas::{Anchor, Canvas, Point, Stroke, Type};
-use super::orbits::{Cycle, cycles, left_out};
+use super::legend::{Key, legend};
+use super::orbits::{Cycle, cycles, force_unit, left_out};
 use super::style::{Color, INK, ROLLER, SHADE, SLIP, Table, Unit, WIDTH, cell};
 use super::{Drawing, Figure, FigureError};
 use crate::sweep::Outcome;
@@ -26,9 +27,7 @@ impl<'a> Data<'a> {
         let (all, more) = cycles(outcome, "time-histories")?;
         let cycles = super::data::spread(&all, MOST_COLUMNS);
         let left_out = more + all.len() - cycles.len();
-        let largest = range(cycles.iter().flat_map(|c| (0..c.len()).map(move |i| c.force(i).abs()))).1;
-        let scale = cycles.iter().map(|c| c.condition.friction * c.condition.load).fold(0.0, f64::max);
-        let force = if largest > 1e-9 * scale { Unit::fitting(largest, "N") } else { Unit::new(1e-3, "mN") };
+        let force = force_unit(&cycles);
         Ok(Self { cycles, left_out, force })
     }
 

@@ -1,12 +1,13 @@
 //! Speed amplitude of the arm at the contact against frequency, with the roller's speed (paper Figure 2).
 
-use super::axes::{Axis, Entry, Key, Panel, legend, legend_width, range};
+use super::axes::{Axis, Panel, range};
 use super::canvas::{Anchor, Canvas, Mark, Point, Stroke, Type};
 use super::data::{self, Field, crossings, health};
-use super::scheme::{draw_curve, limit_name, limit_points, limits};
+use super::legend::{Entry, Key, legend, legend_width};
+use super::scheme::{draw_curve, draw_limit, limit_name, limit_points, limits};
 use super::style::{INK, ROLLER, SLIP, TICK_SIZE, Table, Unit, WIDTH, cell, ramp, text_width};
 use super::{Drawing, Figure, FigureError};
-use crate::sweep::{Curve, LimitCurve, LimitingCase, Outcome};
+use crate::sweep::{Condition, Curve, LimitCurve, LimitingCase, Outcome};
 
 const HEIGHT: f64 = 620.0;
 const MOST_CURVES: usize = 8;
@@ -33,7 +34,7 @@ impl<'a> Data<'a> {
             ));
         };
         let shown = data::spread(group, MOST_CURVES);
-        let span = range(shown.iter().flat_map(|curve| curve.frequency.iter().copied()));
+        let span = data::span(&shown);
         let count = shown.len();
         let color = |i: usize| if count == 1 { ROLLER } else { ramp(i, count) };
         let width = if count == 1 { 4.0 } else { 2.6 };
@@ -46,11 +47,11 @@ impl<'a> Data<'a> {
         self.limits.iter().map(|(limit, _)| *limit).find(|limit| limit.case == LimitingCase::FreeOrFullSlip)
     }
 
-    /// Frequencies at which the full-slip curve passes the roller's speed.
-    fn onsets(&self, speed: f64) -> Vec<f64> {
+    /// Frequencies at which the full-slip curve passes the roller's speed; none without contact.
+    fn onsets(&self, condition: &Condition) -> Vec<f64> {
         let Some(slip) = self.slip() else { return Vec::new() };
         let points = limit_points(slip, &slip.speed_amplitude, self.span, 1.0);
-        if speed > 0.0 { crossings(&points, speed) } else { Vec::new() }
+        if condition.speed > 0.0 && condition.load > 0.0 { crossings(&points, condition.speed) } else { Vec::new() }
     }
 
     /// Speeds below the top of the graph: others would only flatten it.
@@ -62,13 +63,17 @@ impl<'a> Data<'a> {
         let unit = Unit::speed();
         let single = self.curves.len() == 1;
         let states = self.curves.iter().flat_map(|(curve, _)| curve.states.iter().map(|s| s.speed_amplitude));
-        let top = range(states.chain(self.limits.iter().map(|(limit, _)| limit.speed_peak))).1;
+        let of_limits =
+            self.limits.iter().flat_map(|(l, _)| limit_points(l, &l.speed_amplitude, self.span, 1.0)).map(|p| p.1);
+        let top = range(states.chain(of_limits)).1;
         let speeds: Vec<f64> =
             self.curves.iter().map(|(c, _)| c.condition.speed).filter(|v| self.fits(*v, top)).collect();
         let values = speeds.iter().copied().chain([0.0, top]).map(|v| unit.of(v));
         let mut entries: Vec<Entry> = vec![(Key::Heading, "Arm, bωα".into())];
         for (curve, stroke) in &self.curves {
-            let name = if single { "computed, partial stick".into() } else { Field::Speed.equation(&curve.condition) };
+            let partial = curve.states.iter().any(|s| s.stick_fraction > 0.0 && s.stick_fraction < 1.0);
+            let alone = if partial { "computed, partial stick" } else { "computed" };
+            let name = if single { alone.into() } else { Field::Speed.equation(&curve.condition) };
             entries.push((Key::Line(*stroke), name));
         }
         entries.extend(self.limits.iter().map(|(limit, stroke)| (Key::Line(*stroke), limit_name(limit.case).into())));
@@ -103,11 +108,12 @@ impl<'a> Data<'a> {
             draw_curve(&panel, &mut canvas, curve, *stroke, |s| unit.of(s.speed_amplitude));
         }
         for (limit, stroke) in &self.limits {
-            panel.curve(&mut canvas, &limit_points(limit, &limit.speed_amplitude, self.span, unit.factor), *stroke);
+            let points = limit_points(limit, &limit.speed_amplitude, self.span, unit.factor);
+            draw_limit(&panel, &mut canvas, &points, *stroke);
         }
         for (curve, _) in &self.curves {
             let level = unit.of(curve.condition.speed);
-            let roots = self.onsets(curve.condition.speed);
+            let roots = self.onsets(&curve.condition);
             let marks: Vec<Point> = roots.iter().map(|f| (*f, level)).collect();
             panel.marks(&mut canvas, &marks, Mark::Circle, 6.0, SLIP, false);
             if single {
@@ -166,7 +172,7 @@ impl Figure for VelocityAmplitude {
         let mut notes = Vec::new();
         for (curve, _) in &data.curves {
             let speed = unit.show(curve.condition.speed, 4);
-            for (i, root) in data.onsets(curve.condition.speed).iter().enumerate() {
+            for (i, root) in data.onsets(&curve.condition).iter().enumerate() {
                 notes.push((format!("f{} at V = {speed}", i + 1), format!("{root:.3} Hz")));
             }
         }
@@ -183,7 +189,7 @@ impl Figure for VelocityAmplitude {
             notes.push(("Largest arm speed in full slip".into(), format!("{v} at {f:.2} Hz")));
         }
         if let [(curve, _)] = data.curves.as_slice()
-            && let [first, .., last] = data.onsets(curve.condition.speed).as_slice()
+            && let [first, .., last] = data.onsets(&curve.condition).as_slice()
         {
             caption += &format!(
                 " Here V = {}, f₁ = {first:.2} Hz and f₂ = {last:.2} Hz.",

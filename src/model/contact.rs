@@ -469,12 +469,7 @@ impl HybridSystem for Problem {
     fn forcing(&self, t: f64) -> Forcing {
         let (sine, cosine) = (self.omega * t).sin_cos();
         let (re, im) = self.free;
-        Forcing {
-            sine,
-            cosine,
-            angle: re * sine + im * cosine,
-            velocity: self.omega * (re * cosine - im * sine),
-        }
+        Forcing { sine, cosine, angle: re * sine + im * cosine, velocity: self.omega * (re * cosine - im * sine) }
     }
 
     fn evaluate(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut Evaluation) {
@@ -562,8 +557,7 @@ impl HybridSystem for Problem {
                 out.gs *= scale;
             }
             Mode::SlipForward | Mode::SlipBackward => {
-                let (mu, mu_s, ..) =
-                    self.friction(sign * s, self.state(self.psi, z), self.state(self.heat, z));
+                let (mu, mu_s, ..) = self.friction(sign * s, self.state(self.psi, z), self.state(self.heat, z));
                 let scale = 1.0 / self.force_scale();
                 out.g = scale * (p.force - sign * mu * p.normal);
                 out.gz = force_z;
@@ -765,7 +759,8 @@ impl HybridSystem for Problem {
         let limit = (p.mu * p.normal).max(1e-12 * self.force_scale());
         for (index, (column, _)) in self.columns.iter().enumerate() {
             // Direct partial derivatives of the intermediate quantities by this column.
-            let (mut dth, mut dw, mut dv, mut dn, mut dforce, mut dmu, mut dtorque) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+            let (mut dth, mut dw, mut dv, mut dn, mut dforce, mut dmu, mut dtorque) =
+                (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
             let (mut arm, mut support, mut heat, mut stretch, mut branch, mut dpsi, mut stiff) =
                 (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
             match *column {

@@ -9,6 +9,7 @@ pub mod anchor;
 pub mod format;
 mod glossary;
 mod parameters;
+
 pub mod provenance;
 mod render;
 mod scenario;
@@ -18,6 +19,7 @@ mod verdict;
 mod view;
 
 pub use glossary::glossary;
+pub use parameters::formulation;
 pub use provenance::{Provenance, SECTION as PROVENANCE_SECTION};
 pub use render::{RenderError, json, render};
 pub use scenario::{FigureInput, scenario_view};

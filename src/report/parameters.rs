@@ -45,7 +45,7 @@ pub fn parameters(scenario: &Scenario) -> Vec<ParameterView> {
         rows.push(ParameterView { name: name.into(), source: source.into(), ..number(key, "", value, unit) });
     }
     rows.extend(scenario.effects.iter().flat_map(|effect| of_effect(effect, &scenario.provenance)));
-    rows.extend(scenario.sweep.iter().flat_map(|sweep| of_sweep(sweep)));
+    rows.extend(scenario.sweep.iter().flat_map(of_sweep));
     rows
 }
 
@@ -76,7 +76,7 @@ fn of_effect(effect: &EffectSetting, source: &str) -> Vec<ParameterView> {
         ParameterView {
             key: format!("effect.{}.{key}", effect.name),
             symbol: info.map_or("", |info| info.symbol).into(),
-            name: info.map_or("", |info| info.meaning).into(),
+            name: info.map_or(effect.name.as_str(), |info| info.meaning).into(),
             value: format::setting(*value, info.map_or("1", |info| info.unit)).text,
             unit: info.map_or("1", |info| info.unit).into(),
             source: source.into(),

@@ -34,7 +34,7 @@ const REFERENCES: &[&str] = &["aria-labelledby", "aria-describedby"];
 
 /// The `<svg>` element with every id and every reference to one prefixed, ready to stand in an HTML page beside others.
 ///
-/// Declaration, document type and comments are dropped. `None` where the text is no SVG or holds anything that could run or
+/// Declaration, document type and comments are dropped, and roles, for the page states what a drawing is. `None` where the text is no SVG or holds anything that could run or
 /// load something: unknown elements, event handlers, links that lead out of the drawing.
 pub fn inline(svg: &str, prefix: &str) -> Option<String> {
     let start = svg.find("<svg")?;
@@ -90,7 +90,9 @@ fn tag(tag: &str, prefix: &str, page: &mut String) -> Option<()> {
         let value = value.trim_start();
         let quote = value.chars().next().filter(|c| matches!(c, '"' | '\''))?;
         let (value, after) = value[1..].split_once(quote)?;
-        page.push_str(&format!(" {key}={quote}{}{quote}", attribute(key, value, prefix)?));
+        if key != "role" {
+            page.push_str(&format!(" {key}={quote}{}{quote}", attribute(key, value, prefix)?));
+        }
         rest = after.trim_start();
     }
     page.push_str(close);
@@ -141,7 +143,7 @@ mod tests {
 
     #[test]
     fn ids_and_their_uses_are_prefixed() {
-        let svg = r##"<?xml version="1.0"?><!DOCTYPE svg><svg viewBox="0 0 1 1" aria-labelledby="t d"><!-- a > b -->
+        let svg = r##"<?xml version="1.0"?><!DOCTYPE svg><svg viewBox="0 0 1 1" role="img" aria-labelledby="t d"><!-- a > b -->
             <title id="t">a id="t" url(#c)</title><clipPath id='c'><rect width="1"/></clipPath>
             <g clip-path="url(#c)" style="fill:url('#c')"><use xlink:href="#c" /></g></svg> "##;
         let page = inline(svg, "f1-").unwrap();

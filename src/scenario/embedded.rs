@@ -9,6 +9,7 @@ macro_rules! files {
 }
 
 files![
+    "paper/claims.toml",
     "paper/collapse.toml",
     "paper/figure-1.toml",
     "paper/figure-2.toml",

@@ -117,7 +117,10 @@ pub fn integrate(
         let mut event = false;
         loop {
             if size < 1e-10 * period {
-                return Err(format!("the step size fell below 1e-10 of the cycle at {:.4} of it in {mode:?}", t / period));
+                return Err(format!(
+                    "the step size fell below 1e-10 of the cycle at {:.4} of it in {mode:?}",
+                    t / period
+                ));
             }
             if !stepper.step(system, t, &z, s, size, mode) {
                 size *= 0.25;
@@ -224,8 +227,7 @@ pub fn integrate(
 /// Event values below this count as crossed.
 const CROSSED: f64 = -1e-11;
 /// Fractions of a step at which the interpolated event function is looked at.
-const LOOKS: [f64; 12] =
-    [0.02, 0.05, 0.1, C[0], 0.25, 0.35, 0.45, 0.55, C[1], 0.75, 0.88, 1.0];
+const LOOKS: [f64; 12] = [0.02, 0.05, 0.1, C[0], 0.25, 0.35, 0.45, 0.55, C[1], 0.75, 0.88, 1.0];
 
 /// Whether the event function falls below zero during the step, between the stages included.
 fn crosses(start: f64, e: [f64; 3]) -> bool {

@@ -22,6 +22,17 @@ pub enum Status {
     Failed(String),
 }
 
+impl Status {
+    /// One word for tables.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Steady => "steady",
+            Self::SelfExcited(_) => "self-excited",
+            Self::Failed(_) => "failed",
+        }
+    }
+}
+
 /// How a steady state was obtained.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]

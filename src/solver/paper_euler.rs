@@ -62,8 +62,7 @@ pub fn solve(c: &PaperContact, steps: usize, keep_orbit: bool) -> (SteadyState, 
             let torque = c.torque.0 * sine[i] + c.torque.1 * cosine[i];
             let acceleration = (torque + c.arm * force - c.damping * w - c.stiffness * th) / c.inertia;
             let speed = c.speed - c.arm * w;
-            let trial =
-                force + (c.contact_stiffness * speed - c.contact_damping * c.arm * acceleration) * dt;
+            let trial = force + (c.contact_stiffness * speed - c.contact_damping * c.arm * acceleration) * dt;
             let sticks = trial.abs() < c.friction_force;
             stuck += usize::from(sticks);
             th += w * dt;

@@ -117,8 +117,9 @@ fn largest_multiplier(system: &dyn HybridSystem, cycle: &Cycle) -> f64 {
         [false; MAX_STATES]
     };
     let kept: Vec<usize> = (0..n).filter(|&i| !open[i]).collect();
-    let mut matrix =
-        DMatrix::from_fn(kept.len(), kept.len(), |i, j| cycle.monodromy[kept[i]][kept[j]] * scales[kept[j]] / scales[kept[i]]);
+    let mut matrix = DMatrix::from_fn(kept.len(), kept.len(), |i, j| {
+        cycle.monodromy[kept[i]][kept[j]] * scales[kept[j]] / scales[kept[i]]
+    });
     let mut log = 0.0;
     let mut power = 1.0;
     for _ in 0..10 {

@@ -62,8 +62,7 @@ pub fn solve(
     warm.0 = Some(periodic.start);
     let lumps = &problem.lumps;
     let (free_re, free_im) = lumps.free_response();
-    let (re, im) =
-        (free_re.value + periodic.cycle.fundamental.0, free_im.value + periodic.cycle.fundamental.1);
+    let (re, im) = (free_re.value + periodic.cycle.fundamental.0, free_im.value + periodic.cycle.fundamental.1);
     let (true_amplitude, true_phase) = (re.hypot(im), im.atan2(re));
     let (amplitude, phase) = reading(lumps, true_amplitude, true_phase);
     let mut status = if periodic.multiplier > UNSTABLE {

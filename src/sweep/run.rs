@@ -76,11 +76,11 @@ pub fn run(scenario: &Scenario, options: &Options) -> Result<Outcome, Interrupte
                 if options.cancel.is_some_and(|c| c.load(Ordering::Relaxed)) {
                     return out;
                 }
-                let at = Operation { speed: condition.speed, load: condition.load, drive: condition.drive, frequency: f };
+                let at =
+                    Operation { speed: condition.speed, load: condition.load, drive: condition.drive, frequency: f };
                 let tolerance = Tolerance::default();
                 let state = solve(&model, &at, condition.euler_steps, &tolerance, false, &mut warm).state;
-                let path =
-                    options.orbits.then(|| orbit(&model, &at, condition.euler_steps, &tolerance, ORBIT_SAMPLES));
+                let path = options.orbits.then(|| orbit(&model, &at, condition.euler_steps, &tolerance, ORBIT_SAMPLES));
                 out.push((state, path));
                 bar.inc(1);
             }
@@ -159,8 +159,7 @@ fn limit_curve(o: &Oscillator, model: &Model, case: LimitingCase, drive: f64, fr
     let gain = model.instrument.amplitude_gain;
     let b = model.rig.contact_arm;
     let count = if to > from { LIMIT_POINTS } else { 1 };
-    let frequency: Vec<f64> =
-        (0..count).map(|i| from + (to - from) * i as f64 / (count.max(2) - 1) as f64).collect();
+    let frequency: Vec<f64> = (0..count).map(|i| from + (to - from) * i as f64 / (count.max(2) - 1) as f64).collect();
     let response: Vec<(f64, f64)> = frequency.iter().map(|&f| o.response(f)).collect();
     // The peaks are those of the case itself, wherever the sweep ends.
     let (low, high) = (0.2 * from.min(10.0), 5.0 * to.max(natural_frequency(o)));
@@ -170,10 +169,7 @@ fn limit_curve(o: &Oscillator, model: &Model, case: LimitingCase, drive: f64, fr
         case,
         drive,
         amplitude: response.iter().map(|r| gain * r.0).collect(),
-        phase: response
-            .iter()
-            .map(|r| crate::solver::analytic::wrap(r.1 + model.instrument.phase_offset))
-            .collect(),
+        phase: response.iter().map(|r| crate::solver::analytic::wrap(r.1 + model.instrument.phase_offset)).collect(),
         speed_amplitude: frequency.iter().zip(&response).map(|(f, r)| b * std::f64::consts::TAU * f * r.0).collect(),
         frequency,
         peak_frequency,

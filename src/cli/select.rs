@@ -1,0 +1,51 @@
+//! Which scenarios a command works on.
+
+use crate::error::{Error, Result};
+use crate::scenario::{self, Scenario};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// The scenarios of the arguments: files, folders, or without any those below `scenarios/`, or the ones in the binary.
+/// Ids are made unique.
+///
+/// # Errors
+/// All problems of all files together.
+pub fn scenarios(paths: &[PathBuf]) -> Result<Vec<Scenario>> {
+    let (mut good, mut problems) = (Vec::new(), Vec::new());
+    for outcome in outcomes(paths) {
+        match outcome {
+            Ok(scenario) => good.push(scenario),
+            Err(error) => problems.push(error.to_string()),
+        }
+    }
+    if !problems.is_empty() {
+        return Err(Error::Input(problems.join("\n\n")));
+    }
+    let mut taken = BTreeSet::new();
+    for scenario in &mut good {
+        let wanted = scenario.id.clone();
+        let mut number = 2;
+        while !taken.insert(scenario.id.clone()) {
+            scenario.id = format!("{wanted}-{number}");
+            number += 1;
+        }
+    }
+    Ok(good)
+}
+
+/// Each scenario of the arguments, or why it cannot be read.
+pub fn outcomes(paths: &[PathBuf]) -> Vec<Result<Scenario>> {
+    if !paths.is_empty() {
+        return paths.iter().flat_map(|path| below(path)).collect();
+    }
+    let found = scenario::discover(Path::new("scenarios"));
+    if found.is_empty() {
+        return scenario::embedded_names().iter().map(|name| scenario::load_embedded(name)).collect();
+    }
+    found.iter().map(scenario::load).collect()
+}
+
+fn below(path: &Path) -> Vec<Result<Scenario>> {
+    let found = if path.is_dir() { scenario::discover(path) } else { Vec::new() };
+    if found.is_empty() { vec![scenario::load(path)] } else { found.iter().map(scenario::load).collect() }
+}

@@ -1,0 +1,127 @@
+//! From scenarios to outcomes, drawings and the files beside the report.
+
+use crate::error::{Error, Result};
+use crate::figures::{self, Drawing, Figure, FigureError};
+use crate::files;
+use crate::report::FigureInput;
+use crate::scenario::Scenario;
+use crate::sweep::{self, Outcome};
+use rayon::prelude::*;
+use std::path::Path;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Pixels of a PNG per logical pixel of its figure.
+const PNG_SCALE: f32 = 2.0;
+/// Figures of a scenario that names none.
+const DEFAULT_FIGURES: [&str; 2] = ["resonance", "velocity-amplitude"];
+
+/// Set by Ctrl-C; nothing is written after that.
+fn cancelled() -> &'static AtomicBool {
+    static CANCELLED: AtomicBool = AtomicBool::new(false);
+    static HANDLER: OnceLock<()> = OnceLock::new();
+    HANDLER.get_or_init(|| {
+        // A second Ctrl-C ends the program at once: everything written is whole at any time.
+        let handler = || {
+            if CANCELLED.swap(true, Ordering::SeqCst) {
+                std::process::exit(3);
+            }
+        };
+        // Without a handler Ctrl-C ends the program at once, which is safe as well.
+        let _ = ctrlc::set_handler(handler);
+    });
+    &CANCELLED
+}
+
+/// Fails where the user has asked to stop.
+fn go_on() -> Result<()> {
+    if cancelled().load(Ordering::SeqCst) { Err(Error::Interrupted) } else { Ok(()) }
+}
+
+/// Solves every point of a scenario.
+pub fn outcome(scenario: &Scenario, quiet: bool) -> Result<Outcome> {
+    let orbits = chosen(scenario).iter().any(|figure| figure.needs_orbits());
+    let options = sweep::Options { orbits, progress: !quiet, cancel: Some(cancelled()) };
+    sweep::run(scenario, &options).map_err(|sweep::Interrupted| Error::Interrupted)
+}
+
+fn chosen(scenario: &Scenario) -> Vec<&'static dyn Figure> {
+    if scenario.figures.is_empty() {
+        return DEFAULT_FIGURES.iter().filter_map(|name| figures::find(name)).collect();
+    }
+    scenario.figures.iter().filter_map(|name| figures::find(name)).collect()
+}
+
+/// Draws the figures of every outcome and writes them with the curves below `out`; what the report needs of them, per
+/// outcome.
+pub fn figures(outcomes: &[Outcome], out: &Path) -> Result<Vec<Vec<FigureInput>>> {
+    let jobs: Vec<(&Outcome, &dyn Figure)> =
+        outcomes.iter().flat_map(|outcome| chosen(&outcome.scenario).into_iter().map(move |f| (outcome, f))).collect();
+    let drawn: Vec<Option<FigureInput>> = jobs
+        .par_iter()
+        .map(|(outcome, figure)| {
+            go_on()?;
+            match figure.draw(outcome) {
+                Ok(drawing) => write(drawing, &outcome.scenario.id, out).map(Some),
+                // A default figure that the sweep cannot fill is left out; one that was asked for is an error.
+                Err(FigureError::MissingData(_)) if outcome.scenario.figures.is_empty() => Ok(None),
+                Err(why) => Err(Error::Input(format!(
+                    "error: {}: {why}\n  = help: extend the sweep, or take the name out of `figures`",
+                    outcome.scenario.path.display()
+                ))),
+            }
+        })
+        .collect::<Result<_>>()?;
+    outcomes.par_iter().try_for_each(|outcome| {
+        go_on()?;
+        files::replace(&out.join(&outcome.scenario.id).join("curves.csv"), curves(outcome).as_bytes())
+    })?;
+    let mut drawn = drawn.into_iter();
+    Ok(outcomes.iter().map(|o| drawn.by_ref().take(chosen(&o.scenario).len()).flatten().collect()).collect())
+}
+
+fn write(drawing: Drawing, id: &str, out: &Path) -> Result<FigureInput> {
+    let png = figures::png(&drawing.svg, PNG_SCALE).map_err(|why| Error::Unfinished(why.to_string()))?;
+    let contents = [("svg", drawing.svg.as_bytes()), ("png", &png), ("csv", drawing.csv.as_bytes())];
+    let mut names = Vec::new();
+    for (kind, bytes) in contents {
+        let name = format!("{id}/{}.{kind}", drawing.name);
+        files::replace(&out.join(&name), bytes)?;
+        names.push(name);
+    }
+    let Drawing { name, title, caption, alt, svg, notes, .. } = drawing;
+    Ok(FigureInput { name, title, caption, alt, svg, notes, files: names })
+}
+
+/// Every steady state of an outcome as CSV.
+fn curves(outcome: &Outcome) -> String {
+    let mut text = String::from(
+        "formulation,euler_steps,drive_m,load_n,friction,speed_m_s,frequency_hz,amplitude_rad,phase_rad,mean_rad,\
+         speed_amplitude_m_s,stick_fraction,force_minimum_n,force_maximum_n,cycles,periodicity_error,status\n",
+    );
+    for curve in &outcome.curves {
+        let c = &curve.condition;
+        let formulation = crate::report::formulation(c.formulation);
+        for (f, s) in curve.frequency.iter().zip(&curve.states) {
+            let status = s.status.word();
+            text += &format!(
+                "{formulation},{},{:e},{},{},{:e},{f},{:.9e},{:.9},{:.9e},{:.9e},{:.6},{:.9e},{:.9e},{},{:.1e},{status}\n",
+                c.euler_steps,
+                c.drive,
+                c.load,
+                c.friction,
+                c.speed,
+                s.amplitude,
+                s.phase,
+                s.mean,
+                s.speed_amplitude,
+                s.stick_fraction,
+                s.force_minimum,
+                s.force_maximum,
+                s.cycles,
+                s.periodicity_error,
+            );
+        }
+    }
+    text
+}
