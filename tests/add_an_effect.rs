@@ -1,4 +1,4 @@
-//! Keeps `docs/add-an-effect.md` true: its worked example is compiled, and solved.
+//! Keeps the section "Add an effect" of `CONTRIBUTING.md` true: its worked example is compiled, and solved.
 
 mod common;
 
@@ -12,7 +12,7 @@ mod viscous_film;
 
 #[test]
 fn the_page_shows_the_file_that_is_compiled_here() {
-    let page = include_str!("../docs/add-an-effect.md").replace("\r\n", "\n");
+    let page = include_str!("../CONTRIBUTING.md").replace("\r\n", "\n");
     let file = include_str!("worked_example/viscous_film.rs").replace("\r\n", "\n");
     assert!(page.contains(&format!("```rust\n{file}```\n")));
 }

@@ -84,12 +84,7 @@ pub fn solve(system: &dyn HybridSystem, guess: Option<&State>, tolerance: &Toler
 }
 
 /// Defect of periodicity and its Jacobian; states that a cycle without slip leaves open take their value at rest.
-fn defect(
-    system: &dyn HybridSystem,
-    start: &State,
-    cycle: &Cycle,
-    settled: bool,
-) -> (State, [State; MAX_STATES]) {
+fn defect(system: &dyn HybridSystem, start: &State, cycle: &Cycle, settled: bool) -> (State, [State; MAX_STATES]) {
     let n = system.states();
     let mut residual: State = std::array::from_fn(|i| cycle.end[i] - start[i]);
     let mut jacobian = cycle.monodromy;
