@@ -99,6 +99,10 @@ fn every_parameter_has_a_unit_limits_and_a_range_within_them() {
 
 #[test]
 fn zero_strength_is_the_base() {
+    // Fine enough for the limiting cases too, which are closed forms in the base and shot at with some effects.
+    let fine = Tolerance { steps: 512, roughness: 1e-3 };
+    let steady =
+        |model: &Model, at: &Operation| solve(model, at, EULER_STEPS, &fine, false, &mut Warm::default()).state;
     let base = paper_model(Series);
     for effect in REGISTRY.iter().filter(|effect| !effect.zero().is_empty()) {
         let mut parameters = tabulated(*effect);
@@ -176,8 +180,8 @@ fn check(law: &dyn Fn(&[f64], f64, f64) -> Option<Law>, p: &[f64], first: f64, s
     };
     compare("first", first, at.d_first, &|x| value(p, x, second));
     compare("second", second, at.d_second, &|x| value(p, first, x));
-    for i in 0..p.len() {
-        compare(&format!("parameter {i}"), p[i], at.d_parameters[i], &|x| {
+    for (i, (&value_i, &slope)) in p.iter().zip(&at.d_parameters).enumerate() {
+        compare(&format!("parameter {i}"), value_i, slope, &|x| {
             let mut p = p.to_vec();
             p[i] = x;
             value(&p, first, second)
@@ -257,6 +261,22 @@ fn derivatives_of_steady_states_match_differences() {
                     info.key
                 );
             }
+        }
+    }
+}
+
+#[test]
+fn the_example_of_every_page_is_a_valid_scenario() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("scenario.toml");
+    let base = include_str!("broken/base.toml");
+    for effect in REGISTRY {
+        let example = stickslip::cli::effects::example(*effect);
+        let sweep = "[sweep]\nfrequency = 72\nspeed = 0.02\nload = 20\ndrive = 2.5e-6\n";
+        std::fs::write(&path, format!("{base}\n{sweep}\n{example}")).expect("a file");
+        let scenario = stickslip::scenario::load(&path).unwrap_or_else(|error| panic!("{error}"));
+        for (read, meant) in scenario.effects[0].parameters.iter().zip(typical(*effect)) {
+            assert!((read / meant - 1.0).abs() < 1e-12, "{}", effect.name());
         }
     }
 }

@@ -28,9 +28,9 @@ impl Effect for ContactRenewal {
         "Brush model of tyres: H. B. Pacejka, Tyre and Vehicle Dynamics; lumped form: specification."
     }
     fn fingerprint(&self) -> &'static str {
-        "V = 0: nothing. Partial stick: stuck bristles relax like a Maxwell element of time ℓ/V, so the peak is \
-         lower and nearer to that of full slip, and slip may never start where kcℓ < μW. Full slip under a \
-         constant coefficient: nothing."
+        "V = 0: nothing. Partial stick: stuck bristles relax like a Maxwell element of time ℓ/V. Where kcℓ < μW \
+         slip may never start: slow rolling then shows the curve of static contact, faster rolling a lower peak \
+         that moves down. Full slip under a constant coefficient, possible only where kcℓ > μW: nothing."
     }
     fn zero(&self) -> &'static [Zero] {
         &[Zero { parameter: 0, value: f64::INFINITY }]

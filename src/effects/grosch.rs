@@ -32,9 +32,10 @@ impl Effect for Grosch {
          274 (1963) 21."
     }
     fn fingerprint(&self) -> &'static str {
-        "V = 0: invisible until slip sets in. Partial stick: added damping where the slip rates stay below v_m. \
-         Full slip: below v_m like strengthening (a lower peak, moved up), above v_m like weakening (a taller \
-         peak, possibly self-excitation), and no effect of V near v_m itself."
+        "V = 0: invisible until slip sets in. Partial stick: slip rates below v_m see a strengthening law, and \
+         the curve moves towards the one of static contact. Full slip: below v_m like strengthening (a lower \
+         peak, moved up), above v_m like weakening (a taller peak, possibly self-excitation); no effect where V \
+         is near v_m."
     }
     fn zero(&self) -> &'static [Zero] {
         &[Zero { parameter: 0, value: 0.0 }]

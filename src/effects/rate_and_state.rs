@@ -29,9 +29,9 @@ impl Effect for RateAndState {
     }
     fn fingerprint(&self) -> &'static str {
         "V = 0: invisible until slip sets in. Partial stick: the age grows while stuck, so that each slip starts \
-         from a higher threshold. Full slip: a dashpot that depends on frequency, N/V [a − B/(1 + iωDc/V)]: below \
-         the corner V = ω D_c (high damping) and above it (a − B) the peak is lowered differently, so curves at \
-         several speeds tell it from plain strengthening."
+         from a higher threshold. Full slip: a dashpot that depends on frequency, N/V [a − B/(1 + iωDc/V)]: of \
+         strength a where V is far below ωDc and a − B where it is far above. Curves at several speeds on both \
+         sides of that corner tell it from plain strengthening."
     }
     fn zero(&self) -> &'static [Zero] {
         &[Zero { parameter: 0, value: 0.0 }, Zero { parameter: 1, value: 0.0 }]

@@ -28,9 +28,10 @@ impl Effect for RateStrengthening {
          dynamic rubber friction, Wear 6 (1963) 375."
     }
     fn fingerprint(&self) -> &'static str {
-        "V = 0: invisible until slip sets in. Partial stick: more damping, a lower and broader peak. Full slip: \
-         the dashpot in series with the bristles lowers the peak and moves it up towards that of static contact; \
-         less so the faster the roller, in proportion to β W/V."
+        "V = 0: invisible until slip sets in. Partial stick: the slipping interface resists like a dashpot, and \
+         where that is strong the curve moves towards the one of static contact. Full slip: the dashpot in series \
+         with the bristles lowers the peak and moves it up towards that of static contact; less so the faster the \
+         roller, in proportion to β W/V."
     }
     fn zero(&self) -> &'static [Zero] {
         &[Zero { parameter: 0, value: 0.0 }]

@@ -30,9 +30,9 @@ impl Effect for Stribeck {
     }
     fn fingerprint(&self) -> &'static str {
         "V = 0: invisible until the load is low enough for slip, then less slip than without it. Partial stick: \
-         the falling law feeds energy into the arm and sharpens the peak; the effect is largest while V is near \
-         v_s or below. Full slip: negative damping, a taller peak at nearly the same frequency, up to \
-         self-excitation; gone where V is far above v_s."
+         the falling law feeds energy into the arm and sharpens the peak; the effect is largest while V is below \
+         v_s. Full slip: negative damping, a taller peak at nearly the same frequency, up to self-excitation; \
+         gone where V is far above v_s."
     }
     fn zero(&self) -> &'static [Zero] {
         &[Zero { parameter: 0, value: 0.0 }]

@@ -278,6 +278,66 @@ impl Problem {
         self.x
     }
 
+    /// Mean angle of the arm and normal load under sliding friction `mu`: K th = torque(th) + b F, the load and the torque
+    /// depending on the angle. The load given, where there is no such equilibrium.
+    fn deflection(&self, mu: f64) -> (f64, f64) {
+        let drag = self.sigma2 * self.speed;
+        let (coupling, stiffness) = (self.load_stiffness * self.b, self.k / self.inverse_inertia);
+        let linear = self.b * (mu * self.load + drag) / stiffness;
+        let mut th = linear;
+        for _ in 0..20 {
+            let mut balance = self.b * (mu * (self.load + coupling * th) + drag) - stiffness * th;
+            let mut slope = self.b * mu * coupling - stiffness;
+            for law in self.laws.iter().filter_map(|(e, p)| e.torque(p, th, 0.0)) {
+                balance += law.value;
+                slope += law.d_first;
+            }
+            if slope >= 0.0 {
+                break;
+            }
+            th -= balance / slope;
+            if balance.abs() < 1e-12 * (stiffness * th).abs() {
+                return (th, (self.load + coupling * th).max(0.0));
+            }
+        }
+        (linear, self.load)
+    }
+
+    /// State at time 0 of the motion with the bristles stuck to a roller at rest, where friction can hold them.
+    fn stuck_state(&self) -> Option<[f64; MAX_STATES]> {
+        let w = self.omega;
+        let (free, stuck) = (self.lumps.free_response(), self.lumps.stuck_response());
+        let apart = (stuck.0.value - free.0.value, stuck.1.value - free.1.value);
+        let scale = 1.0 / (self.inverse_inertia * self.b);
+        // F = (K - J w^2 + i w C) (stuck - free)/b
+        let force = times(apart, (scale * (self.k - w * w), scale * w * self.c));
+        if force.0.hypot(force.1) > self.mu * self.load {
+            return None;
+        }
+        let mut y = (0.0, 0.0);
+        let mut z = [0.0; MAX_STATES];
+        (z[0], z[1]) = (apart.1, w * apart.0);
+        if let Some(i) = self.roller {
+            // m y'' + c y' + k y = -F
+            let [inverse, c, k] = self.support;
+            let d = (k - w * w, w * c);
+            y = times((-inverse * force.0, -inverse * force.1), (d.0, -d.1));
+            y = (y.0 / (d.0 * d.0 + d.1 * d.1), y.1 / (d.0 * d.0 + d.1 * d.1));
+            (z[i], z[i + 1]) = (y.1, w * y.0);
+        }
+        let stretch = (y.0 - self.b * stuck.0.value, y.1 - self.b * stuck.1.value);
+        z[self.x] = stretch.1;
+        if let Some(i) = self.q {
+            // q = k1 x i w/(1/tau + i w)
+            let gain = self.k1 * w / (self.branch_rate * self.branch_rate + w * w);
+            z[i] = gain * (w * stretch.1 + self.branch_rate * stretch.0);
+        }
+        if let Some(i) = self.psi {
+            z[i] = self.psi_scale;
+        }
+        Some(z)
+    }
+
     fn steady_interface_state(&self, s: f64) -> f64 {
         let rate = |psi: f64| self.laws.iter().find_map(|(e, p)| e.interface_rate(p, s, psi));
         match rate(0.0) {
@@ -366,6 +426,11 @@ impl Problem {
         }
         Some(0.5 * (low + high))
     }
+}
+
+/// Product of two complex numbers (real, imaginary).
+fn times(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0)
 }
 
 impl HybridSystem for Problem {
@@ -616,6 +681,9 @@ impl HybridSystem for Problem {
     fn initial_state(&self) -> [f64; MAX_STATES] {
         let mut z = [0.0; MAX_STATES];
         if self.speed == 0.0 {
+            if let Some(stuck) = self.stuck_state() {
+                return stuck;
+            }
             // At rest: the bristles are stretched by the arm's own motion.
             let forcing = self.forcing(0.0);
             let limit = 0.5 * self.mu * self.load / self.kc;
@@ -630,13 +698,10 @@ impl HybridSystem for Problem {
             } else {
                 0.0
             };
-            // The deflection b F/K changes the load, which changes F.
             let mu = mu / (1.0 + heat);
-            let compliance = self.b * self.inverse_inertia / self.k;
-            let feedback = 1.0 - mu * self.load_stiffness * self.b * compliance;
-            let normal = if feedback > 0.0 { self.load / feedback } else { self.load };
+            let (angle, normal) = self.deflection(mu);
             let force = mu * normal + self.sigma2 * self.speed;
-            z[0] = compliance * force;
+            z[0] = angle;
             z[self.x] = mu * normal / (self.kc + self.cc * self.renewal);
             if let Some(i) = self.roller {
                 let [inverse, _, k] = self.support;
