@@ -1,6 +1,9 @@
 //! Periodic states of a contact of many parallel sliders: fixed Radau steps, each slider solved at the stages for
 //! itself, Newton for the few states they share.
 
+// Indices run over several matrices at once here.
+#![allow(clippy::needless_range_loop)]
+
 use super::radau::{A, C, Stepper};
 use crate::model::continuum::Element;
 use crate::model::system::Forcing;

@@ -1,5 +1,8 @@
 //! Periodic solutions by Newton shooting.
 
+// Indices run over several matrices at once here.
+#![allow(clippy::needless_range_loop)]
+
 use super::cycle::{self, Cycle, Record, Tolerance};
 use super::radau::State;
 use crate::model::system::{HybridSystem, MAX_STATES};
