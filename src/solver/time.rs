@@ -198,9 +198,8 @@ impl<'a> State<'a> {
         self.step = self.step % self.steps + 1;
         let forcing = system.forcing(h * self.step as f64);
         let (angle, velocity, inertia) = self.arm.predict(h);
-        let (gain, torque) = system.arm_load(&forcing, angle, velocity);
-        let by_force = 0.5 * h * gain / inertia;
-        let free = velocity + 0.5 * h * torque / inertia;
+        let (gain, mut torque) = system.arm_load(&forcing, angle, velocity);
+        let by_load = 0.5 * h / inertia;
         let support = self.support.map(|(oscillator, gain)| {
             let (_, v, inertia) = oscillator.predict(h);
             (v, 0.5 * h * gain / inertia)
@@ -211,7 +210,11 @@ impl<'a> State<'a> {
         let (mut stuck, mut power) = (0.0, 0.0);
         for _ in 0..50 {
             let support = support.map_or(0.0, |(v, by_force)| v + by_force * force);
-            let v = system.relative_speed(&forcing, free + by_force * force, support);
+            // The load at the end of the step moves the arm by the trapezoidal rule.
+            let load = gain * force + torque;
+            let (angle, velocity) = (angle + 0.5 * h * by_load * load, velocity + by_load * load);
+            torque = system.arm_load(&forcing, angle, velocity).1;
+            let v = system.relative_speed(&forcing, velocity, support);
             let (mut sum, mut held, mut work) = (0.0, 0.0, 0.0);
             for ((element, old), new) in system.elements().iter().zip(&self.bristles).zip(&mut moved) {
                 let f = bristle(system, element, old, new, &forcing, angle, heat, v, h);
@@ -220,9 +223,9 @@ impl<'a> State<'a> {
                 work += element.share * f * slip;
                 held += if new.slip == 0.0 { element.share } else { 0.0 };
             }
-            let change = (sum - force).abs();
+            let change = (sum - force).abs() + (gain * force + torque - load).abs() / gain;
             (force, stuck, power) = (sum, held, work);
-            if change <= 1e-13 * force.abs() {
+            if change <= 1e-12 * (force.abs() + system.scale().0 * system.bristles()[0]) {
                 break;
             }
         }
