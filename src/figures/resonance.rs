@@ -1,9 +1,10 @@
 //! Amplitude and phase against frequency, one curve per condition, between the limiting cases (paper Figures 5 and 6).
 
 use super::axes::{Axis, Panel, range};
-use super::canvas::{Canvas, Mark, Point, Stroke};
+use super::canvas::{Point, Stroke, document};
 use super::data::{self, health};
 use super::legend::{Entry, Key, legend, legend_width};
+use super::marks::Mark;
 use super::scheme::{Scheme, draw_curve, draw_limit, limit_name, limit_points, limit_stroke, limits, recolored};
 use super::style::{INK, Table, Unit, WIDTH, cell};
 use super::{Drawing, Figure, FigureError};
@@ -66,7 +67,7 @@ impl<'a> Data<'a> {
         entries
     }
 
-    fn draw(&self, title: &str, alt: &str) -> String {
+    fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
         let entries = self.legend();
         let column = legend_width(&entries);
         let width = WIDTH - 92.0 - 30.0 - column - 20.0;
@@ -81,31 +82,31 @@ impl<'a> Data<'a> {
         let phase = phase_axis(phases);
         let upper = Panel { left: 92.0, top: 24.0, width, height: 330.0, x: axis(), y: amplitude };
         let lower = Panel { left: 92.0, top: 382.0, width, height: 300.0, x: axis(), y: phase };
-        let mut canvas = Canvas::new(WIDTH, HEIGHT);
-        upper.frame(&mut canvas, false, true);
-        lower.frame(&mut canvas, true, true);
-        for styled in &self.scheme.curves {
-            draw_curve(&upper, &mut canvas, styled.curve, styled.stroke, |s| self.unit.of(s.amplitude));
-            // A line broken wherever the phase jumps by more than half a turn.
-            let points = data::steady(styled.curve, |s| self.phase(s.phase));
-            for run in unbroken(&points) {
-                lower.curve(&mut canvas, run, styled.stroke);
+        document((WIDTH, HEIGHT), (title, alt), |canvas| {
+            upper.frame(canvas, false, true);
+            lower.frame(canvas, true, true);
+            for styled in &self.scheme.curves {
+                draw_curve(&upper, canvas, styled.curve, styled.stroke, |s| self.unit.of(s.amplitude));
+                // A line broken wherever the phase jumps by more than half a turn.
+                let points = data::steady(styled.curve, |s| self.phase(s.phase));
+                for run in unbroken(&points) {
+                    lower.curve(canvas, run, styled.stroke);
+                }
+                let dots = |s: &SteadyState| if points.len() == 1 { self.phase(s.phase) } else { f64::NAN };
+                draw_curve(&lower, canvas, styled.curve, styled.stroke, dots);
+                let open = data::self_excited(styled.curve, |s| self.phase(s.phase));
+                lower.marks(canvas, &open, Mark::Circle, 4.0, styled.stroke.color, false);
             }
-            let dots = |s: &SteadyState| if points.len() == 1 { self.phase(s.phase) } else { f64::NAN };
-            draw_curve(&lower, &mut canvas, styled.curve, styled.stroke, dots);
-            let open = data::self_excited(styled.curve, |s| self.phase(s.phase));
-            lower.marks(&mut canvas, &open, Mark::Circle, 4.0, styled.stroke.color, false);
-        }
-        for (limit, stroke) in &self.limits {
-            let stroke = recolored(*stroke, INK);
-            let points = limit_points(limit, &limit.amplitude, self.span, self.unit.factor);
-            draw_limit(&upper, &mut canvas, &points, stroke);
-            for run in unbroken(&limit_points(limit, &self.limit_phase(limit), self.span, 1.0)) {
-                draw_limit(&lower, &mut canvas, run, stroke);
+            for (limit, stroke) in &self.limits {
+                let stroke = recolored(*stroke, INK);
+                let points = limit_points(limit, &limit.amplitude, self.span, self.unit.factor);
+                draw_limit(&upper, canvas, &points, stroke);
+                for run in unbroken(&limit_points(limit, &self.limit_phase(limit), self.span, 1.0)) {
+                    draw_limit(&lower, canvas, run, stroke);
+                }
             }
-        }
-        legend(&mut canvas, upper.right() + 30.0, 20.0, &entries);
-        canvas.finish(title, alt)
+            legend(canvas, upper.right() + 30.0, 20.0, &entries);
+        })
     }
 
     fn csv(&self) -> String {
@@ -190,7 +191,7 @@ impl Figure for Resonance {
         let alt = format!(
             "Two stacked graphs against frequency: amplitude with resonance peaks, and phase falling through resonance, for {count} conditions and the limiting cases as dashed lines."
         );
-        let svg = data.draw(self.title(), &alt);
+        let svg = data.draw(self.title(), &alt)?;
         Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
     }
 }

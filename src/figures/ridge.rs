@@ -1,11 +1,12 @@
 //! Frequency and height of the resonance peak against the roller's speed.
 
 use super::axes::{Axis, Panel, range};
-use super::canvas::{Anchor, Canvas, MARKS, Mark, Point, Stroke, Type};
+use super::canvas::{Anchor, Canvas, Point, Stroke, Type, document};
 use super::data::{self, Field, health};
 use super::legend::{Entry, Key, legend, legend_width};
+use super::marks::{MARKS, Mark};
 use super::scheme::{limit_name, limits};
-use super::style::{INK, Table, Unit, WIDTH, cell, ramp};
+use super::style::{DOTS, INK, Table, Unit, WIDTH, cell, ramp};
 use super::{Drawing, Figure, FigureError};
 use crate::sweep::{Curve, LimitCurve, LimitingCase, Outcome};
 
@@ -72,7 +73,7 @@ impl<'a> Data<'a> {
         self.lines.iter().flat_map(|line| &line.peaks)
     }
 
-    fn draw(&self, title: &str, alt: &str) -> String {
+    fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
         let speed = Unit::speed();
         let unit = Unit::fitting(range(self.peaks().map(|p| p.amplitude)).1, "rad");
         let mut entries: Vec<Entry> = vec![(Key::Heading, "Peak of the curve".into())];
@@ -84,7 +85,7 @@ impl<'a> Data<'a> {
         entries.push((Key::Heading, "Limiting cases".into()));
         entries.extend(self.limits.iter().map(|(limit, stroke)| (Key::Line(*stroke), limit_name(limit.case).into())));
         if let Some(v) = self.threshold() {
-            entries.push((Key::Line(Stroke::dashed(INK, 1.4, "2 3")), format!("V = {}", speed.show(v, 4))));
+            entries.push((Key::Line(Stroke::dashed(INK, 1.4, DOTS)), format!("V = {}", speed.show(v, 4))));
             entries.push((Key::Heading, String::new()));
         }
         let width = WIDTH - 92.0 - 50.0 - legend_width(&entries);
@@ -100,16 +101,16 @@ impl<'a> Data<'a> {
         let pad = 0.1 * (high - low).max(0.01 * high);
         let y = Axis::linear(format!("peak amplitude [{}]", unit.label), low - pad, high + pad);
         let lower = Panel { left: 92.0, top: 357.0, width, height: 305.0, x: axis(), y };
-        let mut canvas = Canvas::new(WIDTH, HEIGHT);
-        self.panel(&mut canvas, &upper, (|p| p.frequency, 1.0), |limit| limit.peak_frequency, false);
-        self.panel(&mut canvas, &lower, (|p| p.amplitude, unit.factor), |limit| limit.peak_amplitude, true);
-        let end = legend(&mut canvas, upper.right() + 30.0, 20.0, &entries);
-        if self.threshold().is_some() {
-            for (i, text) in ["faster than the arm", "ever moves: full slip"].iter().enumerate() {
-                canvas.text((upper.right() + 74.0, end - 9.0 + 19.0 * i as f64), text, Type::at(Anchor::Start));
+        document((WIDTH, HEIGHT), (title, alt), |canvas| {
+            self.panel(canvas, &upper, (|p| p.frequency, 1.0), |limit| limit.peak_frequency, false);
+            self.panel(canvas, &lower, (|p| p.amplitude, unit.factor), |limit| limit.peak_amplitude, true);
+            let end = legend(canvas, upper.right() + 30.0, 20.0, &entries);
+            if self.threshold().is_some() {
+                for (i, text) in ["faster than the arm", "ever moves: full slip"].iter().enumerate() {
+                    canvas.text((upper.right() + 74.0, end - 9.0 + 19.0 * i as f64), text, Type::at(Anchor::Start));
+                }
             }
-        }
-        canvas.finish(title, alt)
+        })
     }
 
     fn panel(
@@ -128,7 +129,7 @@ impl<'a> Data<'a> {
         }
         if let Some(v) = self.threshold() {
             let x = speed.of(v);
-            panel.curve(canvas, &[(x, panel.y.low), (x, panel.y.high)], Stroke::dashed(INK, 1.4, "2 3"));
+            panel.curve(canvas, &[(x, panel.y.low), (x, panel.y.high)], Stroke::dashed(INK, 1.4, DOTS));
         }
         for line in &self.lines {
             let moving = || line.peaks.iter().filter(|peak| peak.speed > 0.0);
@@ -205,7 +206,7 @@ impl Figure for Ridge {
         }
         caption += &health(&data.curves);
         let alt = "Two stacked graphs against roller speed on a logarithmic axis; peak frequency above and peak amplitude below, with the static and full-slip values as horizontal lines.".to_string();
-        let svg = data.draw(self.title(), &alt);
+        let svg = data.draw(self.title(), &alt)?;
         Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
     }
 }

@@ -1,9 +1,10 @@
 //! How curves are told apart: colour for the leading property, dashes for the rest, and the legend that says so.
 
 use super::axes::Panel;
-use super::canvas::{Canvas, Mark, Point, Stroke};
+use super::canvas::{Canvas, Point, Stroke};
 use super::data::{self, Field};
 use super::legend::{Entry, Key};
+use super::marks::Mark;
 use super::style::{Color, DASH_SLIP, DASH_STATIC, DASHES, INK, SLIP, STATIC, ramp};
 use crate::solver::SteadyState;
 use crate::sweep::{Curve, LimitCurve, LimitingCase, Outcome};

@@ -1,9 +1,10 @@
 //! What all figures share in looks: sizes, colours, font, numbers with units, CSV, and pixels.
 
 use super::FigureError;
+use super::canvas::{Dash, FINE};
+use plotters::style::{FontDesc, FontFamily, FontStyle, register_font};
 use resvg::{tiny_skia, usvg};
-use std::fmt;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Once, OnceLock};
 
 /// Width of a figure in logical pixels.
 pub const WIDTH: f64 = 1100.0;
@@ -17,12 +18,6 @@ pub const FONT: &str = "DejaVu Sans, Verdana, sans-serif";
 /// An sRGB colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Color(pub u8, pub u8, pub u8);
-
-impl fmt::Display for Color {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "#{:02x}{:02x}{:02x}", self.0, self.1, self.2)
-    }
-}
 
 /// Text and frames.
 pub const INK: Color = Color(0x22, 0x22, 0x22);
@@ -42,11 +37,15 @@ pub const SLIP: Color = Color(0xd5, 0x5e, 0x00);
 pub const ROLLER: Color = Color(0x00, 0x8a, 0x63);
 
 /// Dash of the static-contact limit.
-pub const DASH_STATIC: &str = "9 5";
+pub const DASH_STATIC: Dash = Dash::Dashes(9.0, 5.0);
 /// Dash of the no-contact and full-slip limit.
-pub const DASH_SLIP: &str = "3 3.5";
+pub const DASH_SLIP: Dash = Dash::Dashes(3.0, 3.5);
+/// Dash of the roller's speed.
+pub const DASH_ROLLER: Dash = Dash::DashDots(14.0, 11.0);
+/// Dots of guides and thresholds.
+pub const DOTS: Dash = Dash::Dashes(2.0, 3.0);
 /// Dashes of groups of curves, in the order in which they are given out.
-pub const DASHES: [&str; 4] = ["", "11 4", "3 3", "11 4 3 4"];
+pub const DASHES: [Dash; 4] = [Dash::Solid, Dash::Dashes(11.0, 4.0), Dash::Dashes(3.0, 3.0), Dash::DashDots(11.0, 9.0)];
 
 const VIRIDIS: [Color; 10] = [
     Color(0x44, 0x01, 0x54),
@@ -147,16 +146,22 @@ pub fn power_of_ten(exponent: i32) -> String {
     format!("10{}{}", if exponent < 0 { "⁻" } else { "" }, raised.collect::<String>())
 }
 
-/// Width of a text in DejaVu Sans, estimated from classes of glyphs \[px\].
-pub fn text_width(text: &str, size: f64) -> f64 {
-    let em = |c: char| match c {
-        'i' | 'j' | 'l' | ' ' | '.' | ',' | ':' | ';' | '\'' | '|' | 'I' => 0.32,
-        'f' | 't' | 'r' | '(' | ')' | '[' | ']' | '/' | '⁻' | '²' => 0.41,
-        'm' | 'M' | 'W' | 'w' | '≥' | '≤' | '=' | '−' | '×' | '→' => 0.87,
-        c if c.is_uppercase() => 0.70,
-        _ => 0.625,
-    };
-    size * text.chars().map(em).sum::<f64>()
+/// The font of all figures as plotters knows it; its size is in units of the backend.
+pub fn typeface(size: f64, bold: bool) -> FontDesc<'static> {
+    static REGISTERED: Once = Once::new();
+    REGISTERED.call_once(|| {
+        // Fails for a broken font only; widths of texts are then estimated.
+        let _ = register_font(FONT, FontStyle::Normal, dejavu::sans::regular());
+        let _ = register_font(FONT, FontStyle::Bold, dejavu::sans::bold());
+    });
+    FontDesc::new(FontFamily::Name(FONT), size, if bold { FontStyle::Bold } else { FontStyle::Normal })
+}
+
+/// Width of a text in DejaVu Sans \[px\].
+pub fn text_width(text: &str, size: f64, bold: bool) -> f64 {
+    // plotters measures with the size as the height of the font, which is 1.164 em.
+    let measured = typeface(1.164 * FINE * size, bold).box_size(text);
+    measured.map_or(0.65 * size * text.chars().count() as f64, |(width, _)| f64::from(width) / FINE)
 }
 
 /// What a CSV file holds.
