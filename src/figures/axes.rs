@@ -3,9 +3,9 @@
 use super::canvas::{Anchor, Canvas, FINE, Point, Stroke, Type, fine};
 use super::clip;
 use super::marks::Mark;
-use super::style::{Color, GRID, INK, LABEL_SIZE, TICK_SIZE, WHITE, power_of_ten};
+use super::style::{Color, GRID, INK, LABEL_SIZE, TICK_SIZE, WHITE};
 use plotters::coord::combinators::{IntoLogRange, LogCoord};
-use plotters::coord::ranged1d::{BoldPoints, Ranged};
+use plotters::coord::ranged1d::Ranged;
 use plotters::coord::types::RangedCoordf64;
 
 const X_SPACING: f64 = 88.0;
@@ -80,53 +80,6 @@ impl Axis {
         };
         f64::from(place) / FINE
     }
-
-    /// Ticks with their labels (empty for minor ones) for an axis of that length.
-    pub fn ticks(&self, length: f64, spacing: f64) -> Vec<(f64, String)> {
-        let room = (length / spacing).max(2.0);
-        if self.log { self.log_ticks(room) } else { self.linear_ticks(room) }
-    }
-
-    fn linear_ticks(&self, room: f64) -> Vec<(f64, String)> {
-        let nice = RangedCoordf64::from(self.low..self.high).key_points(BoldPoints(room as usize + 1));
-        let spacing = |points: &[f64]| points.get(1).map(|second| second - points[0]);
-        let step = self.step.or(spacing(&nice)).unwrap_or(self.high - self.low);
-        let whole = |d: &usize| {
-            let scaled = step * 10f64.powi(*d as i32);
-            (scaled - scaled.round()).abs() < 1e-6
-        };
-        let decimals = (0..12).find(whole).unwrap_or(12);
-        let (first, last) = ((self.low / step - 1e-6).ceil() as i64, (self.high / step + 1e-6).floor() as i64);
-        let label = |k: i64| format!("{:.decimals$}", k as f64 * step).replace('-', "−");
-        (first..=last.min(first + 200)).map(|k| (k as f64 * step, label(k))).collect()
-    }
-
-    // Not by plotters' `LogCoord`, which leaves out values below 2e-16 and the digits before the first decade.
-    fn log_ticks(&self, room: f64) -> Vec<(f64, String)> {
-        let decades = self.high.log10() - self.low.log10();
-        let every = (decades / room).ceil().max(1.0) as i32;
-        let labelled: &[i32] = if decades < 0.6 * room / 2.0 && decades < 2.5 { &[1, 2, 5] } else { &[1] };
-        let (first, last) = (self.low.log10().floor() as i32, self.high.log10().ceil() as i32);
-        let mut ticks = Vec::new();
-        for exponent in first..=last {
-            for digit in 1..if every > 1 { 2 } else { 10 } {
-                let value = f64::from(digit) * 10f64.powi(exponent);
-                if !(self.low * (1.0 - 1e-9)..=self.high * (1.0 + 1e-9)).contains(&value) {
-                    continue;
-                }
-                let named = labelled.contains(&digit) && (exponent - first) % every == 0;
-                ticks.push((value, if named { log_label(digit, exponent) } else { String::new() }));
-            }
-        }
-        ticks
-    }
-}
-
-fn log_label(digit: i32, exponent: i32) -> String {
-    if (-4..5).contains(&exponent) {
-        return format!("{:.*}", (-exponent).max(0) as usize, f64::from(digit) * 10f64.powi(exponent));
-    }
-    if digit == 1 { power_of_ten(exponent) } else { format!("{digit}×{}", power_of_ten(exponent)) }
 }
 
 /// Smallest and largest finite value (infinite ends where there is none).

@@ -4,7 +4,8 @@
 //! It writes no identifiers, so drawings may share a page.
 
 use super::FigureError;
-use super::style::{Color, INK, TICK_SIZE, WHITE, text_width, typeface};
+pub use super::pen::{Anchor, Dash, Stroke, Type};
+use super::style::{Color, WHITE, text_width, typeface};
 use plotters::coord::Shift;
 use plotters::element::{DashedPathElement, DottedPathElement, Drawable, PointCollection};
 use plotters::prelude::*;
@@ -22,95 +23,12 @@ pub fn fine(length: f64) -> i32 {
     (length * FINE).round() as i32
 }
 
-/// How a line is interrupted.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Dash {
-    /// Not at all.
-    Solid,
-    /// Dashes of a length and the gaps between them \[px\].
-    Dashes(f64, f64),
-    /// The same with a dot in every gap.
-    DashDots(f64, f64),
-}
-
-/// How a line is drawn.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stroke {
-    /// Colour.
-    pub color: Color,
-    /// Width \[px\].
-    pub width: f64,
-    /// Dashes.
-    pub dash: Dash,
-}
-
-impl Stroke {
-    /// A solid line.
-    pub fn solid(color: Color, width: f64) -> Self {
-        Self { color, width, dash: Dash::Solid }
-    }
-
-    /// A dashed line.
-    pub fn dashed(color: Color, width: f64, dash: Dash) -> Self {
-        Self { color, width, dash }
-    }
-
-    fn style(self) -> ShapeStyle {
-        ShapeStyle { stroke_width: fine(self.width).max(1) as u32, filled: false, ..fill(self.color) }
-    }
+fn line(stroke: Stroke) -> ShapeStyle {
+    ShapeStyle { stroke_width: fine(stroke.width).max(1) as u32, filled: false, ..fill(stroke.color) }
 }
 
 fn fill(Color(red, green, blue): Color) -> ShapeStyle {
     RGBColor(red, green, blue).filled()
-}
-
-/// How a text is set; the position is the baseline.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Type {
-    /// Size \[px\].
-    pub size: f64,
-    /// Which end sits at the position.
-    pub anchor: Anchor,
-    /// Colour.
-    pub color: Color,
-    /// Bold face.
-    pub bold: bool,
-    /// Reads upwards.
-    pub upwards: bool,
-}
-
-/// Which end of a text sits at its position.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Anchor {
-    /// The left end.
-    Start,
-    /// The middle.
-    Middle,
-    /// The right end.
-    End,
-}
-
-impl Default for Type {
-    fn default() -> Self {
-        Self { size: TICK_SIZE, anchor: Anchor::Start, color: INK, bold: false, upwards: false }
-    }
-}
-
-impl Type {
-    /// The usual size with the given anchor.
-    pub fn at(anchor: Anchor) -> Self {
-        Self { anchor, ..Self::default() }
-    }
-
-    /// The same in another colour.
-    pub fn colored(self, color: Color) -> Self {
-        Self { color, ..self }
-    }
-
-    /// The same in bold face.
-    pub fn bold(self) -> Self {
-        Self { bold: true, ..self }
-    }
 }
 
 /// A drawing under construction.
@@ -189,7 +107,7 @@ impl<'a> Canvas<'a> {
         if points.len() < 2 {
             return;
         }
-        let (points, style) = (pixels(points), stroke.style());
+        let (points, style) = (pixels(points), line(stroke));
         match stroke.dash {
             Dash::Solid => self.put(PathElement::new(points, style)),
             Dash::Dashes(size, gap) => self.put(DashedPathElement::new(points, fine(size), fine(gap), style)),
@@ -225,7 +143,7 @@ impl<'a> Canvas<'a> {
     /// A circle.
     pub fn circle(&mut self, center: Point, radius: f64, color: Color, outline: Stroke) {
         self.put(Circle::new(pixel(center), fine(radius), fill(color)));
-        self.put(Circle::new(pixel(center), fine(radius), outline.style()));
+        self.put(Circle::new(pixel(center), fine(radius), line(outline)));
     }
 
     /// A text; `_c` in it lowers the c, for which Unicode has no character.

@@ -213,7 +213,8 @@ impl Figure for Formulations {
             caption += &format!(
                 " Right: largest difference over frequency against steps per cycle. The error of the step size (squares, \
                  relative to the extrapolation of the two finest step sizes, {text}) should fall along the dotted slope −1 of a first-order \
-                 procedure; the difference from the series formulation (circles) levels off at what the formulations differ by."
+                 procedure; the difference from the series formulation (circles) levels off at what the formulations differ by, after a \
+                 minimum where the two have opposite signs."
             );
             notes.push(("Largest error of the coarsest step".into(), text));
         }

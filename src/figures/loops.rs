@@ -83,14 +83,17 @@ impl<'a> Data<'a> {
             panel.curve(canvas, &line, stroke);
             start += run.len();
         }
-        // The direction of travel, shown where the force changes most.
+        // The direction of travel: an arrowhead where the force changes most.
         let step = (points.len() / 24).max(1);
         let pixel = |i: usize| (panel.px(points[i].0.0), panel.py(points[i].0.1));
         let rise = |i: usize| (pixel(i + step).1 - pixel(i).1).abs();
         let steepest = (0..points.len().saturating_sub(step)).max_by(|a, b| rise(*a).total_cmp(&rise(*b)));
         if let Some(i) = steepest.filter(|i| rise(*i) > 6.0) {
-            let color = if points[i].1 { STATIC } else { SLIP };
-            canvas.arrow(pixel(i), pixel(i + step), Stroke::solid(color, 3.4));
+            let (from, middle, to) = (pixel(i), pixel(i + step / 2), pixel(i + step));
+            let length = (to.0 - from.0).hypot(to.1 - from.1);
+            let along =
+                |way: f64| (middle.0 + way * (to.0 - from.0) / length, middle.1 + way * (to.1 - from.1) / length);
+            canvas.arrow(along(-7.0), along(8.0), Stroke::solid(if points[i].1 { STATIC } else { SLIP }, 3.4));
         }
     }
 

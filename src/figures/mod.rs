@@ -14,12 +14,14 @@ pub mod legend;
 pub mod loops;
 pub mod marks;
 pub mod orbits;
+pub mod pen;
 pub mod regime_map;
 pub mod resonance;
 pub mod ridge;
 pub mod rig_sketch;
 pub mod scheme;
 pub mod style;
+mod ticks;
 pub mod time_histories;
 pub mod velocity_amplitude;
 

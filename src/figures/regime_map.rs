@@ -38,7 +38,9 @@ impl<'a> Data<'a> {
             })?;
         rows.sort_by(|a, b| a.condition.speed.total_cmp(&b.condition.speed));
         let span = range(rows.iter().flat_map(|curve| curve.frequency.iter().copied()));
-        let log = rows[rows.len() - 1].condition.speed > 12.0 * rows[0].condition.speed;
+        let speeds: Vec<f64> = rows.iter().map(|curve| curve.condition.speed).collect();
+        let log =
+            speeds[speeds.len() - 1] > 12.0 * speeds[0] && unevenness(&speeds, f64::ln) <= unevenness(&speeds, |v| v);
         let slip = data::limit(outcome, LimitingCase::FreeOrFullSlip, rows[0].condition.drive);
         let left_out = all.len() - rows.len();
         Ok(Self { rows, slip, span, log, left_out })
@@ -61,9 +63,7 @@ impl<'a> Data<'a> {
             panel.curve(canvas, &self.boundary(), Stroke::solid(SLIP, 2.6));
             panel.border(canvas, 1.0);
             panel.labels(canvas, true, true);
-            if let Some(slip) = self.slip {
-                label_boundary(&panel, canvas, (slip.speed_peak_frequency, Unit::speed().of(slip.speed_peak)));
-            }
+            label_boundary(&panel, canvas, &self.boundary());
             color_bar(canvas, &panel);
         })
     }
@@ -113,18 +113,32 @@ fn edges(values: &[f64], log: bool) -> Vec<f64> {
     edges.into_iter().map(back).collect()
 }
 
+/// Largest over smallest distance of neighbours on a scale.
+fn unevenness(ascending: &[f64], scale: fn(f64) -> f64) -> f64 {
+    let (least, most) = range(ascending.windows(2).map(|pair| scale(pair[1]) - scale(pair[0])));
+    most / least
+}
+
 fn color(status: &Status, stick: f64) -> Color {
     if *status == Status::Steady && stick.is_finite() { viridis((stick * 50.0).round() / 50.0) } else { MISSING }
 }
 
-fn label_boundary(panel: &Panel, canvas: &mut Canvas, (f, v): Point) {
+/// Names the boundary above it, at its top or else near a side: wherever there is room.
+fn label_boundary(panel: &Panel, canvas: &mut Canvas, boundary: &[Point]) {
     let text = "V = bωα in full slip";
-    let width = text_width(text, 15.0, true) + 16.0;
-    let (x, y) = (panel.px(f).clamp(panel.left + 0.5 * width + 4.0, panel.right() - 0.5 * width - 4.0), panel.py(v));
-    let y = if y - 38.0 > panel.top { y - 14.0 } else { y + 34.0 };
-    if y < panel.bottom() {
-        canvas.rectangle((x - 0.5 * width, y - 17.0), width, 23.0, WHITE, Some(Stroke::solid(GREY, 0.7)));
-        canvas.text((x, y), text, Type::at(Anchor::Middle).colored(SLIP).bold());
+    let half = 0.5 * text_width(text, 15.0, true) + 8.0;
+    let line: Vec<Point> = boundary.iter().map(|&(f, v)| (panel.px(f), panel.py(v))).collect();
+    let Some(top) = line.iter().min_by(|a, b| a.1.total_cmp(&b.1)) else { return };
+    for x in [top.0, panel.right(), panel.left] {
+        let x = x.clamp(panel.left + half + 10.0, panel.right() - half - 10.0);
+        let below = line.iter().filter(|point| (point.0 - x).abs() <= half);
+        let y = range(below.map(|point| point.1)).0 - 14.0;
+        if y - 24.0 > panel.top && y < panel.bottom() {
+            let corner = (x - half, y - 17.0);
+            canvas.rectangle(corner, 2.0 * half, 23.0, WHITE, Some(Stroke::solid(GREY, 0.7)));
+            canvas.text((x, y), text, Type::at(Anchor::Middle).colored(SLIP).bold());
+            return;
+        }
     }
 }
 

@@ -5,11 +5,11 @@ use super::canvas::{Point, Stroke, document};
 use super::data::{self, health};
 use super::legend::{Entry, Key, legend, legend_width};
 use super::marks::Mark;
-use super::scheme::{Scheme, draw_curve, draw_limit, limit_name, limit_points, limit_stroke, limits, recolored};
+use super::scheme::{Scheme, draw_curve, draw_limit, limit_band, limit_name, limit_points, limits};
 use super::style::{INK, Table, Unit, WIDTH, cell};
 use super::{Drawing, Figure, FigureError};
 use crate::solver::SteadyState;
-use crate::sweep::{LimitCurve, Outcome};
+use crate::sweep::{Curve, LimitCurve, Outcome};
 use std::f64::consts::PI;
 
 const HEIGHT: f64 = 740.0;
@@ -58,7 +58,7 @@ impl<'a> Data<'a> {
             entries.push((Key::Heading, "Limiting cases".into()));
         }
         for (limit, _) in &self.limits {
-            entries.push((Key::Line(recolored(limit_stroke(limit.case), INK)), limit_name(limit.case).into()));
+            entries.push((Key::Line(limit_band(limit.case)), limit_name(limit.case).into()));
         }
         let mut states = self.scheme.curves.iter().flat_map(|styled| &styled.curve.states);
         if states.any(|state| data::status_word(&state.status) == "self-excited") {
@@ -85,6 +85,14 @@ impl<'a> Data<'a> {
         document((WIDTH, HEIGHT), (title, alt), |canvas| {
             upper.frame(canvas, false, true);
             lower.frame(canvas, true, true);
+            for (limit, _) in &self.limits {
+                let (case, band) = (limit.case, limit_band(limit.case));
+                let points = limit_points(limit, &limit.amplitude, self.span, self.unit.factor);
+                draw_limit(&upper, canvas, &points, case, band);
+                for run in unbroken(&limit_points(limit, &self.limit_phase(limit), self.span, 1.0)) {
+                    draw_limit(&lower, canvas, run, case, band);
+                }
+            }
             for styled in &self.scheme.curves {
                 draw_curve(&upper, canvas, styled.curve, styled.stroke, |s| self.unit.of(s.amplitude));
                 // A line broken wherever the phase jumps by more than half a turn.
@@ -96,14 +104,6 @@ impl<'a> Data<'a> {
                 draw_curve(&lower, canvas, styled.curve, styled.stroke, dots);
                 let open = data::self_excited(styled.curve, |s| self.phase(s.phase));
                 lower.marks(canvas, &open, Mark::Circle, 4.0, styled.stroke.color, false);
-            }
-            for (limit, stroke) in &self.limits {
-                let stroke = recolored(*stroke, INK);
-                let points = limit_points(limit, &limit.amplitude, self.span, self.unit.factor);
-                draw_limit(&upper, canvas, &points, stroke);
-                for run in unbroken(&limit_points(limit, &self.limit_phase(limit), self.span, 1.0)) {
-                    draw_limit(&lower, canvas, run, stroke);
-                }
             }
             legend(canvas, upper.right() + 30.0, 20.0, &entries);
         })
@@ -182,18 +182,36 @@ impl Figure for Resonance {
         let count = data.scheme.curves.len();
         let (from, to) = range(curves.iter().flat_map(|curve| curve.frequency.iter().copied()));
         let caption = format!(
-            "Amplitude α and phase φ of the arm at the drive frequency, {count} computed curve{} from {} to {} Hz.{peaks}{}",
+            "Amplitude α and phase φ of the arm at the drive frequency, {count} computed curve{} from {} to {} Hz; wide and pale, the limiting cases.{peaks}{}{}",
             if count == 1 { "" } else { "s" },
             cell(from),
             cell(to),
+            coincidence(&curves, data.scheme.nested),
             health(&curves)
         );
         let alt = format!(
-            "Two stacked graphs against frequency: amplitude with resonance peaks, and phase falling through resonance, for {count} conditions and the limiting cases as dashed lines."
+            "Two stacked graphs against frequency: amplitude with resonance peaks, and phase falling through resonance, for {count} conditions and the limiting cases as wide pale lines beneath."
         );
         let svg = data.draw(self.title(), &alt)?;
         Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
     }
+}
+
+/// What the caption says about curves that lie on an earlier one.
+fn coincidence(curves: &[&Curve], nested: bool) -> String {
+    let largest = |curve: &Curve| range(curve.states.iter().map(|s| s.amplitude.abs())).1;
+    let same = |a: &Curve, b: &Curve| {
+        let mut pairs = a.states.iter().zip(&b.states);
+        a.frequency == b.frequency && pairs.all(|(s, t)| (s.amplitude - t.amplitude).abs() <= 1e-6 * largest(a))
+    };
+    let count = (1..curves.len()).filter(|&i| curves[..i].iter().any(|earlier| same(curves[i], earlier))).count();
+    if count == 0 {
+        return String::new();
+    }
+    let look =
+        if nested { "the lines are nested so that all of them show" } else { "the line drawn later hides the other" };
+    let verb = if count == 1 { "curve coincides" } else { "curves coincide" };
+    format!(" {count} {verb} with another to a millionth of the largest amplitude; {look}.")
 }
 
 fn peak_text((f, a): Point, unit: &Unit) -> String {

@@ -6,11 +6,12 @@ use super::data::{self, Field, health};
 use super::legend::{Entry, Key, legend, legend_width};
 use super::marks::{MARKS, Mark};
 use super::scheme::{limit_name, limits};
-use super::style::{DOTS, INK, Table, Unit, WIDTH, cell, ramp};
+use super::style::{DOTS, INK, TICK_SIZE, Table, Unit, WIDTH, cell, ramp, text_width};
 use super::{Drawing, Figure, FigureError};
 use crate::sweep::{Curve, LimitCurve, LimitingCase, Outcome};
 
 const HEIGHT: f64 = 720.0;
+const THRESHOLD: [&str; 2] = ["faster than the arm", "ever moves: full slip"];
 
 /// The figure.
 pub struct Ridge;
@@ -88,7 +89,8 @@ impl<'a> Data<'a> {
             entries.push((Key::Line(Stroke::dashed(INK, 1.4, DOTS)), format!("V = {}", speed.show(v, 4))));
             entries.push((Key::Heading, String::new()));
         }
-        let width = WIDTH - 92.0 - 50.0 - legend_width(&entries);
+        let explained = THRESHOLD.map(|text| 44.0 + text_width(text, TICK_SIZE, false)).into_iter().fold(0.0, f64::max);
+        let width = WIDTH - 92.0 - 50.0 - legend_width(&entries).max(explained);
         let speeds = || self.peaks().map(|peak| speed.of(peak.speed)).chain(self.threshold().map(|v| speed.of(v)));
         let axis = || Axis::logarithmic("roller speed V [mm/s]", speeds(), 0.04);
         let frequencies = self.peaks().map(|p| p.frequency).chain(self.limits.iter().map(|(l, _)| l.peak_frequency));
@@ -106,7 +108,7 @@ impl<'a> Data<'a> {
             self.panel(canvas, &lower, (|p| p.amplitude, unit.factor), |limit| limit.peak_amplitude, true);
             let end = legend(canvas, upper.right() + 30.0, 20.0, &entries);
             if self.threshold().is_some() {
-                for (i, text) in ["faster than the arm", "ever moves: full slip"].iter().enumerate() {
+                for (i, text) in THRESHOLD.iter().enumerate() {
                     canvas.text((upper.right() + 74.0, end - 9.0 + 19.0 * i as f64), text, Type::at(Anchor::Start));
                 }
             }
@@ -135,8 +137,13 @@ impl<'a> Data<'a> {
             let moving = || line.peaks.iter().filter(|peak| peak.speed > 0.0);
             let points: Vec<Point> = moving().map(|peak| (speed.of(peak.speed), quantity(peak) / factor)).collect();
             panel.curve(canvas, &points, line.stroke);
+            let radius = if points.len() > 40 { 3.6 } else { 5.0 };
             for (point, peak) in points.iter().zip(moving()) {
-                panel.marks(canvas, &[*point], line.mark, 5.0, line.stroke.color, peak.inside);
+                panel.marks(canvas, &[*point], line.mark, radius, line.stroke.color, peak.inside);
+            }
+            for peak in line.peaks.iter().filter(|peak| peak.speed == 0.0) {
+                let edge = [(panel.x.low, quantity(peak) / factor)];
+                panel.marks(canvas, &edge, line.mark, 6.5, line.stroke.color, peak.inside);
             }
         }
     }
@@ -202,7 +209,8 @@ impl Figure for Ridge {
             notes.push(("Threshold of full slip, max bωα".into(), text));
         }
         if data.peaks().any(|peak| peak.speed == 0.0) {
-            caption += " Peaks at V = 0 have no place on the logarithmic axis; they are in the table.";
+            caption +=
+                " The logarithmic axis has no place for V = 0: those peaks are the larger marks on its left end.";
         }
         caption += &health(&data.curves);
         let alt = "Two stacked graphs against roller speed on a logarithmic axis; peak frequency above and peak amplitude below, with the static and full-slip values as horizontal lines.".to_string();

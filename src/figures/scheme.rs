@@ -5,7 +5,7 @@ use super::canvas::{Canvas, Point, Stroke};
 use super::data::{self, Field};
 use super::legend::{Entry, Key};
 use super::marks::Mark;
-use super::style::{Color, DASH_SLIP, DASH_STATIC, DASHES, INK, SLIP, STATIC, ramp};
+use super::style::{DASH_BAND, DASH_SLIP, DASH_STATIC, DASHES, INK, SLIP, SLIP_BAND, STATIC, STATIC_BAND, ramp};
 use crate::solver::SteadyState;
 use crate::sweep::{Curve, LimitCurve, LimitingCase, Outcome};
 
@@ -30,6 +30,8 @@ pub struct Scheme<'a> {
     pub curves: Vec<Styled<'a>>,
     /// Legend entries.
     pub legend: Vec<Entry>,
+    /// Whether later lines are narrower, so that coinciding ones all show.
+    pub nested: bool,
 }
 
 impl<'a> Scheme<'a> {
@@ -40,12 +42,15 @@ impl<'a> Scheme<'a> {
         let rest: Vec<Field> = fields.iter().copied().filter(|field| *field != lead).collect();
         let values = lead.distinct(curves);
         let groups = data::groups(curves, lead);
+        // Load and friction often change nothing: nested lines show curves that lie on one another.
+        let nested = rest.is_empty() && matches!(lead, Field::Load | Field::Friction) && values.len() <= 6;
         let styled: Vec<Styled<'_>> = curves
             .iter()
             .map(|&curve| {
                 let rank = values.iter().position(|value| *value == lead.value(&curve.condition)).unwrap_or(0);
                 let group = groups.iter().position(|group| group.iter().any(|c| std::ptr::eq(*c, curve))).unwrap_or(0);
-                let stroke = Stroke::dashed(ramp(rank, values.len()), 2.2, DASHES[group % DASHES.len()]);
+                let width = if nested { 2.2 + 2.4 * (values.len() - 1 - rank) as f64 } else { 2.2 };
+                let stroke = Stroke::dashed(ramp(rank, values.len()), width, DASHES[group % DASHES.len()]);
                 Styled { curve, stroke, label: label(curve, lead, &rest) }
             })
             .collect();
@@ -56,7 +61,7 @@ impl<'a> Scheme<'a> {
         } else {
             grouped_legend(&styled, lead, &rest, &groups)
         };
-        Self { curves: styled, legend }
+        Self { curves: styled, legend, nested }
     }
 }
 
@@ -134,11 +139,14 @@ pub fn limits(outcome: &Outcome, drive: f64) -> Vec<(&LimitCurve, Stroke)> {
 }
 
 /// Draws part of a limiting case; a lone point as a mark.
-pub fn draw_limit(panel: &Panel, canvas: &mut Canvas, points: &[Point], stroke: Stroke) {
+pub fn draw_limit(panel: &Panel, canvas: &mut Canvas, points: &[Point], case: LimitingCase, stroke: Stroke) {
     panel.curve(canvas, points, stroke);
     if points.len() == 1 {
-        let mark = if stroke.dash == DASH_SLIP { Mark::Triangle } else { Mark::Square };
-        panel.marks(canvas, points, mark, 6.0, stroke.color, false);
+        let (mark, color) = match case {
+            LimitingCase::FreeOrFullSlip => (Mark::Triangle, SLIP),
+            LimitingCase::StaticContact => (Mark::Square, STATIC),
+        };
+        panel.marks(canvas, points, mark, 6.0, color, false);
     }
 }
 
@@ -150,9 +158,12 @@ pub fn limit_stroke(case: LimitingCase) -> Stroke {
     }
 }
 
-/// The same line in another colour.
-pub fn recolored(stroke: Stroke, color: Color) -> Stroke {
-    Stroke { color, ..stroke }
+/// A wide pale line of a limiting case, for under curves that may lie on it.
+pub fn limit_band(case: LimitingCase) -> Stroke {
+    match case {
+        LimitingCase::FreeOrFullSlip => Stroke::solid(SLIP_BAND, 7.0),
+        LimitingCase::StaticContact => Stroke::dashed(STATIC_BAND, 7.0, DASH_BAND),
+    }
 }
 
 /// Name of a limiting case.

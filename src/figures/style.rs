@@ -36,6 +36,13 @@ pub const SLIP: Color = Color(0xd5, 0x5e, 0x00);
 /// Roller and computed curve (Okabe and Ito's bluish green).
 pub const ROLLER: Color = Color(0x00, 0x8a, 0x63);
 
+/// Static contact as a wide pale line.
+pub const STATIC_BAND: Color = Color(0xa6, 0xce, 0xe8);
+/// Full slip as a wide pale line.
+pub const SLIP_BAND: Color = Color(0xf7, 0xc9, 0xa3);
+
+/// Dash of the wide static-contact limit.
+pub const DASH_BAND: Dash = Dash::Dashes(16.0, 5.0);
 /// Dash of the static-contact limit.
 pub const DASH_STATIC: Dash = Dash::Dashes(9.0, 5.0);
 /// Dash of the no-contact and full-slip limit.

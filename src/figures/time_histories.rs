@@ -40,7 +40,7 @@ impl<'a> Data<'a> {
     fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
         let speed = Unit::speed();
         let columns = self.cycles.len();
-        let (left, gap) = (96.0, 40.0);
+        let (left, gap) = (96.0, 52.0);
         let width = (WIDTH - left - 28.0 - gap * (columns - 1) as f64) / columns as f64;
         let speeds = self.cycles.iter().flat_map(|c| {
             let own = (0..c.len()).flat_map(move |i| [c.velocity(i), c.orbit.slip_rate[i]]);

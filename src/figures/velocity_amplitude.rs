@@ -110,7 +110,7 @@ impl<'a> Data<'a> {
             }
             for (limit, stroke) in &self.limits {
                 let points = limit_points(limit, &limit.speed_amplitude, self.span, unit.factor);
-                draw_limit(&panel, canvas, &points, *stroke);
+                draw_limit(&panel, canvas, &points, limit.case, *stroke);
             }
             for (curve, _) in &self.curves {
                 let level = unit.of(curve.condition.speed);
