@@ -167,6 +167,8 @@ fn default_figures_take_any_scenario() {
             check_layout(&draw(name, &outcome));
         }
     }
+    let loads = draw("resonance", &variants()[2]).caption;
+    assert!(loads.contains("2 curves coincide") && loads.contains("nested"), "{loads}");
 }
 
 #[test]

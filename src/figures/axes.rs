@@ -201,3 +201,19 @@ impl Panel {
         canvas.text((self.left, self.top - 9.0), text, Type::default().bold());
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_run_between_the_edges_and_far_values_stay_finite() {
+        let axis = |log| Axis { log, ..Axis::linear("", 1.0, 100.0) };
+        let (x, y) = (axis(true), axis(false));
+        let panel = Panel { left: 10.0, top: 20.0, width: 200.0, height: 99.0, x, y };
+        assert_eq!([1.0, 10.0, 100.0].map(|value| panel.px(value)), [10.0, 110.0, 210.0]);
+        assert_eq!([1.0, 2.0, 100.0].map(|value| panel.py(value)), [119.0, 118.0, 20.0]);
+        assert!([0.0, -1.0, f64::NAN, f64::INFINITY].iter().all(|value| panel.px(*value).is_nan()));
+        assert!(panel.py(1e300) < -9000.0 && panel.py(-1e300) > 9000.0 && panel.px(1e300) > 9000.0);
+    }
+}

@@ -166,10 +166,13 @@ impl<'a> Canvas<'a> {
             Anchor::End => width,
         };
         for (drop, piece, style) in pieces {
-            if !piece.is_empty() {
-                self.words((x, y + drop), piece, Type { anchor: Anchor::Start, ..style });
-            }
             x += text_width(piece, style.size, style.bold);
+            // SVG drops leading spaces.
+            let seen = piece.trim_start();
+            if !seen.is_empty() {
+                let left = x - text_width(seen, style.size, style.bold);
+                self.words((left, y + drop), seen, Type { anchor: Anchor::Start, ..style });
+            }
         }
     }
 
@@ -185,5 +188,40 @@ impl<'a> Canvas<'a> {
         let font = typeface(1.24 * FINE * style.size, style.bold).transform(turn);
         let look = TextStyle::from(font).color(&color).pos(Pos::new(anchor, VPos::Bottom));
         self.put(Text::new(text.to_string(), pixel(at), look));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::style::INK;
+    use super::*;
+
+    #[test]
+    fn a_document_has_its_outer_size_its_words_and_fine_coordinates() {
+        let svg = document((20.0, 10.0), ("a < b", "c & d"), |canvas| {
+            canvas.line((0.25, 1.0), (20.0, 9.96), Stroke::solid(INK, 1.5));
+            canvas.text((3.0, 4.0), "k_c & x", Type::default());
+        });
+        let svg = svg.unwrap();
+        assert!(svg.starts_with(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"20\" height=\"10\" viewBox=\"0 0 320 160\""
+        ));
+        assert!(svg.contains("<title>a &lt; b</title>\n<desc>c &amp; d</desc>"), "{svg}");
+        assert!(svg.contains(r#"stroke-width="24" points="4,16 320,159 ""#), "{svg}");
+        assert!(svg.matches("<text").count() == 3 && !svg.contains(" dy="), "{svg}");
+        assert!(svg.contains("\n&amp; x\n") && svg.trim_end().ends_with("</svg>"), "{svg}");
+    }
+
+    #[test]
+    fn dashes_are_pieces_and_dots_lie_between_them() {
+        let draw = |dash| {
+            let line = |canvas: &mut Canvas<'_>| canvas.line((0.0, 5.0), (40.0, 5.0), Stroke::dashed(INK, 2.0, dash));
+            document((40.0, 10.0), ("", ""), line).unwrap()
+        };
+        let dashed = draw(Dash::Dashes(6.0, 4.0));
+        assert_eq!(dashed.matches("<polyline").count(), 4);
+        let dotted = draw(Dash::DashDots(6.0, 4.0));
+        assert_eq!((dotted.matches("<polyline").count(), dotted.matches("<circle").count()), (4, 4));
+        assert!(dotted.contains(r#"cx="128" cy="80" r="16""#), "{dotted}");
     }
 }

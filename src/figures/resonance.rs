@@ -58,7 +58,7 @@ impl<'a> Data<'a> {
             entries.push((Key::Heading, "Limiting cases".into()));
         }
         for (limit, _) in &self.limits {
-            entries.push((Key::Line(limit_band(limit.case)), limit_name(limit.case).into()));
+            entries.push((Key::Line(limit_band(limit.case, &self.scheme.curves)), limit_name(limit.case).into()));
         }
         let mut states = self.scheme.curves.iter().flat_map(|styled| &styled.curve.states);
         if states.any(|state| data::status_word(&state.status) == "self-excited") {
@@ -86,7 +86,7 @@ impl<'a> Data<'a> {
             upper.frame(canvas, false, true);
             lower.frame(canvas, true, true);
             for (limit, _) in &self.limits {
-                let (case, band) = (limit.case, limit_band(limit.case));
+                let (case, band) = (limit.case, limit_band(limit.case, &self.scheme.curves));
                 let points = limit_points(limit, &limit.amplitude, self.span, self.unit.factor);
                 draw_limit(&upper, canvas, &points, case, band);
                 for run in unbroken(&limit_points(limit, &self.limit_phase(limit), self.span, 1.0)) {

@@ -35,6 +35,7 @@ struct Line {
     peaks: Vec<Peak>,
     stroke: Stroke,
     mark: Mark,
+    radius: f64,
 }
 
 /// What is shown, in SI.
@@ -56,8 +57,11 @@ impl<'a> Data<'a> {
             peaks.sort_by(|a, b| a.speed.total_cmp(&b.speed));
             let label =
                 if fields.is_empty() { "computed".into() } else { data::describe(&group[0].condition, &fields) };
-            let (stroke, mark) = (Stroke::solid(ramp(i, groups.len()), 2.2), MARKS[i % MARKS.len()]);
-            lines.push(Line { label, peaks, stroke, mark });
+            // Later lines and marks are smaller, so that coinciding ones all show.
+            let excess = (groups.len() - 1 - i).min(4) as f64;
+            let (stroke, mark) = (Stroke::solid(ramp(i, groups.len()), 2.2 + 2.4 * excess), MARKS[i % MARKS.len()]);
+            let radius = 2.4 * excess + if peaks.len() > 40 { 3.6 } else { 5.0 };
+            lines.push(Line { label, peaks, stroke, mark, radius });
         }
         lines.retain(|line| line.peaks.iter().filter(|peak| peak.speed > 0.0).count() > 1);
         let first = curves.first().filter(|_| !lines.is_empty()).ok_or_else(missing)?;
@@ -137,13 +141,12 @@ impl<'a> Data<'a> {
             let moving = || line.peaks.iter().filter(|peak| peak.speed > 0.0);
             let points: Vec<Point> = moving().map(|peak| (speed.of(peak.speed), quantity(peak) / factor)).collect();
             panel.curve(canvas, &points, line.stroke);
-            let radius = if points.len() > 40 { 3.6 } else { 5.0 };
             for (point, peak) in points.iter().zip(moving()) {
-                panel.marks(canvas, &[*point], line.mark, radius, line.stroke.color, peak.inside);
+                panel.marks(canvas, &[*point], line.mark, line.radius, line.stroke.color, peak.inside);
             }
             for peak in line.peaks.iter().filter(|peak| peak.speed == 0.0) {
                 let edge = [(panel.x.low, quantity(peak) / factor)];
-                panel.marks(canvas, &edge, line.mark, 6.5, line.stroke.color, peak.inside);
+                panel.marks(canvas, &edge, line.mark, line.radius + 2.0, line.stroke.color, peak.inside);
             }
         }
     }
@@ -211,6 +214,9 @@ impl Figure for Ridge {
         if data.peaks().any(|peak| peak.speed == 0.0) {
             caption +=
                 " The logarithmic axis has no place for V = 0: those peaks are the larger marks on its left end.";
+        }
+        if data.lines.len() > 1 {
+            caption += " Lines and marks are nested, so that coinciding ones all show.";
         }
         caption += &health(&data.curves);
         let alt = "Two stacked graphs against roller speed on a logarithmic axis; peak frequency above and peak amplitude below, with the static and full-slip values as horizontal lines.".to_string();

@@ -49,7 +49,7 @@ impl<'a> Scheme<'a> {
             .map(|&curve| {
                 let rank = values.iter().position(|value| *value == lead.value(&curve.condition)).unwrap_or(0);
                 let group = groups.iter().position(|group| group.iter().any(|c| std::ptr::eq(*c, curve))).unwrap_or(0);
-                let width = if nested { 2.2 + 2.4 * (values.len() - 1 - rank) as f64 } else { 2.2 };
+                let width = if nested { 2.2 + 2.0 * (values.len() - 1 - rank) as f64 } else { 2.2 };
                 let stroke = Stroke::dashed(ramp(rank, values.len()), width, DASHES[group % DASHES.len()]);
                 Styled { curve, stroke, label: label(curve, lead, &rest) }
             })
@@ -158,11 +158,12 @@ pub fn limit_stroke(case: LimitingCase) -> Stroke {
     }
 }
 
-/// A wide pale line of a limiting case, for under curves that may lie on it.
-pub fn limit_band(case: LimitingCase) -> Stroke {
+/// A pale line of a limiting case, wide enough to show under curves that lie on it.
+pub fn limit_band(case: LimitingCase, curves: &[Styled<'_>]) -> Stroke {
+    let width = 4.8 + curves.iter().map(|styled| styled.stroke.width).fold(2.2, f64::max);
     match case {
-        LimitingCase::FreeOrFullSlip => Stroke::solid(SLIP_BAND, 7.0),
-        LimitingCase::StaticContact => Stroke::dashed(STATIC_BAND, 7.0, DASH_BAND),
+        LimitingCase::FreeOrFullSlip => Stroke::solid(SLIP_BAND, width),
+        LimitingCase::StaticContact => Stroke::dashed(STATIC_BAND, width, DASH_BAND),
     }
 }
 

@@ -56,3 +56,27 @@ fn log_label(digit: i32, exponent: i32) -> String {
     }
     if digit == 1 { power_of_ten(exponent) } else { format!("{digit}×{}", power_of_ten(exponent)) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(axis: &Axis) -> Vec<String> {
+        axis.ticks(400.0, 88.0).into_iter().map(|(_, label)| label).filter(|label| !label.is_empty()).collect()
+    }
+
+    #[test]
+    fn steps_are_round_and_the_ends_are_kept() {
+        assert_eq!(labels(&Axis::linear("", 50.0, 100.0)), ["60", "80", "100"]);
+        assert_eq!(labels(&Axis::linear("", -0.3, 0.3)), ["−0.2", "0.0", "0.2"]);
+        assert_eq!(labels(&Axis::linear("", 0.0, 1.0).step(0.25)), ["0.00", "0.25", "0.50", "0.75", "1.00"]);
+    }
+
+    #[test]
+    fn decades_are_labelled_and_few_of_them_finer() {
+        let axis = |low, high| Axis { log: true, ..Axis::linear("", low, high) };
+        assert_eq!(labels(&axis(1e-3, 1.0)), ["0.001", "0.01", "0.1", "1"]);
+        assert_eq!(labels(&axis(1600.0, 40_000.0)), ["2000", "5000", "10000", "20000"]);
+        assert_eq!(labels(&axis(0.5e-16, 2e-13)), ["10⁻¹⁶", "10⁻¹⁵", "10⁻¹⁴", "10⁻¹³"]);
+    }
+}
