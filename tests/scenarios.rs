@@ -4,7 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
-use stickslip::effects::{Effect, ParameterInfo};
+use stickslip::effects::{Effect, Group, ParameterInfo, Zero, find};
 use stickslip::error::Error;
 use stickslip::scenario::parameters::FIGURES;
 use stickslip::scenario::{self, Formulation, LoadOptions, Scenario};
@@ -19,16 +19,45 @@ impl Effect for Fake {
 
     fn parameters(&self) -> &'static [ParameterInfo] {
         const fn info(key: &'static str, unit: &'static str, meaning: &'static str) -> ParameterInfo {
-            ParameterInfo { key, symbol: "", unit, minimum: 0.0, maximum: 1.0, meaning }
+            ParameterInfo::searched((key, "", unit), (0.0, 1.0), (0.1, 1.0), meaning)
         }
         const LIST: &[ParameterInfo] =
             &[info("strength", "1", "strength of nothing"), info("lag", "s", "time until nothing")];
         LIST
     }
+
+    fn title(&self) -> &'static str {
+        "Fake"
+    }
+
+    fn group(&self) -> Group {
+        Group::Interface
+    }
+
+    fn equation(&self) -> &'static str {
+        ""
+    }
+
+    fn meaning(&self) -> &'static str {
+        ""
+    }
+
+    fn source(&self) -> &'static str {
+        ""
+    }
+
+    fn fingerprint(&self) -> &'static str {
+        ""
+    }
+
+    fn zero(&self) -> &'static [Zero] {
+        &[]
+    }
 }
 
 fn load(path: impl AsRef<Path>) -> Result<Scenario, Error> {
-    scenario::load_with(path, &LoadOptions { figure_names: FIGURES, effects: &[&Fake] })
+    let real = ["lugre", "partial-slip", "sensor-delay"].map(|name| find(name).expect("registered"));
+    scenario::load_with(path, &LoadOptions { figure_names: FIGURES, effects: &[&Fake, real[0], real[1], real[2]] })
 }
 
 fn message(path: impl AsRef<Path>) -> String {

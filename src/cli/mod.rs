@@ -1,6 +1,7 @@
 //! The command line: one file per command, each an `execute` that reads as a table of contents.
 
 pub mod check;
+pub mod effects;
 pub mod init;
 pub mod report;
 pub mod run;

@@ -82,7 +82,7 @@ fn judge(scenarios: &[Scenario]) -> Result<Vec<Judged>> {
     match (beside(LEDGER), beside(RIG)) {
         (Some(ledger), Some(rig)) => {
             let text = std::fs::read_to_string(&ledger).map_err(Error::io("read", &ledger))?;
-            claims::judge(&text, &ledger.display().to_string(), &scenario::load(&rig)?)
+            claims::judge(&text, &ledger.display().to_string(), &scenario::load_base(&rig)?)
         }
         _ => claims::judge(scenario::embedded_file(LEDGER).unwrap_or_default(), LEDGER, &scenario::paper()),
     }

@@ -4,24 +4,29 @@
 //! the contact, a torque on the arm, a change of the drive or of the reading - and [`crate::model`] combines the
 //! contributions in one place. Every law is stated once, here, and every solver evaluates that statement.
 
-use crate::model::dual::Dual;
+mod actuator_lag;
+mod combine;
+mod contact_renewal;
+mod cubic_stiffness;
+mod frictional_heating;
+mod grosch;
+mod lugre;
+mod maxwell_branch;
+mod metadata;
+mod normal_coupling;
+mod partial_slip;
+mod quadratic_damping;
+mod rate_and_state;
+mod rate_strengthening;
+mod roller_compliance;
+mod sensor_delay;
+mod stribeck;
+mod structural_damping;
 
-/// A parameter of an effect, of the rig, the contact or the instrument.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ParameterInfo {
-    /// Key inside its table, e.g. `beta`, `torsional_stiffness`.
-    pub key: &'static str,
-    /// Symbol of the equations, e.g. `β`, `K₀`.
-    pub symbol: &'static str,
-    /// SI unit in the notation of scenario files, e.g. `N m/rad`; `1` for pure numbers.
-    pub unit: &'static str,
-    /// Smallest value that is physical.
-    pub minimum: f64,
-    /// Largest value that is physical.
-    pub maximum: f64,
-    /// One phrase of meaning.
-    pub meaning: &'static str,
-}
+pub use combine::{compatible, enters_contact, in_paper_formulation};
+pub use metadata::{Group, ParameterInfo, Zero, typical};
+
+use crate::model::dual::Dual;
 
 /// A scalar law with its partial derivatives.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -55,7 +60,21 @@ pub struct Support {
 pub trait Effect: Sync {
     /// Name used in scenario files.
     fn name(&self) -> &'static str;
-    /// Its parameters in order.
+    /// What it is called in running text, e.g. `Velocity weakening (Stribeck)`.
+    fn title(&self) -> &'static str;
+    /// Part of the experiment that it belongs to.
+    fn group(&self) -> Group;
+    /// The law in plain Unicode text.
+    fn equation(&self) -> &'static str;
+    /// What it is physically, in a few sentences.
+    fn meaning(&self) -> &'static str;
+    /// Where the law comes from.
+    fn source(&self) -> &'static str;
+    /// What it does to a resonance curve at V = 0, in partial stick and in full slip.
+    fn fingerprint(&self) -> &'static str;
+    /// Parameter values at which the base returns, all at once; empty where the effect replaces a part of the base.
+    fn zero(&self) -> &'static [Zero];
+    /// Its parameters in order, at most four where it has a law.
     fn parameters(&self) -> &'static [ParameterInfo];
 
     /// Term added to the friction coefficient at slip rate `s >= 0` \[m/s\] and interface state `psi` (0 where there is none).
@@ -113,7 +132,24 @@ pub trait Effect: Sync {
 }
 
 /// All effects, in the order of the catalogue.
-pub static REGISTRY: &[&dyn Effect] = &[];
+pub static REGISTRY: &[&dyn Effect] = &[
+    &stribeck::Stribeck,
+    &rate_strengthening::RateStrengthening,
+    &grosch::Grosch,
+    &rate_and_state::RateAndState,
+    &frictional_heating::FrictionalHeating,
+    &normal_coupling::NormalCoupling,
+    &maxwell_branch::MaxwellBranch,
+    &partial_slip::PartialSlip,
+    &contact_renewal::ContactRenewal,
+    &lugre::LuGre,
+    &cubic_stiffness::CubicStiffness,
+    &quadratic_damping::QuadraticDamping,
+    &structural_damping::StructuralDamping,
+    &actuator_lag::ActuatorLag,
+    &roller_compliance::RollerCompliance,
+    &sensor_delay::SensorDelay,
+];
 
 /// The effect of that name.
 pub fn find(name: &str) -> Option<&'static dyn Effect> {

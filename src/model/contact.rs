@@ -3,6 +3,10 @@
 //! States: th and th' relative to the motion without contact; y and y' of the roller's support; the heating T; the stretch
 //! x of the bristles; the force q of the viscoelastic branch; the interface state psi (those present, in that order).
 
+mod parallel;
+
+pub use parallel::Continuum;
+
 use super::lumps::{FIRST_EFFECT_PARAMETER, Lumps};
 use super::system::{Evaluation, Forcing, HybridSystem, MAX_STATES, Mode, ParameterColumns};
 use super::{Model, Operation, dual::Dual};
@@ -243,13 +247,16 @@ impl Problem {
             && self.laws.iter().all(|(e, p)| e.friction(p, 0.0, 0.0).is_none());
         if constant_friction {
             let response = self.lumps.free_response();
-            if self.speed > self.b * self.omega * magnitude(response) {
+            // Bristles that are replaced keep being stretched at this rate; the interface slips at what is left of V.
+            let relaxing = self.cc + if self.k1 > 0.0 { self.k1 / self.branch_rate } else { 0.0 };
+            let stretching = self.mu * self.load * self.renewal / (self.kc + self.renewal * relaxing);
+            if self.speed - stretching > self.b * self.omega * magnitude(response) {
                 let force = self.mu * self.load;
                 let mean = self.b * force * self.inverse_inertia / self.k;
                 return Some(LimitingState { response, mean, stick_fraction: 0.0, force: (force, force) });
             }
         }
-        if self.speed == 0.0 {
+        if self.speed == 0.0 && self.continuum().is_none() {
             let response = self.lumps.stuck_response();
             // F = [Gamma e^{i phi0}/A - (K - J w^2 + i w C)] A / (-b), the force that makes up the difference to the free arm.
             let (free, stuck) = (self.lumps.free_response(), response);
@@ -269,6 +276,66 @@ impl Problem {
     /// Index of the stretch of the bristles among the states.
     pub fn stretch_index(&self) -> usize {
         self.x
+    }
+
+    /// Mean angle of the arm and normal load under sliding friction `mu`: K th = torque(th) + b F, the load and the torque
+    /// depending on the angle. The load given, where there is no such equilibrium.
+    fn deflection(&self, mu: f64) -> (f64, f64) {
+        let drag = self.sigma2 * self.speed;
+        let (coupling, stiffness) = (self.load_stiffness * self.b, self.k / self.inverse_inertia);
+        let linear = self.b * (mu * self.load + drag) / stiffness;
+        let mut th = linear;
+        for _ in 0..20 {
+            let mut balance = self.b * (mu * (self.load + coupling * th) + drag) - stiffness * th;
+            let mut slope = self.b * mu * coupling - stiffness;
+            for law in self.laws.iter().filter_map(|(e, p)| e.torque(p, th, 0.0)) {
+                balance += law.value;
+                slope += law.d_first;
+            }
+            if slope >= 0.0 {
+                break;
+            }
+            th -= balance / slope;
+            if balance.abs() < 1e-12 * (stiffness * th).abs() {
+                return (th, (self.load + coupling * th).max(0.0));
+            }
+        }
+        (linear, self.load)
+    }
+
+    /// State at time 0 of the motion with the bristles stuck to a roller at rest, where friction can hold them.
+    fn stuck_state(&self) -> Option<[f64; MAX_STATES]> {
+        let w = self.omega;
+        let (free, stuck) = (self.lumps.free_response(), self.lumps.stuck_response());
+        let apart = (stuck.0.value - free.0.value, stuck.1.value - free.1.value);
+        let scale = 1.0 / (self.inverse_inertia * self.b);
+        // F = (K - J w^2 + i w C) (stuck - free)/b
+        let force = times(apart, (scale * (self.k - w * w), scale * w * self.c));
+        if force.0.hypot(force.1) > self.mu * self.load {
+            return None;
+        }
+        let mut y = (0.0, 0.0);
+        let mut z = [0.0; MAX_STATES];
+        (z[0], z[1]) = (apart.1, w * apart.0);
+        if let Some(i) = self.roller {
+            // m y'' + c y' + k y = -F
+            let [inverse, c, k] = self.support;
+            let d = (k - w * w, w * c);
+            y = times((-inverse * force.0, -inverse * force.1), (d.0, -d.1));
+            y = (y.0 / (d.0 * d.0 + d.1 * d.1), y.1 / (d.0 * d.0 + d.1 * d.1));
+            (z[i], z[i + 1]) = (y.1, w * y.0);
+        }
+        let stretch = (y.0 - self.b * stuck.0.value, y.1 - self.b * stuck.1.value);
+        z[self.x] = stretch.1;
+        if let Some(i) = self.q {
+            // q = k1 x i w/(1/tau + i w)
+            let gain = self.k1 * w / (self.branch_rate * self.branch_rate + w * w);
+            z[i] = gain * (w * stretch.1 + self.branch_rate * stretch.0);
+        }
+        if let Some(i) = self.psi {
+            z[i] = self.psi_scale;
+        }
+        Some(z)
     }
 
     fn steady_interface_state(&self, s: f64) -> f64 {
@@ -361,6 +428,11 @@ impl Problem {
     }
 }
 
+/// Product of two complex numbers (real, imaginary).
+fn times(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0)
+}
+
 impl HybridSystem for Problem {
     fn states(&self) -> usize {
         self.states
@@ -390,7 +462,8 @@ impl HybridSystem for Problem {
         if let Some(i) = self.psi {
             scales[i] = self.psi_scale;
         }
-        scales
+        // A state that a strength of zero keeps at rest has no scale of its own.
+        scales.map(|scale| if scale > 0.0 { scale } else { 1.0 })
     }
 
     fn slip_scale(&self) -> f64 {
@@ -608,6 +681,9 @@ impl HybridSystem for Problem {
     fn initial_state(&self) -> [f64; MAX_STATES] {
         let mut z = [0.0; MAX_STATES];
         if self.speed == 0.0 {
+            if let Some(stuck) = self.stuck_state() {
+                return stuck;
+            }
             // At rest: the bristles are stretched by the arm's own motion.
             let forcing = self.forcing(0.0);
             let limit = 0.5 * self.mu * self.load / self.kc;
@@ -622,9 +698,11 @@ impl HybridSystem for Problem {
             } else {
                 0.0
             };
-            let force = mu / (1.0 + heat) * self.load + self.sigma2 * self.speed;
-            z[0] = self.b * force * self.inverse_inertia / self.k;
-            z[self.x] = mu / (1.0 + heat) * self.load / (self.kc + self.cc * self.renewal);
+            let mu = mu / (1.0 + heat);
+            let (angle, normal) = self.deflection(mu);
+            let force = mu * normal + self.sigma2 * self.speed;
+            z[0] = angle;
+            z[self.x] = mu * normal / (self.kc + self.cc * self.renewal);
             if let Some(i) = self.roller {
                 let [inverse, _, k] = self.support;
                 z[i] = -force * inverse / k;
@@ -641,7 +719,7 @@ impl HybridSystem for Problem {
 
     fn resting_state(&self, z: &[f64]) -> [Option<(f64, [f64; MAX_STATES])>; MAX_STATES] {
         let mut out = [None; MAX_STATES];
-        if self.renewal == 0.0 {
+        if self.renewal == 0.0 && self.speed == 0.0 {
             // No roller motion without slip, hence x = y - b th.
             let y = self.roller.map_or(0.0, |i| z[i]);
             let mut gradient = [0.0; MAX_STATES];
@@ -651,6 +729,14 @@ impl HybridSystem for Problem {
                 gradient[i] = -1.0;
             }
             out[self.x] = Some((z[self.x] - y + self.b * (self.forcing(0.0).angle + z[0]), gradient));
+        } else if self.renewal == 0.0 {
+            // Under a moving roller such a cycle is no steady state: the bristles are taken to where they slip next.
+            let th = self.forcing(0.0).angle + z[0];
+            let (mu, ..) = self.friction(0.0, self.state(self.psi, z), self.state(self.heat, z));
+            let normal = (self.load + self.load_stiffness * self.b * th).max(0.0);
+            let mut gradient = [0.0; MAX_STATES];
+            gradient[self.x] = 1.0;
+            out[self.x] = Some((z[self.x] - (mu * normal - self.state(self.q, z)) / self.kc, gradient));
         }
         if let Some(i) = self.psi {
             let mut gradient = [0.0; MAX_STATES];
@@ -658,6 +744,10 @@ impl HybridSystem for Problem {
             out[i] = Some((z[i] - self.psi_scale, gradient));
         }
         out
+    }
+
+    fn can_rest(&self) -> bool {
+        self.speed == 0.0 || self.renewal > 0.0
     }
 
     fn columns(&self) -> usize {

@@ -4,6 +4,7 @@
 //! (full slip) leaves the limiting case III exact and the drive never has to be integrated.
 
 pub mod contact;
+pub mod continuum;
 pub mod dual;
 pub mod lumps;
 pub mod system;
@@ -46,5 +47,30 @@ impl Model {
             .filter_map(|setting| effects::find(&setting.name).map(|effect| (effect, setting.parameters.clone())))
             .collect();
         Self { rig: scenario.rig, contact: scenario.contact, instrument: scenario.instrument, effects }
+    }
+
+    /// The parameter number `index` in the order of [`lumps::BASE_PARAMETERS`] and then of the effects, or None where
+    /// there is none of that number.
+    pub fn parameter<'a>(&'a mut self, at: &'a mut Operation, index: usize) -> Option<&'a mut f64> {
+        let (rig, contact, instrument) = (&mut self.rig, &mut self.contact, &mut self.instrument);
+        Some(match index {
+            0 => &mut rig.inertia,
+            1 => &mut rig.torsional_stiffness,
+            2 => &mut rig.torsional_damping,
+            3 => &mut rig.spring_stiffness,
+            4 => &mut rig.spring_damping,
+            5 => &mut rig.spring_arm,
+            6 => &mut rig.contact_arm,
+            7 => &mut contact.stiffness,
+            8 => &mut contact.damping,
+            9 => &mut contact.friction,
+            10 => &mut instrument.drive_gain,
+            11 => &mut instrument.amplitude_gain,
+            12 => &mut instrument.phase_offset,
+            13 => &mut at.speed,
+            14 => &mut at.load,
+            15 => &mut at.drive,
+            _ => return self.effects.iter_mut().flat_map(|(_, p)| p).nth(index - lumps::FIRST_EFFECT_PARAMETER),
+        })
     }
 }

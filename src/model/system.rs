@@ -102,6 +102,8 @@ pub trait HybridSystem {
     /// States that a cycle without slip leaves undetermined, with the value they take from a start at rest.
     /// `None` for the determined ones.
     fn resting_state(&self, z: &[f64]) -> [Option<(f64, [f64; MAX_STATES])>; MAX_STATES];
+    /// Whether a cycle without slip can be a steady state at all.
+    fn can_rest(&self) -> bool;
     /// Number of columns of parameter derivatives.
     fn columns(&self) -> usize;
     /// Derivatives of f and g by the columns.

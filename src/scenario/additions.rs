@@ -8,6 +8,7 @@ use super::source::Store;
 use super::types::{EffectSetting, MeasurementSource};
 use super::validate::units;
 use super::written::{Entry, Node, Value};
+use crate::effects::{Effect, compatible, in_paper_formulation};
 
 /// The list `[[effect]]`, each from the catalogue and none twice.
 pub(crate) fn effects(reader: &mut Reader<'_>, node: Option<&Node>, options: &LoadOptions<'_>) -> Vec<EffectSetting> {
@@ -30,10 +31,46 @@ pub(crate) fn effects(reader: &mut Reader<'_>, node: Option<&Node>, options: &Lo
             let title = format!("the effect `{}` appears twice", setting.name);
             reader.fail(&item.place, &title, "appeared before", "remove one of the two");
         } else {
-            list.push(setting);
+            let before = list.iter().filter_map(|other| named(&other.name, options));
+            let together: Vec<_> = before.chain(named(&setting.name, options)).collect();
+            if let Err(why) = compatible(&together) {
+                let help = "remove one of the two, or write a scenario for each";
+                reader.fail(&item.place, &why, "does not go with an effect above", help);
+            } else {
+                list.push(setting);
+            }
         }
     }
     list
+}
+
+fn named<'a>(name: &str, options: &LoadOptions<'a>) -> Option<&'a dyn Effect> {
+    options.effects.iter().find(|effect| effect.name() == name).copied()
+}
+
+/// The published procedure has no place for effects of the contact and of the arm's motion.
+pub(crate) fn fits_formulation(
+    reader: &mut Reader<'_>,
+    node: Option<&Node>,
+    list: &[EffectSetting],
+    paper: bool,
+    options: &LoadOptions<'_>,
+) {
+    let Some(Node { value: Value::List(items), .. }) = node else { return };
+    let outside = |setting: &&EffectSetting| named(&setting.name, options).is_some_and(|e| !in_paper_formulation(e));
+    for setting in list.iter().filter(outside).filter(|_| paper) {
+        let is_it = |item: &&Node| match &item.value {
+            Value::Table(entries) => entries.iter().any(|entry| {
+                entry.key == "name" && matches!(&entry.node.value, Value::Text(name) if *name == setting.name)
+            }),
+            _ => false,
+        };
+        if let Some(item) = items.iter().find(is_it) {
+            let title = format!("the published procedure carries no effects such as `{}`", setting.name);
+            let help = "use formulation = \"series\" in [contact], and in [sweep] where it lists formulations";
+            reader.fail(&item.place, &title, "not part of formulation = \"paper\"", help);
+        }
+    }
 }
 
 fn effect(reader: &mut Reader<'_>, table: &Table<'_>, options: &LoadOptions<'_>) -> Option<EffectSetting> {
@@ -46,7 +83,7 @@ fn effect(reader: &mut Reader<'_>, table: &Table<'_>, options: &LoadOptions<'_>)
         return None;
     };
     let name = reader.text("name", node)?;
-    let Some(effect) = options.effects.iter().find(|effect| effect.name() == name) else {
+    let Some(effect) = named(&name, options) else {
         let known: Vec<_> = options.effects.iter().map(|effect| effect.name()).collect();
         let label = suggestion(nearest(&name, known.iter().copied()), "not in the catalogue");
         let help = format!("`stickslip effects` lists the catalogue: {}", known.join(", "));
@@ -119,7 +156,7 @@ pub(crate) fn free(
 }
 
 /// Keys of all parameters that a calibration may move: of the rig, the contact, the instrument, and of `effects`.
-pub fn parameter_keys(effects: &[&dyn crate::effects::Effect]) -> Vec<String> {
+pub fn parameter_keys(effects: &[&dyn Effect]) -> Vec<String> {
     let base = [("rig", RIG), ("contact", CONTACT), ("instrument", INSTRUMENT)];
     let base = base.iter().flat_map(|(table, infos)| infos.iter().map(move |info| format!("{table}.{}", info.key)));
     let added = effects.iter().flat_map(|effect| {

@@ -57,6 +57,11 @@ pub fn load(path: impl AsRef<Path>) -> Result<Scenario> {
     load_with(path, &LoadOptions::default())
 }
 
+/// Reads and validates a file that others extend: it need not say what to solve.
+pub fn load_base(path: impl AsRef<Path>) -> Result<Scenario> {
+    open(Store::Disk, path.as_ref(), &LoadOptions::default(), Role::Base)
+}
+
 /// Like [`load`], with another set of names for figures and effects.
 pub fn load_with(path: impl AsRef<Path>, options: &LoadOptions<'_>) -> Result<Scenario> {
     open(Store::Disk, path.as_ref(), options, Role::Complete)

@@ -7,7 +7,7 @@ const fn info(
     (minimum, maximum): (f64, f64),
     meaning: &'static str,
 ) -> ParameterInfo {
-    ParameterInfo { key, symbol, unit, minimum, maximum, meaning }
+    ParameterInfo { key, symbol, unit, minimum, maximum, range: None, signed: false, meaning }
 }
 
 /// The table `[rig]`.

@@ -1,6 +1,6 @@
 //! From what was written to what is meant: the table of contents of a scenario file.
 
-use super::additions::{effects, free, measurement};
+use super::additions::{effects, fits_formulation, free, measurement};
 use super::axes;
 use super::extends::Document;
 use super::parameters::{CONTACT, INSTRUMENT, RIG};
@@ -63,6 +63,12 @@ fn read(
         None => Some(None),
     };
     let effects = effects(reader, get("effect"), options);
+    let swept = sweep.iter().flatten().any(|sweep| sweep.formulation.contains(&Formulation::Paper));
+    let paper = match sweep {
+        Some(Some(_)) => swept,
+        _ => contact.is_some_and(|contact| contact.formulation == Formulation::Paper),
+    };
+    fits_formulation(reader, get("effect"), &effects, paper, options);
     let measurement = measurement(reader, entries, store);
     let free = free(reader, entries, &effects, options);
     if get("sweep").is_none() && get("measurement").is_none() && role == Role::Complete {

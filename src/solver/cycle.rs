@@ -1,5 +1,8 @@
 //! One period of a hybrid system: steps cut exactly at the events, observables and tangents gathered on the way.
 
+// Indices run over several matrices at once here.
+#![allow(clippy::needless_range_loop)]
+
 use super::radau::{A, C, State, Stepper};
 use crate::model::system::{HybridSystem, MAX_COLUMNS, MAX_STATES, Mode, ParameterColumns};
 

@@ -1,5 +1,8 @@
 //! LU factorisation with partial pivoting of small dense systems, in place and without allocation.
 
+// Indices run over several matrices at once here.
+#![allow(clippy::needless_range_loop)]
+
 /// Largest order: three stages of all states and the algebraic unknown.
 pub const MAX_ORDER: usize = 3 * (crate::model::system::MAX_STATES + 1);
 

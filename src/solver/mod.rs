@@ -4,6 +4,7 @@ pub mod analytic;
 pub mod cycle;
 pub mod lu;
 pub mod paper_euler;
+pub mod parallel;
 pub mod radau;
 pub mod shooting;
 mod steady;

@@ -1,6 +1,9 @@
 //! One step of the three-stage Radau IIA collocation method (order 5; Hairer and Wanner, Solving ODEs II, IV.5) for a
 //! system with one algebraic unknown, and its tangent.
 
+// Indices run over several matrices at once here.
+#![allow(clippy::needless_range_loop)]
+
 use super::lu::{Lu, MAX_ORDER};
 use crate::model::system::{Evaluation, Forcing, HybridSystem, MAX_STATES, Mode, ParameterColumns};
 

@@ -1,5 +1,8 @@
 //! Periodic solutions by Newton shooting.
 
+// Indices run over several matrices at once here.
+#![allow(clippy::needless_range_loop)]
+
 use super::cycle::{self, Cycle, Record, Tolerance};
 use super::radau::State;
 use crate::model::system::{HybridSystem, MAX_STATES};
@@ -47,7 +50,9 @@ pub fn solve(system: &dyn HybridSystem, guess: Option<&State>, tolerance: &Toler
             }
             Err(why) => return Err(why),
         };
-        let (mut residual, jacobian) = defect(system, &start, &cycle);
+        // Where the transient has been followed into rest (shakedown), what the cycle leaves open stays where it came to rest.
+        let settled = next_march > 3 && system.can_rest();
+        let (mut residual, jacobian) = defect(system, &start, &cycle, settled);
         for (r, scale) in residual.iter_mut().zip(&scales) {
             *r /= scale;
         }
@@ -82,7 +87,7 @@ pub fn solve(system: &dyn HybridSystem, guess: Option<&State>, tolerance: &Toler
 }
 
 /// Defect of periodicity and its Jacobian; states that a cycle without slip leaves open take their value at rest.
-fn defect(system: &dyn HybridSystem, start: &State, cycle: &Cycle) -> (State, [State; MAX_STATES]) {
+fn defect(system: &dyn HybridSystem, start: &State, cycle: &Cycle, settled: bool) -> (State, [State; MAX_STATES]) {
     let n = system.states();
     let mut residual: State = std::array::from_fn(|i| cycle.end[i] - start[i]);
     let mut jacobian = cycle.monodromy;
@@ -92,7 +97,7 @@ fn defect(system: &dyn HybridSystem, start: &State, cycle: &Cycle) -> (State, [S
     if cycle.stick_fraction > 1.0 - 1e-9 {
         for (i, rest) in system.resting_state(start).iter().enumerate().take(n) {
             if let Some((value, gradient)) = rest {
-                residual[i] = *value;
+                residual[i] = if settled { 0.0 } else { *value };
                 jacobian[i] = *gradient;
             }
         }
@@ -137,7 +142,7 @@ pub fn column_derivatives(
     let n = system.states();
     let scales = system.scales();
     let cycle = cycle::integrate(system, &periodic.start, tolerance, true, None)?;
-    let (_, jacobian) = defect(system, &periodic.start, &cycle);
+    let (_, jacobian) = defect(system, &periodic.start, &cycle, false);
     let columns = cycle.columns.as_ref().ok_or("no derivatives were gathered")?;
     let open = if cycle.stick_fraction > 1.0 - 1e-9 {
         system.resting_state(&periodic.start).map(|rest| rest.is_some())

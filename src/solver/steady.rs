@@ -4,8 +4,8 @@ use super::analytic::wrap;
 use super::cycle::{Record, Tolerance};
 use super::paper_euler::{self, PaperContact};
 use super::radau::{State, Stepper};
-use super::{Method, Orbit, Status, SteadyState, shooting};
-use crate::model::contact::{LimitingState, Problem};
+use super::{Method, Orbit, Status, SteadyState, parallel, shooting};
+use crate::model::contact::{Continuum, LimitingState, Problem};
 use crate::model::dual::MAX_PARAMETERS;
 use crate::model::lumps::Lumps;
 use crate::model::system::{HybridSystem, Mode};
@@ -50,6 +50,9 @@ pub fn solve(
     let problem = Problem::new(model, at);
     if let Some(limit) = problem.limiting_state() {
         return closed_form(&problem.lumps, limit, derivatives);
+    }
+    if let Some(continuum) = problem.continuum() {
+        return parallel_state(model, at, &problem, &continuum, derivatives);
     }
     let periodic = match shooting::solve(&problem, warm.0.as_ref(), tolerance) {
         Ok(periodic) => periodic,
@@ -108,6 +111,69 @@ pub fn solve(
         method: Method::Shooting,
     };
     Solution { state, derivatives }
+}
+
+fn stability(multiplier: f64) -> Status {
+    if multiplier > UNSTABLE {
+        Status::SelfExcited(format!(
+            "the periodic state is unstable: a disturbance grows {multiplier:.3} times a cycle"
+        ))
+    } else {
+        Status::Steady
+    }
+}
+
+/// A contact of many parallel sliders; its derivatives are differences of converged solutions.
+fn parallel_state(
+    model: &Model,
+    at: &Operation,
+    problem: &Problem,
+    continuum: &Continuum,
+    derivatives: bool,
+) -> Solution {
+    let found = match parallel::solve(continuum) {
+        Ok(found) => found,
+        Err(why) => return failed(why),
+    };
+    let lumps = &problem.lumps;
+    let (re, im) = lumps.free_response();
+    let (re, im) = (re.value + found.fundamental.0, im.value + found.fundamental.1);
+    let (amplitude, phase) = reading(lumps, re.hypot(im), im.atan2(re));
+    let state = SteadyState {
+        amplitude,
+        phase,
+        mean: found.mean,
+        speed_amplitude: lumps.arm.value * lumps.omega * re.hypot(im),
+        stick_fraction: found.stick_fraction,
+        force_minimum: found.force.0,
+        force_maximum: found.force.1,
+        cycles: found.cycles,
+        periodicity_error: found.residual,
+        status: stability(found.multiplier),
+        method: Method::Shooting,
+    };
+    let derivatives = derivatives.then(|| differences(model, at));
+    Solution { state, derivatives }
+}
+
+/// Central differences of (amplitude, phase) by every parameter of the model.
+fn differences(model: &Model, at: &Operation) -> Vec<(f64, f64)> {
+    let mut out = vec![(0.0, 0.0); MAX_PARAMETERS];
+    for (index, out) in out.iter_mut().enumerate() {
+        let solved = |sign: f64| {
+            let (mut model, mut at) = (model.clone(), *at);
+            let value = model.parameter(&mut at, index)?;
+            let step = 1e-4 * if *value == 0.0 { 1.0 } else { value.abs() };
+            *value += sign * step;
+            let state = solve(&model, &at, 0, &Tolerance::default(), false, &mut Warm::default()).state;
+            Some((step, state.amplitude, state.phase))
+        };
+        if let (Some(plus), Some(minus)) = (solved(1.0), solved(-1.0)) {
+            let width = 2.0 * plus.0;
+            *out = ((plus.1 - minus.1) / width, wrap(plus.2 - minus.2) / width);
+        }
+    }
+    out
 }
 
 /// Derivatives of (amplitude, phase) of the reading from those of the complex amplitude.

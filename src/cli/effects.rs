@@ -1,0 +1,186 @@
+//! `stickslip effects`: the catalogue, written from the registry.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+
+use crate::effects::{Effect, ParameterInfo, REGISTRY, find, typical};
+use crate::error::{Error, Result};
+use crate::units;
+
+/// Widest line of the output.
+const WIDTH: usize = 100;
+
+/// Prints the table of all effects, or the page of one.
+pub fn execute(name: Option<&str>) -> Result<()> {
+    let text = match name {
+        None => table(),
+        Some(name) => page(find(name).ok_or_else(|| unknown(name))?),
+    };
+    match std::io::stdout().lock().write_all(text.as_bytes()) {
+        // A reader such as `head` that has seen enough is no failure.
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        outcome => outcome.map_err(Error::io("write to", "standard output")),
+    }
+}
+
+fn unknown(name: &str) -> Error {
+    let known: Vec<_> = REGISTRY.iter().map(|effect| effect.name()).collect();
+    let shown: String = name.chars().take(60).flat_map(char::escape_debug).collect();
+    let distance = |other: &&&str| units::edit_distance(&shown.to_lowercase(), other);
+    let near = known.iter().min_by_key(distance).filter(|other| distance(other) <= 1 + other.len() / 3);
+    let hint = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+    Error::Input(format!(
+        "error: there is no effect `{shown}`{hint}\n  = help: the catalogue has\n{}",
+        wrapped(&known.join(", "), "    ")
+    ))
+}
+
+/// The catalogue, one line per parameter.
+pub fn table() -> String {
+    let mut rows = vec![["effect", "group", "parameter", "unit", "range of a search", "zero at"].map(String::from)];
+    for effect in REGISTRY {
+        for (index, info) in effect.parameters().iter().enumerate() {
+            let first = |text: &str| if index == 0 { text.to_string() } else { String::new() };
+            let unit = if info.unit == "1" { "-" } else { info.unit };
+            let zero = effect.zero().iter().find(|zero| zero.parameter == index);
+            let none = if effect.zero().is_empty() && index == 0 { "never" } else { "" };
+            rows.push([
+                first(effect.name()),
+                first(effect.group().name()),
+                info.key.into(),
+                unit.into(),
+                range(info),
+                zero.map_or(none.into(), |zero| number(zero.value)),
+            ]);
+        }
+    }
+    aligned(&rows, "") + "\nstickslip effects NAME   equation, meaning, source, fingerprint and an example\n"
+}
+
+/// Everything that the catalogue knows of one effect.
+pub fn page(effect: &dyn Effect) -> String {
+    let title = format!("{} - {}", effect.name(), effect.title());
+    let mut text = format!("{title}\n{}\n\n", "=".repeat(title.chars().count()));
+    let mut section = |name: &str, body: String| text.extend([name, "\n", &body, "\n"]);
+    section("Equation", wrapped(effect.equation(), "    "));
+    section("Meaning", wrapped(effect.meaning(), "    "));
+    section("Parameters", parameters(effect));
+    section("Returns the base at", wrapped(&zero(effect), "    "));
+    section("What it does to a resonance curve", wrapped(effect.fingerprint(), "    "));
+    section("Source", wrapped(effect.source(), "    "));
+    section("In a scenario (values for the form, not for a material)", indented(&example(effect)));
+    text.trim_end().to_string() + "\n"
+}
+
+fn parameters(effect: &dyn Effect) -> String {
+    let mut rows = vec![["key", "symbol", "unit", "range of a search", "accepted"].map(String::from)];
+    for info in effect.parameters() {
+        let unit = if info.unit == "1" { "-" } else { info.unit };
+        let accepted = format!("{} to {}", number(info.minimum), number(info.maximum));
+        rows.push([info.key.into(), info.symbol.into(), unit.into(), range(info), accepted]);
+    }
+    let mut text = aligned(&rows, "    ");
+    for info in effect.parameters() {
+        text.push_str(&wrapped(&format!("{}: {}", info.key, info.meaning), "    "));
+    }
+    text
+}
+
+fn zero(effect: &dyn Effect) -> String {
+    let key = |index: usize| effect.parameters().get(index).map_or("", |info| info.key);
+    let all: Vec<_> =
+        effect.zero().iter().map(|zero| format!("{} = {}", key(zero.parameter), number(zero.value))).collect();
+    if all.is_empty() { "no value: it stands in place of a part of the base".into() } else { all.join(" and ") }
+}
+
+/// A block `[[effect]]` that a scenario may contain.
+pub fn example(effect: &dyn Effect) -> String {
+    let mut text = format!("[[effect]]\nname = \"{}\"\n", effect.name());
+    for (info, value) in effect.parameters().iter().zip(typical(effect)) {
+        let value = units::format(value, info.unit);
+        let quoted = if info.unit == "1" { value } else { format!("\"{value}\"") };
+        let _ = writeln!(text, "{} = {quoted}", info.key);
+    }
+    text
+}
+
+fn range(info: &ParameterInfo) -> String {
+    let sign = if info.signed { "± " } else { "" };
+    info.range.map_or(String::new(), |(low, high)| format!("{sign}{} to {}", number(low), number(high)))
+}
+
+fn number(value: f64) -> String {
+    let plain = value == 0.0 || (1e-2..1e4).contains(&value.abs());
+    if value.is_infinite() {
+        "infinity".into()
+    } else if plain {
+        format!("{value}")
+    } else {
+        format!("{value:e}")
+    }
+}
+
+/// Columns padded to equal width, two spaces apart.
+fn aligned<const N: usize>(rows: &[[String; N]], indent: &str) -> String {
+    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+    let widths: [usize; N] = std::array::from_fn(width);
+    let mut text = String::new();
+    for row in rows {
+        let mut line = String::from(indent);
+        for (cell, width) in row.iter().zip(widths) {
+            let _ = write!(line, "{cell}{}", " ".repeat(width - cell.chars().count() + 2));
+        }
+        text.push_str(line.trim_end());
+        text.push('\n');
+    }
+    text
+}
+
+fn indented(block: &str) -> String {
+    block.lines().fold(String::new(), |text, line| text + "    " + line + "\n")
+}
+
+/// Words broken into lines of at most [`WIDTH`] characters.
+fn wrapped(words: &str, indent: &str) -> String {
+    let mut text = String::new();
+    let mut line = String::from(indent);
+    for word in words.split_whitespace() {
+        let empty = line.trim().is_empty();
+        if !empty && line.chars().count() + 1 + word.chars().count() > WIDTH {
+            text.push_str(&line);
+            text.push('\n');
+            line = indent.into();
+        } else if !empty {
+            line.push(' ');
+        }
+        line.push_str(word);
+    }
+    text + &line + "\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_line_fits_100_columns_and_every_page_is_complete() {
+        let pages: Vec<_> = REGISTRY.iter().map(|effect| page(*effect)).chain([table()]).collect();
+        for text in &pages {
+            for line in text.lines() {
+                assert!(line.chars().count() <= WIDTH && line == line.trim_end(), "{line}");
+            }
+        }
+        for effect in REGISTRY {
+            assert!(table().contains(effect.name()) && page(*effect).contains(&indented(&example(*effect))));
+        }
+    }
+
+    #[test]
+    fn a_misspelt_name_is_answered_with_the_nearest() {
+        let error = execute(Some("stribek")).expect_err("no such effect");
+        assert_eq!(error.exit_code(), 2);
+        assert!(error.to_string().contains("did you mean `stribeck`?"), "{error}");
+        let error = execute(Some("\u{1b}[2Jgravity and everything else")).expect_err("no such effect").to_string();
+        assert!(!error.contains('\u{1b}') && !error.contains("did you mean"), "{error}");
+    }
+}

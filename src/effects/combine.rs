@@ -1,0 +1,90 @@
+//! Which effects go together. The rules follow from what effects contribute, not from their names.
+
+use super::{Effect, typical};
+use crate::model::dual::{Dual, MAX_PARAMETERS};
+use crate::model::lumps::FIRST_EFFECT_PARAMETER;
+
+/// A test of what an effect contributes, at the parameters given.
+type Contributes = fn(&dyn Effect, &[f64], &[Dual]) -> bool;
+
+/// Contributions that the model has room for once, with their names in messages.
+const SINGLE: &[(&str, Contributes)] = &[
+    ("the element between interface and arm", |e, p, d| e.rate_element(d).is_some() || e.continuum(p).is_some()),
+    ("an internal state of the interface", |e, p, _| e.interface_rate(p, 1.0, 1.0).is_some()),
+    ("the heating of the interface", |e, _, d| e.heating(d).is_some()),
+    ("a viscoelastic branch", |e, _, d| e.branch(d).is_some()),
+    ("the support of the roller", |e, _, d| e.support(d).is_some()),
+];
+
+/// Whether these effects can act together; the error says which two cannot, and why.
+pub fn compatible(effects: &[&dyn Effect]) -> Result<(), String> {
+    for (what, contributes) in SINGLE {
+        let mut having = effects.iter().filter(|effect| {
+            let (p, d) = sample(**effect);
+            contributes(**effect, &p, &d)
+        });
+        if let (Some(one), Some(other)) = (having.next(), having.next()) {
+            return Err(format!(
+                "`{}` and `{}` cannot be combined: each of them provides {what}",
+                one.name(),
+                other.name()
+            ));
+        }
+    }
+    let parameters = effects.iter().map(|effect| effect.parameters().len()).sum::<usize>();
+    let most = MAX_PARAMETERS - FIRST_EFFECT_PARAMETER;
+    if parameters > most {
+        return Err(format!("the effects have {parameters} parameters together, but there is room for {most}"));
+    }
+    Ok(())
+}
+
+/// Whether an effect enters the equations of the contact or of its load.
+pub fn enters_contact(effect: &dyn Effect) -> bool {
+    let (p, d) = sample(effect);
+    SINGLE.iter().any(|(_, contributes)| contributes(effect, &p, &d))
+        || effect.friction(&p, 1.0, 1.0).is_some()
+        || effect.load_stiffness(&d).is_some()
+        || effect.renewal(&d, Dual::constant(1.0)).is_some()
+}
+
+/// Whether the published procedure can carry an effect: only changes of the drive, of the linear damping and of the reading.
+pub fn in_paper_formulation(effect: &dyn Effect) -> bool {
+    let (p, _) = sample(effect);
+    !enters_contact(effect) && effect.torque(&p, 0.0, 0.0).is_none()
+}
+
+fn sample(effect: &dyn Effect) -> (Vec<f64>, Vec<Dual>) {
+    let p = typical(effect);
+    let d = p.iter().map(|&value| Dual::constant(value)).collect();
+    (p, d)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::{REGISTRY, find};
+
+    #[test]
+    fn only_two_elements_of_the_contact_exclude_each_other() {
+        for (i, one) in REGISTRY.iter().enumerate() {
+            for other in &REGISTRY[..i] {
+                let both = [one.name(), other.name()];
+                let excluded = both.contains(&"lugre") && both.contains(&"partial-slip");
+                assert_eq!(compatible(&[*other, *one]).is_err(), excluded, "{both:?}");
+            }
+        }
+        let lugre = find("lugre").expect("registered");
+        assert!(compatible(&[lugre, lugre]).is_err());
+        let message = compatible(&[find("partial-slip").expect("registered"), lugre]).expect_err("two elements");
+        assert!(message.starts_with("`partial-slip` and `lugre` cannot be combined"), "{message}");
+        let all: Vec<_> = REGISTRY.iter().copied().filter(|e| e.name() != "lugre").collect();
+        assert_eq!(compatible(&all), Ok(()));
+    }
+
+    #[test]
+    fn the_published_procedure_carries_what_leaves_its_equations_alone() {
+        let carried: Vec<_> = REGISTRY.iter().filter(|e| in_paper_formulation(**e)).map(|e| e.name()).collect();
+        assert_eq!(carried, ["structural-damping", "actuator-lag", "sensor-delay"]);
+    }
+}

@@ -1,0 +1,70 @@
+//! A torque that grows with the cube of the angle.
+
+use super::{Effect, Group, Law, ParameterInfo, Zero};
+
+/// Cubic stiffness of the arm (Duffing).
+pub struct CubicStiffness;
+
+impl Effect for CubicStiffness {
+    fn name(&self) -> &'static str {
+        "cubic-stiffness"
+    }
+    fn title(&self) -> &'static str {
+        "Cubic stiffness of the arm (Duffing)"
+    }
+    fn group(&self) -> Group {
+        Group::RigAndInstrument
+    }
+    fn equation(&self) -> &'static str {
+        "torque −K₃θ³"
+    }
+    fn meaning(&self) -> &'static str {
+        "A spring or clamp that stiffens (K₃ > 0) or softens (K₃ < 0) as the arm turns. The oscillation of \
+         microradians hardly feels it, but the static deflection bμW/K under the friction force moves the point \
+         around which the arm oscillates."
+    }
+    fn source(&self) -> &'static str {
+        "G. Duffing, Erzwungene Schwingungen bei veränderlicher Eigenfrequenz (1918)."
+    }
+    fn fingerprint(&self) -> &'static str {
+        "V = 0: nothing, since there is no mean deflection. Partial stick and full slip: the resonance moves by \
+         about 3K₃θ₀²/K of the stiffness, up for K₃ > 0, in proportion to the square of load and friction and \
+         equally at every V; the height changes little."
+    }
+    fn zero(&self) -> &'static [Zero] {
+        &[Zero { parameter: 0, value: 0.0 }]
+    }
+    fn parameters(&self) -> &'static [ParameterInfo] {
+        const LIST: &[ParameterInfo] = &[ParameterInfo::searched(
+            ("K_3", "K₃", "N m/rad^3"),
+            (-1e15, 1e15),
+            (1e5, 1e12),
+            "cubic coefficient of the torque",
+        )
+        .either_sign()];
+        LIST
+    }
+
+    fn torque(&self, p: &[f64], th: f64, _w: f64) -> Option<Law> {
+        let square = th * th;
+        Some(Law {
+            value: -p[0] * square * th,
+            d_first: -3.0 * p[0] * square,
+            d_second: 0.0,
+            d_parameters: [-square * th, 0.0, 0.0, 0.0],
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_torque_is_odd_and_its_slope_that_of_a_cube() {
+        let at = |th: f64| CubicStiffness.torque(&[8e7], th, 0.0).unwrap_or_default();
+        assert_eq!(at(0.0), Law::default());
+        assert!((at(1e-3).value + 0.08).abs() < 1e-15 && at(-1e-3).value == -at(1e-3).value);
+        assert!((at(1e-3).d_first + 240.0).abs() < 1e-12);
+    }
+}

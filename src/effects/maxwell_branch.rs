@@ -1,0 +1,62 @@
+//! A spring and a dashpot in series beside the bristles.
+
+use super::{Effect, Group, ParameterInfo, Zero};
+use crate::model::dual::Dual;
+
+/// Viscoelastic branch (Maxwell).
+pub struct MaxwellBranch;
+
+impl Effect for MaxwellBranch {
+    fn name(&self) -> &'static str {
+        "maxwell-branch"
+    }
+    fn title(&self) -> &'static str {
+        "Viscoelastic branch (Maxwell)"
+    }
+    fn group(&self) -> Group {
+        Group::Contact
+    }
+    fn equation(&self) -> &'static str {
+        "F = kc x + cc d + q, q′ = k₁d − q/τ"
+    }
+    fn meaning(&self) -> &'static str {
+        "Rubber relaxes: part of its stiffness acts only against motion faster than a relaxation time. With this \
+         branch the bristles are a standard linear solid, whose stiffness grows from kc to kc + k₁ around ω = \
+         1/τ."
+    }
+    fn source(&self) -> &'static str {
+        "J. C. Maxwell, On the dynamical theory of gases, Phil. Trans. 157 (1867) 49; standard linear solid: C. \
+         Zener, Elasticity and Anelasticity of Metals (1948)."
+    }
+    fn fingerprint(&self) -> &'static str {
+        "V = 0: the peak moves up by the in-phase part k₁(ωτ)²/(1 + (ωτ)²) and is lowered by the quadrature part \
+         k₁ωτ/(1 + (ωτ)²), exactly. Partial stick: the same in proportion to the share of stick. Full slip: \
+         nothing, since the bristles do not move."
+    }
+    fn zero(&self) -> &'static [Zero] {
+        &[Zero { parameter: 0, value: 0.0 }]
+    }
+    fn parameters(&self) -> &'static [ParameterInfo] {
+        const LIST: &[ParameterInfo] = &[
+            ParameterInfo::searched(("k_1", "k₁", "N/m"), (0.0, 1e9), (1e3, 1e6), "stiffness of the branch"),
+            ParameterInfo::searched(("tau", "τ", "s"), (1e-9, 1e6), (1e-5, 1e-1), "relaxation time of the branch"),
+        ];
+        LIST
+    }
+
+    fn branch(&self, p: &[Dual]) -> Option<(Dual, Dual)> {
+        Some((p[0], p[1]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_stiffness_and_the_time_are_handed_on() {
+        let p = [Dual::constant(3e4), Dual::constant(2e-3)];
+        let (stiffness, tau) = MaxwellBranch.branch(&p).expect("a branch");
+        assert_eq!((stiffness.value, tau.value), (3e4, 2e-3));
+    }
+}

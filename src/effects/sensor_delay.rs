@@ -1,0 +1,62 @@
+//! The reading comes later than the motion.
+
+use super::{Effect, Group, ParameterInfo, Zero};
+use crate::model::dual::Dual;
+
+/// Delay of the sensor.
+pub struct SensorDelay;
+
+impl Effect for SensorDelay {
+    fn name(&self) -> &'static str {
+        "sensor-delay"
+    }
+    fn title(&self) -> &'static str {
+        "Delay of the sensor"
+    }
+    fn group(&self) -> Group {
+        Group::RigAndInstrument
+    }
+    fn equation(&self) -> &'static str {
+        "measured phase = φ − ωτ"
+    }
+    fn meaning(&self) -> &'static str {
+        "Filters, sampling and cables delay the signal of the angle (τ > 0) or that of the actuator (τ < 0). The \
+         motion itself is unchanged."
+    }
+    fn source(&self) -> &'static str {
+        "Specification: a constant delay between two channels."
+    }
+    fn fingerprint(&self) -> &'static str {
+        "V = 0, partial stick and full slip: the amplitude is unchanged; the phase falls by ωτ, a straight line \
+         over frequency, the same at every load, speed and drive."
+    }
+    fn zero(&self) -> &'static [Zero] {
+        &[Zero { parameter: 0, value: 0.0 }]
+    }
+    fn parameters(&self) -> &'static [ParameterInfo] {
+        const LIST: &[ParameterInfo] = &[ParameterInfo::searched(
+            ("tau", "τ", "s"),
+            (-1.0, 1.0),
+            (1e-6, 1e-2),
+            "delay of the angle behind the actuator in the readings",
+        )
+        .either_sign()];
+        LIST
+    }
+
+    fn reading(&self, p: &[Dual], omega: f64) -> Option<Dual> {
+        Some(-(p[0] * omega))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_phase_falls_in_proportion_to_the_frequency() {
+        let angle = SensorDelay.reading(&[Dual::parameter(3e-4, 16)], 500.0).expect("an angle");
+        assert_eq!((angle.value, angle.gradient[16]), (-0.15, -500.0));
+        assert_eq!(SensorDelay.reading(&[Dual::constant(0.0)], 500.0).map(|angle| angle.value), Some(0.0));
+    }
+}

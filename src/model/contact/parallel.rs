@@ -1,0 +1,87 @@
+//! The equations of one operating point as the solver of parallel sliders sees them.
+
+use super::Problem;
+use crate::effects::Law;
+use crate::model::continuum::{self, Element};
+use crate::model::system::{Forcing, HybridSystem};
+use crate::solver::parallel::{Linear, ParallelSystem};
+
+/// A problem whose contact is a continuum of parallel elements.
+pub struct Continuum<'a> {
+    problem: &'a Problem,
+    elements: Vec<Element>,
+}
+
+impl Problem {
+    /// The continuum of elements that replaces the single one, where an effect asks for it.
+    pub fn continuum(&self) -> Option<Continuum<'_>> {
+        let n = self.laws.iter().find_map(|(e, p)| e.continuum(p)).filter(|n| *n > 1.0)?;
+        let (free, stuck) = (self.lumps.free_response(), self.lumps.stuck_response());
+        let amplitude = |(re, im): (crate::model::dual::Dual, crate::model::dual::Dual)| re.value.hypot(im.value);
+        // No stroke is much larger than those of the limiting cases; xm is where the last slider gives way.
+        let stroke = 1.5 * self.b * amplitude(free).max(amplitude(stuck));
+        let last = n * self.mu * self.load / self.kc;
+        Some(Continuum { problem: self, elements: continuum::elements(n, stroke / last) })
+    }
+}
+
+impl ParallelSystem for Continuum<'_> {
+    fn period(&self) -> f64 {
+        self.problem.period()
+    }
+    fn elements(&self) -> &[Element] {
+        &self.elements
+    }
+    fn forcing(&self, t: f64) -> Forcing {
+        self.problem.forcing(t)
+    }
+    fn arm(&self) -> Linear {
+        Linear { stiffness: self.problem.k, damping: self.problem.c }
+    }
+    fn arm_load(&self, forcing: &Forcing, angle: f64, velocity: f64) -> (f64, f64) {
+        let p = self.problem;
+        let (th, w) = (forcing.angle + angle, forcing.velocity + velocity);
+        let torque: f64 = p.laws.iter().filter_map(|(e, q)| e.torque(q, th, w)).map(|law: Law| law.value).sum();
+        (p.inverse_inertia * p.b, p.inverse_inertia * torque)
+    }
+    fn support(&self) -> Option<(Linear, f64)> {
+        let [inverse, damping, stiffness] = self.problem.support;
+        self.problem.roller.map(|_| (Linear { stiffness, damping }, -inverse))
+    }
+    fn relative_speed(&self, forcing: &Forcing, velocity: f64, support: f64) -> f64 {
+        self.problem.speed + support - self.problem.b * (forcing.velocity + velocity)
+    }
+    fn bristles(&self) -> [f64; 5] {
+        let p = self.problem;
+        [p.kc, p.cc, p.renewal, p.k1, p.branch_rate]
+    }
+    fn heating(&self) -> (f64, f64) {
+        (self.problem.heating_gain, self.problem.cooling_rate)
+    }
+    fn limit(&self, forcing: &Forcing, angle: f64, s: f64, psi: f64, heat: f64) -> (f64, f64) {
+        let p = self.problem;
+        let normal = (p.load + p.load_stiffness * p.b * (forcing.angle + angle)).max(0.0);
+        let (mu, mu_s, ..) = p.friction(s, psi, heat);
+        (mu * normal, mu_s * normal)
+    }
+    fn interface(&self, s: f64) -> Option<(f64, f64)> {
+        let law = self.problem.laws.iter().find_map(|(e, p)| e.interface_rate(p, s, 0.0))?;
+        Some((law.value, law.d_second))
+    }
+    fn scale(&self) -> (f64, f64) {
+        (self.problem.stroke, self.problem.slip_scale())
+    }
+    fn start(&self) -> ([f64; 5], f64) {
+        let p = self.problem;
+        let z = p.initial_state();
+        let support = p.roller.map_or((0.0, 0.0), |i| (z[i], z[i + 1]));
+        let psi = p.psi.map_or(0.0, |i| if p.speed > 0.0 { z[i] } else { p.psi_scale });
+        ([z[0], z[1], support.0, support.1, p.heat.map_or(0.0, |i| z[i])], psi)
+    }
+    fn at_rest(&self) -> bool {
+        self.problem.speed == 0.0
+    }
+    fn lever(&self) -> f64 {
+        self.problem.b
+    }
+}

@@ -1,0 +1,599 @@
+//! Periodic states of a contact of many parallel sliders: fixed Radau steps, each slider solved at the stages for
+//! itself, Newton for the few states they share.
+
+// Indices run over several matrices at once here.
+#![allow(clippy::needless_range_loop)]
+
+use super::radau::{A, C, Stepper};
+use crate::model::continuum::Element;
+use crate::model::system::Forcing;
+use nalgebra::{DMatrix, DVector};
+
+/// Three stage values.
+pub type Stages = [f64; 3];
+/// Coefficients between stages.
+pub type Block = [Stages; 3];
+
+/// An oscillator x'' = -stiffness x - damping x' + f (arm or support).
+#[derive(Debug, Clone, Copy)]
+pub struct Linear {
+    /// Stiffness over inertia \[1/s^2\].
+    pub stiffness: f64,
+    /// Damping over inertia \[1/s\].
+    pub damping: f64,
+}
+
+/// What the sliders share and obey.
+pub trait ParallelSystem {
+    /// Period \[s\].
+    fn period(&self) -> f64;
+    /// The elements.
+    fn elements(&self) -> &[Element];
+    /// Forcing at time t.
+    fn forcing(&self, t: f64) -> Forcing;
+    /// Arm, relative to its motion without contact.
+    fn arm(&self) -> Linear;
+    /// Acceleration of the arm by the contact force and by torques: (per force, torque acceleration at angle and speed).
+    fn arm_load(&self, forcing: &Forcing, angle: f64, velocity: f64) -> (f64, f64);
+    /// The support, and its acceleration per contact force, where there is one.
+    fn support(&self) -> Option<(Linear, f64)>;
+    /// Relative speed of roller and arm at the arm's relative velocity and the support's velocity.
+    fn relative_speed(&self, forcing: &Forcing, velocity: f64, support: f64) -> f64;
+    /// (kc, cc, rate of renewal, branch stiffness, branch rate).
+    fn bristles(&self) -> [f64; 5];
+    /// (gain, rate) of the heating T' = gain F s - rate T; zero where there is none.
+    fn heating(&self) -> (f64, f64);
+    /// mu N and its slope at slip rate s >= 0, arm angle, interface state and heating.
+    fn limit(&self, forcing: &Forcing, angle: f64, s: f64, psi: f64, heat: f64) -> (f64, f64);
+    /// Interface state: rate at slip rate s is `rate.0 + rate.1 psi`, where there is one.
+    fn interface(&self, s: f64) -> Option<(f64, f64)>;
+    /// Scales of stroke \[m\] and slip rate \[m/s\].
+    fn scale(&self) -> (f64, f64);
+    /// Shared states at the start: angle, velocity, support, its velocity, heating; and psi of the sliders.
+    fn start(&self) -> ([f64; 5], f64);
+    /// Whether the roller is at rest, so that sliders that never slip keep the stretch of a start from rest.
+    fn at_rest(&self) -> bool;
+    /// Arm displacement per angle \[m\].
+    fn lever(&self) -> f64;
+}
+
+/// Result of the periodic search.
+#[derive(Debug, Clone)]
+pub struct Found {
+    /// Complex fundamental of the relative angle.
+    pub fundamental: (f64, f64),
+    /// Mean of the relative angle.
+    pub mean: f64,
+    /// Mean share of stuck stiffness.
+    pub stick_fraction: f64,
+    /// Extremes of the force.
+    pub force: (f64, f64),
+    /// Cycles integrated.
+    pub cycles: usize,
+    /// Relative change over the last cycle.
+    pub residual: f64,
+    /// Largest modulus of the eigenvalues of the map of the shared states over a cycle.
+    pub multiplier: f64,
+}
+
+/// Steps per period.
+const STEPS: usize = 96;
+/// Relative change of the shared states over a cycle below which they count as periodic.
+const PERIODIC: f64 = 1e-9;
+/// Change of the mean stretch over a cycle, relative to the stroke, below which the sliders count as periodic.
+const CREEP: f64 = 3e-6;
+const MAX_CYCLES: usize = 120;
+
+#[derive(Debug, Clone, Copy)]
+struct Slider {
+    x: f64,
+    q: f64,
+    psi: f64,
+}
+
+struct Cycle {
+    shared: [f64; 5],
+    sliders: Vec<Slider>,
+    slipped: Vec<bool>,
+    fundamental: (f64, f64),
+    mean: f64,
+    stick: f64,
+    force: (f64, f64),
+}
+
+/// Finds the periodic state. Errors say why in words.
+pub fn solve(system: &dyn ParallelSystem) -> Result<Found, String> {
+    let method = Method::new(system);
+    let (mut shared, psi) = system.start();
+    let (stroke, speed) = system.scale();
+    let angle = stroke / system.lever();
+    let omega = speed / stroke;
+    let scales = [angle, omega * angle, stroke, speed, shared[4].abs().max(1e-12)];
+    let active: Vec<usize> = method.active();
+    let forcing = system.forcing(0.0);
+    let kc = system.bristles()[0];
+    let rest = |shared: &[f64; 5]| shared[2] - system.lever() * (forcing.angle + shared[0]);
+    let (limit, _) = system.limit(&forcing, shared[0], 0.0, psi, shared[4]);
+    let mut sliders: Vec<Slider> = system
+        .elements()
+        .iter()
+        .map(|e| {
+            let most = e.limit * limit / kc;
+            let x = if system.at_rest() { rest(&shared).clamp(-most, most) } else { most };
+            Slider { x, q: 0.0, psi }
+        })
+        .collect();
+    let mut jacobian: Option<DMatrix<f64>> = None;
+    let mut slope: Option<DMatrix<f64>> = None;
+    let mut last: Option<DVector<f64>> = None;
+    let mut best = f64::INFINITY;
+    let mut cycles = 0;
+    while cycles < MAX_CYCLES {
+        let cycle = method.cycle(&shared, &sliders)?;
+        cycles += 1;
+        let residual: Vec<f64> = active.iter().map(|&i| (cycle.shared[i] - shared[i]) / scales[i]).collect();
+        // Sliders that give way a little once a cycle creep for long; what counts is their share of the force.
+        let creep: f64 = system
+            .elements()
+            .iter()
+            .zip(cycle.sliders.iter().zip(&sliders))
+            .zip(&cycle.slipped)
+            .filter(|(_, slipped)| **slipped)
+            .map(|((e, (new, old)), _)| e.share * (new.x - old.x).abs() / stroke)
+            .sum();
+        let size = residual.iter().fold(0.0f64, |m, r| m.max(r.abs()));
+        if size < PERIODIC && creep < CREEP {
+            let multiplier = match &jacobian {
+                Some(j) => radius(j),
+                None => radius(&method.jacobian(&shared, &sliders, &cycle, &scales, &active)?),
+            };
+            let Cycle { fundamental, mean, stick, force, .. } = cycle;
+            return Ok(Found { fundamental, mean, stick_fraction: stick, force, cycles, residual: size, multiplier });
+        }
+        let residual = DVector::from_vec(residual);
+        match (&mut slope, &last) {
+            (Some(slope), Some(step)) if size < 2.0 * best => {
+                // Broyden's update: what the sliders' memory adds to the slope shows in the steps taken.
+                let square = step.norm_squared();
+                if square > 0.0 {
+                    *slope += &residual * step.transpose() / square;
+                }
+            }
+            _ => {
+                let map = method.jacobian(&shared, &sliders, &cycle, &scales, &active)?;
+                cycles += active.len();
+                slope = Some(&map - DMatrix::identity(active.len(), active.len()));
+                jacobian = Some(map);
+            }
+        }
+        best = size;
+        let step = slope.as_ref().and_then(|slope| slope.clone().lu().solve(&-&residual));
+        last = match step {
+            Some(step) if step.iter().all(|d| d.is_finite()) => {
+                for (k, &i) in active.iter().enumerate() {
+                    shared[i] += step[k] * scales[i];
+                }
+                Some(step)
+            }
+            _ => {
+                shared = cycle.shared;
+                None
+            }
+        };
+        sliders = cycle.sliders;
+        if system.at_rest() {
+            // What never slips started with the arm, and an interface that never slips has no rate.
+            for (slider, slipped) in sliders.iter_mut().zip(&cycle.slipped) {
+                if !slipped {
+                    (slider.x, slider.psi) = (rest(&shared), psi);
+                }
+            }
+        }
+    }
+    Err(format!("no periodic state of the parallel sliders within {MAX_CYCLES} cycles"))
+}
+
+fn radius(matrix: &DMatrix<f64>) -> f64 {
+    matrix.complex_eigenvalues().iter().fold(0.0, |m, e| m.max(e.norm()))
+}
+
+/// Stage coefficients of the fixed step.
+struct Method<'a> {
+    system: &'a dyn ParallelSystem,
+    h: f64,
+    arm: Pair,
+    support: Option<(Pair, f64)>,
+    stretch: (Stages, Block),
+    branch: (Stages, Block),
+    stiffness: Block,
+}
+
+/// Response of two states x, x' at the stages to their start values and to the forces at the stages.
+struct Pair {
+    start: [[Stages; 2]; 2],
+    force: [Block; 2],
+}
+
+impl<'a> Method<'a> {
+    fn new(system: &'a dyn ParallelSystem) -> Self {
+        let h = system.period() / STEPS as f64;
+        let [kc, cc, renewal, k1, rate] = system.bristles();
+        let stretch = relaxation(h, renewal);
+        let branch = relaxation(h, rate);
+        let mut stiffness = [[0.0; 3]; 3];
+        for i in 0..3 {
+            for k in 0..3 {
+                stiffness[i][k] = kc * stretch.1[i][k] + k1 * branch.1[i][k];
+            }
+            stiffness[i][i] += cc;
+        }
+        let support = system.support().map(|(linear, gain)| (Pair::new(h, linear), gain));
+        Self { system, h, arm: Pair::new(h, system.arm()), support, stretch, branch, stiffness }
+    }
+
+    fn active(&self) -> Vec<usize> {
+        let mut active = vec![0, 1];
+        if self.support.is_some() {
+            active.extend([2, 3]);
+        }
+        if self.system.heating().0 > 0.0 {
+            active.push(4);
+        }
+        active
+    }
+
+    fn jacobian(
+        &self,
+        shared: &[f64; 5],
+        sliders: &[Slider],
+        base: &Cycle,
+        scales: &[f64; 5],
+        active: &[usize],
+    ) -> Result<DMatrix<f64>, String> {
+        let n = active.len();
+        let mut out = DMatrix::zeros(n, n);
+        for (column, &j) in active.iter().enumerate() {
+            let mut moved = *shared;
+            moved[j] += 1e-6 * scales[j];
+            let cycle = self.cycle(&moved, sliders)?;
+            for (row, &i) in active.iter().enumerate() {
+                out[(row, column)] = (cycle.shared[i] - base.shared[i]) / (1e-6 * scales[i]);
+            }
+        }
+        Ok(out)
+    }
+
+    fn cycle(&self, shared: &[f64; 5], sliders: &[Slider]) -> Result<Cycle, String> {
+        let system = self.system;
+        let mut out = Cycle {
+            shared: *shared,
+            sliders: sliders.to_vec(),
+            slipped: vec![false; sliders.len()],
+            fundamental: (0.0, 0.0),
+            mean: 0.0,
+            stick: 0.0,
+            force: (f64::INFINITY, f64::NEG_INFINITY),
+        };
+        let kc = system.bristles()[0];
+        let mut force: Stages =
+            [system.elements().iter().zip(sliders).map(|(e, s)| e.share * (kc * s.x + s.q)).sum(); 3];
+        let mut before: Option<(f64, Stages)> = None;
+        for step in 0..STEPS {
+            // The first guess continues the polynomial of the last step.
+            let start = force[2];
+            if let Some((start, stages)) = before {
+                force = C.map(|c| Stepper::interpolate(start, stages, 1.0 + c));
+            }
+            let stages = self.step(self.h * step as f64, force, &mut out, shared[0])?;
+            before = Some((start, stages));
+            force = stages;
+        }
+        Ok(out)
+    }
+
+    /// One step; returns the stage forces.
+    fn step(&self, t: f64, guess: Stages, cycle: &mut Cycle, reference: f64) -> Result<Stages, String> {
+        let system = self.system;
+        let elements = system.elements();
+        let [angle, velocity, support, support_velocity, heat] = cycle.shared;
+        let forcing = C.map(|c| system.forcing(t + c * self.h));
+        let (stroke, speed) = system.scale();
+        let tolerance = 1e-10 * system.bristles()[0] * stroke;
+        let mut force = guess;
+        let mut torque = [0.0; 3];
+        let mut heats = [heat; 3];
+        let mut rates: Vec<Stages> = vec![[0.0; 3]; elements.len()];
+        for round in 0..60 {
+            let gain = system.arm_load(&forcing[0], angle, velocity).0;
+            let load: Stages = std::array::from_fn(|i| gain * force[i] + torque[i]);
+            let angles = self.arm.states(0, angle, velocity, &load);
+            let velocities = self.arm.states(1, angle, velocity, &load);
+            for i in 0..3 {
+                torque[i] = system.arm_load(&forcing[i], angles[i], velocities[i]).1;
+            }
+            let mut supports = ([0.0; 3], [0.0; 3]);
+            let mut by_force: Block = std::array::from_fn(|i| {
+                std::array::from_fn(|k| self.relative_slope(&forcing[i]) * gain * self.arm.force[1][i][k])
+            });
+            if let Some((pair, gain)) = &self.support {
+                let load = force.map(|f| gain * f);
+                supports = (
+                    pair.states(0, support, support_velocity, &load),
+                    pair.states(1, support, support_velocity, &load),
+                );
+                for i in 0..3 {
+                    for k in 0..3 {
+                        by_force[i][k] += gain * pair.force[1][i][k];
+                    }
+                }
+            }
+            let v: Stages = std::array::from_fn(|i| system.relative_speed(&forcing[i], velocities[i], supports.1[i]));
+            // All sliders at these speeds.
+            let (mut sum, mut slope, mut power) = ([0.0; 3], [[0.0; 3]; 3], [0.0; 3]);
+            for (j, element) in elements.iter().enumerate() {
+                let limit = |i: usize, s: f64, psi: f64| {
+                    let (most, by_s) = system.limit(&forcing[i], angles[i], s, psi, heats[i]);
+                    (element.limit * most, element.limit * by_s)
+                };
+                let solved = self.slider(&cycle.sliders[j], &v, &limit, speed);
+                for i in 0..3 {
+                    sum[i] += element.share * solved.force[i];
+                    power[i] += element.share * solved.force[i] * (v[i] - solved.rate[i]);
+                    for k in 0..3 {
+                        slope[i][k] += element.share * solved.slope[i][k];
+                    }
+                }
+                rates[j] = solved.rate;
+            }
+            let (heating, cooling) = system.heating();
+            if heating > 0.0 {
+                let (start, by_rate) = relaxation(self.h, cooling);
+                heats = std::array::from_fn(|i| {
+                    start[i] * heat + heating * (0..3).map(|k| by_rate[i][k] * power[k]).sum::<f64>()
+                });
+            }
+            // (1 - dF/dv dv/dF) delta = F(v) - F
+            let matrix: Block = std::array::from_fn(|i| {
+                std::array::from_fn(|k| {
+                    f64::from(u8::from(i == k)) - (0..3).map(|l| slope[i][l] * by_force[l][k]).sum::<f64>()
+                })
+            });
+            let delta = solve3(matrix, std::array::from_fn(|i| sum[i] - force[i]));
+            let size = delta.iter().fold(0.0f64, |m, d| m.max(d.abs()));
+            if !size.is_finite() {
+                return Err("the forces of the parallel sliders diverge".into());
+            }
+            for i in 0..3 {
+                force[i] += delta[i];
+            }
+            if size < tolerance || (round > 30 && size < 1e4 * tolerance) {
+                self.accept(cycle, &forcing, &v, &rates, &angles, &force, reference);
+                cycle.shared = [angles[2], velocities[2], supports.0[2], supports.1[2], heats[2]];
+                return Ok(force);
+            }
+        }
+        Err(format!("the parallel sliders did not converge at {:.4} of the cycle", t / system.period()))
+    }
+
+    fn relative_slope(&self, forcing: &Forcing) -> f64 {
+        self.system.relative_speed(forcing, 1.0, 0.0) - self.system.relative_speed(forcing, 0.0, 0.0)
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn accept(
+        &self,
+        cycle: &mut Cycle,
+        forcing: &[Forcing; 3],
+        v: &Stages,
+        rates: &[Stages],
+        angles: &Stages,
+        force: &Stages,
+        reference: f64,
+    ) {
+        let (_, speed) = self.system.scale();
+        let weight = 2.0 / STEPS as f64;
+        for i in 0..3 {
+            let swing = weight * A[2][i] * (angles[i] - reference);
+            cycle.fundamental.0 += swing * forcing[i].sine;
+            cycle.fundamental.1 += swing * forcing[i].cosine;
+            cycle.mean += 0.5 * weight * A[2][i] * angles[i];
+            cycle.force = (cycle.force.0.min(force[i]), cycle.force.1.max(force[i]));
+        }
+        for (j, element) in self.system.elements().iter().enumerate() {
+            let slider = &mut cycle.sliders[j];
+            let d = rates[j];
+            let dot = |row: &Stages| row[0] * d[0] + row[1] * d[1] + row[2] * d[2];
+            slider.x = self.stretch.0[2] * slider.x + dot(&self.stretch.1[2]);
+            let k1 = self.system.bristles()[3];
+            slider.q = self.branch.0[2] * slider.q + k1 * dot(&self.branch.1[2]);
+            let slip: Stages = std::array::from_fn(|i| (v[i] - d[i]).abs());
+            slider.psi = self.interface(slider.psi, &slip)[2];
+            for i in 0..3 {
+                if slip[i] > 1e-12 * speed {
+                    cycle.slipped[j] = true;
+                } else {
+                    cycle.stick += element.share * A[2][i] / STEPS as f64;
+                }
+            }
+        }
+    }
+
+    /// Interface state at the stages for given slip rates.
+    fn interface(&self, psi: f64, slip: &Stages) -> Stages {
+        if self.system.interface(0.0).is_none() {
+            return [psi; 3];
+        }
+        let rate = slip.map(|s| self.system.interface(s).unwrap_or_default());
+        let matrix: Block = std::array::from_fn(|i| {
+            std::array::from_fn(|k| f64::from(u8::from(i == k)) - self.h * A[i][k] * rate[k].1)
+        });
+        solve3(matrix, std::array::from_fn(|i| psi + self.h * (0..3).map(|k| A[i][k] * rate[k].0).sum::<f64>()))
+    }
+
+    /// One slider at the stages: stuck or at its limit, each stage by itself.
+    fn slider(&self, slider: &Slider, v: &Stages, limit: &dyn Fn(usize, f64, f64) -> (f64, f64), speed: f64) -> Solved {
+        let kc = self.system.bristles()[0];
+        let own: Stages = std::array::from_fn(|i| kc * self.stretch.0[i] * slider.x + self.branch.0[i] * slider.q);
+        let force = |d: &Stages| -> Stages {
+            std::array::from_fn(|i| own[i] + (0..3).map(|k| self.stiffness[i][k] * d[k]).sum::<f64>())
+        };
+        let mut d = *v;
+        let mut f = force(&d);
+        if (0..3).all(|i| f[i].abs() <= limit(i, 0.0, slider.psi).0) && self.system.interface(0.0).is_none() {
+            return Solved { force: f, rate: d, slope: self.stiffness };
+        }
+        let mut psi = [slider.psi; 3];
+        let mut sign = [0.0; 3];
+        let mut slopes = [0.0; 3];
+        for _ in 0..40 {
+            let mut changed = false;
+            for i in 0..3 {
+                let slip = sign[i] * (v[i] - d[i]);
+                if sign[i] == 0.0 {
+                    if f[i].abs() > limit(i, 0.0, psi[i]).0 {
+                        sign[i] = f[i].signum();
+                        changed = true;
+                    }
+                } else if slip < -1e-13 * speed {
+                    sign[i] = 0.0;
+                    changed = true;
+                }
+            }
+            if sign == [0.0; 3] && !changed {
+                break;
+            }
+            let mut matrix = [[0.0; 3]; 3];
+            let mut right = [0.0; 3];
+            for i in 0..3 {
+                if sign[i] == 0.0 {
+                    matrix[i][i] = 1.0;
+                    right[i] = v[i];
+                    slopes[i] = 0.0;
+                } else {
+                    let slip = (sign[i] * (v[i] - d[i])).max(0.0);
+                    let (most, by_s) = limit(i, slip, psi[i]);
+                    matrix[i] = self.stiffness[i];
+                    matrix[i][i] += by_s;
+                    right[i] = -own[i] + sign[i] * (most - by_s * slip) + by_s * v[i];
+                    slopes[i] = by_s;
+                }
+            }
+            let new = solve3(matrix, right);
+            let change = (0..3).fold(0.0f64, |m, i| m.max((new[i] - d[i]).abs()));
+            d = new;
+            f = force(&d);
+            psi = self.interface(slider.psi, &std::array::from_fn(|i| (v[i] - d[i]).abs()));
+            if !changed && change < 1e-13 * speed {
+                break;
+            }
+        }
+        if sign.iter().all(|s| *s != 0.0) && slopes == [0.0; 3] {
+            return Solved { force: f, rate: d, slope: [[0.0; 3]; 3] };
+        }
+        // dd/dv: stuck stages follow, slipping ones through the slope of the law.
+        let mut matrix = [[0.0; 3]; 3];
+        for i in 0..3 {
+            if sign[i] == 0.0 {
+                matrix[i][i] = 1.0;
+            } else {
+                matrix[i] = self.stiffness[i];
+                matrix[i][i] += slopes[i];
+            }
+        }
+        let mut slope = [[0.0; 3]; 3];
+        for k in 0..3 {
+            let mut right = [0.0; 3];
+            right[k] = if sign[k] == 0.0 { 1.0 } else { slopes[k] };
+            let column = solve3(matrix, right);
+            for i in 0..3 {
+                slope[i][k] = (0..3).map(|l| self.stiffness[i][l] * column[l]).sum();
+            }
+        }
+        Solved { force: f, rate: d, slope }
+    }
+}
+
+struct Solved {
+    force: Stages,
+    rate: Stages,
+    slope: Block,
+}
+
+impl Pair {
+    fn new(h: f64, linear: Linear) -> Self {
+        // x_i = x + h A x', x'_i = x' + h A (-k x - c x' + f): eliminate x.
+        let square: Block =
+            std::array::from_fn(|i| std::array::from_fn(|k| (0..3).map(|l| h * A[i][l] * h * A[l][k]).sum()));
+        let unit = |i: usize, k: usize| f64::from(u8::from(i == k));
+        let matrix: Block = std::array::from_fn(|i| {
+            std::array::from_fn(|k| unit(i, k) + linear.damping * h * A[i][k] + linear.stiffness * square[i][k])
+        });
+        let sums: Stages = std::array::from_fn(|i| h * A[i].iter().sum::<f64>());
+        let from_x = solve3(matrix, sums.map(|s| -linear.stiffness * s));
+        let from_v = solve3(matrix, [1.0; 3]);
+        let mut by_force = [[0.0; 3]; 3];
+        for k in 0..3 {
+            let column = solve3(matrix, std::array::from_fn(|i| h * A[i][k]));
+            for i in 0..3 {
+                by_force[i][k] = column[i];
+            }
+        }
+        let integrate =
+            |v: &Stages| -> Stages { std::array::from_fn(|i| h * (0..3).map(|l| A[i][l] * v[l]).sum::<f64>()) };
+        let x_from_x = integrate(&from_x).map(|x| 1.0 + x);
+        let x_from_v = integrate(&from_v);
+        let mut x_by_force = [[0.0; 3]; 3];
+        for k in 0..3 {
+            let column = integrate(&std::array::from_fn(|i| by_force[i][k]));
+            for i in 0..3 {
+                x_by_force[i][k] = column[i];
+            }
+        }
+        Self { start: [[x_from_x, x_from_v], [from_x, from_v]], force: [x_by_force, by_force] }
+    }
+
+    fn states(&self, which: usize, x: f64, v: f64, load: &Stages) -> Stages {
+        std::array::from_fn(|i| {
+            let [a, b] = self.start[which];
+            a[i] * x + b[i] * v + (0..3).map(|k| self.force[which][i][k] * load[k]).sum::<f64>()
+        })
+    }
+}
+
+/// Stages of y' = d - rate y: (from the start value, from d at the stages).
+fn relaxation(h: f64, rate: f64) -> (Stages, Block) {
+    let matrix: Block =
+        std::array::from_fn(|i| std::array::from_fn(|k| f64::from(u8::from(i == k)) + h * rate * A[i][k]));
+    let start = solve3(matrix, [1.0; 3]);
+    let mut out = [[0.0; 3]; 3];
+    for k in 0..3 {
+        let column = solve3(matrix, std::array::from_fn(|i| h * A[i][k]));
+        for i in 0..3 {
+            out[i][k] = column[i];
+        }
+    }
+    (start, out)
+}
+
+/// Solves three equations by elimination with pivoting.
+fn solve3(mut m: Block, mut b: Stages) -> Stages {
+    for k in 0..3 {
+        let pivot = (k..3).max_by(|&i, &j| m[i][k].abs().total_cmp(&m[j][k].abs())).unwrap_or(k);
+        m.swap(k, pivot);
+        b.swap(k, pivot);
+        for i in k + 1..3 {
+            let factor = m[i][k] / m[k][k];
+            for j in k..3 {
+                m[i][j] -= factor * m[k][j];
+            }
+            b[i] -= factor * b[k];
+        }
+    }
+    for k in (0..3).rev() {
+        for j in k + 1..3 {
+            b[k] -= m[k][j] * b[j];
+        }
+        b[k] /= m[k][k];
+    }
+    b
+}

@@ -1,0 +1,145 @@
+//! The command as a user meets it.
+
+use assert_cmd::Command;
+use predicates::prelude::*;
+use std::path::Path;
+
+fn stickslip(dir: &Path) -> Command {
+    let mut command = Command::cargo_bin("stickslip").unwrap();
+    command.current_dir(dir).env("SOURCE_DATE_EPOCH", "0");
+    command
+}
+
+const SMALL: &str = r#"
+title = "Small <b>& hostile</b>"
+[rig]
+inertia = "5.0e-3 kg m^2"
+torsional_stiffness = "990 N m/rad"
+torsional_damping = "0.43 N m s/rad"
+spring_stiffness = "1.6e4 N/m"
+spring_damping = "12 N s/m"
+spring_arm = "30 mm"
+contact_arm = "60 mm"
+[contact]
+stiffness = "8.9e4 N/m"
+damping = "26 N s/m"
+friction = 0.5
+[sweep]
+frequency = { from = "60 Hz", to = "90 Hz", points = 31 }
+speed = ["0 mm/s", "0.05 mm/s", "0.1 mm/s", "20 mm/s"]
+load = ["0 N", "20 N"]
+drive = "2.5 um"
+"#;
+
+fn small(dir: &Path) {
+    std::fs::write(dir.join("small.toml"), SMALL).unwrap();
+}
+
+/// Every file below a folder with its bytes.
+fn contents(root: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut out = Vec::new();
+    let mut folders = vec![root.to_path_buf()];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                let name = path.strip_prefix(root).unwrap().display().to_string();
+                out.push((name, std::fs::read(&path).unwrap()));
+            }
+        }
+    }
+    out.sort();
+    out
+}
+
+#[test]
+fn report_gives_the_same_bytes_for_any_number_of_threads() {
+    let dir = tempfile::tempdir().unwrap();
+    small(dir.path());
+    for threads in ["1", "2", "5"] {
+        let out = format!("out{threads}");
+        stickslip(dir.path()).args(["report", "small.toml", "--out", &out, "--threads", threads]).assert().success();
+    }
+    let one = contents(&dir.path().join("out1"));
+    assert!(one.iter().any(|(name, _)| name == "report.html") && one.iter().any(|(name, _)| name.ends_with(".png")));
+    for other in ["out2", "out5"] {
+        for (a, b) in one.iter().zip(contents(&dir.path().join(other))) {
+            assert_eq!(a.0, b.0);
+            assert!(a.1 == b.1, "{} differs with more threads", a.0);
+        }
+    }
+    let page = String::from_utf8(std::fs::read(dir.path().join("out1/report.html")).unwrap()).unwrap();
+    assert!(page.contains("Small &lt;b&gt;&amp; hostile") && !page.contains("<b>& hostile"));
+}
+
+#[test]
+fn run_writes_curves_whose_numbers_are_the_limiting_cases_at_the_ends() {
+    let dir = tempfile::tempdir().unwrap();
+    small(dir.path());
+    stickslip(dir.path()).args(["run", "small.toml"]).assert().success();
+    let text = std::fs::read_to_string(dir.path().join("output/small/curves.csv")).unwrap();
+    let rows: Vec<Vec<&str>> = text.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows.len(), 2 * 4 * 31);
+    let amplitude = |load: &str, speed: &str, f: &str| -> f64 {
+        rows.iter().find(|r| r[3] == load && r[5] == speed && r[6] == f).unwrap()[7].parse().unwrap()
+    };
+    // No contact and full slip are the same curve; static contact is stiffer: lower below its resonance.
+    assert!((amplitude("0", "0e0", "71") / amplitude("20", "2e-2", "71") - 1.0).abs() < 1e-12);
+    assert!(amplitude("20", "0e0", "71") < amplitude("20", "5e-5", "71"));
+    assert!(rows.iter().all(|r| r[16] == "steady"));
+}
+
+#[test]
+fn anywhere_without_a_scenarios_folder_the_built_in_ones_are_used() {
+    let dir = tempfile::tempdir().unwrap();
+    stickslip(dir.path()).arg("check").assert().success().stdout(predicate::str::contains("paper/figure-6"));
+    stickslip(dir.path()).arg("init").assert().success();
+    stickslip(dir.path()).args(["check", "my-rig.toml", "scenarios"]).assert().success();
+    stickslip(dir.path()).arg("init").assert().code(2).stderr(predicate::str::contains("nothing was written"));
+}
+
+#[test]
+fn bad_usage_and_bad_input_exit_with_2_and_write_nothing() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("bad.toml"), SMALL.replace("inertia", "inertai")).unwrap();
+    let told = predicate::str::contains("bad.toml").and(predicate::str::contains("inertia"));
+    stickslip(dir.path()).args(["run", "bad.toml"]).assert().code(2).stderr(told);
+    stickslip(dir.path()).args(["run"]).assert().code(2);
+    stickslip(dir.path()).args(["report", "missing.toml"]).assert().code(2);
+    stickslip(dir.path()).args(["--threads", "0"]).assert().code(2);
+    std::fs::write(dir.path().join("figure.toml"), SMALL.replacen("title", "figures = [\"ridge\"]\ntitle", 1)).unwrap();
+    assert!(!dir.path().join("output").exists());
+}
+
+#[test]
+fn a_figure_that_the_sweep_cannot_fill_is_an_error_that_says_so() {
+    let dir = tempfile::tempdir().unwrap();
+    let text = SMALL.replacen("title", "figures = [\"loops\", \"formulations\"]\ntitle", 1);
+    std::fs::write(dir.path().join("figure.toml"), text).unwrap();
+    let told = predicate::str::contains("figure.toml").and(predicate::str::contains("formulations"));
+    stickslip(dir.path()).args(["run", "figure.toml"]).assert().code(2).stderr(told);
+}
+
+#[cfg(unix)]
+#[test]
+fn interrupted_work_leaves_no_half_written_file() {
+    let dir = tempfile::tempdir().unwrap();
+    let long = SMALL
+        .replace("points = 31", "points = 2001")
+        .replace("speed = [\"0 mm/s\",", "formulation = \"paper\"\nspeed = [\"0.07 mm/s\",");
+    std::fs::write(dir.path().join("long.toml"), long).unwrap();
+    let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin("stickslip"))
+        .args(["run", "long.toml"])
+        .current_dir(dir.path())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(700));
+    let id = child.id().to_string();
+    assert!(std::process::Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    let status = child.wait().unwrap();
+    assert_eq!(status.code(), Some(3));
+    assert!(!dir.path().join("output").exists());
+}
