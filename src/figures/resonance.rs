@@ -5,7 +5,7 @@ use super::canvas::{Point, Stroke, document};
 use super::data::{self, health};
 use super::legend::{Entry, Key, legend, legend_width};
 use super::marks::Mark;
-use super::scheme::{Scheme, draw_curve, draw_limit, limit_band, limit_name, limit_points, limits};
+use super::scheme::{Scheme, Styled, draw_curve, draw_limit, limit_band, limit_name, limit_points, limits};
 use super::style::{INK, Table, Unit, WIDTH, cell};
 use super::{Drawing, Figure, FigureError};
 use crate::solver::SteadyState;
@@ -93,7 +93,9 @@ impl<'a> Data<'a> {
                     draw_limit(&lower, canvas, run, case, band);
                 }
             }
-            for styled in &self.scheme.curves {
+            let mut widest_first: Vec<&Styled<'_>> = self.scheme.curves.iter().collect();
+            widest_first.sort_by(|a, b| b.stroke.width.total_cmp(&a.stroke.width));
+            for styled in widest_first {
                 draw_curve(&upper, canvas, styled.curve, styled.stroke, |s| self.unit.of(s.amplitude));
                 // A line broken wherever the phase jumps by more than half a turn.
                 let points = data::steady(styled.curve, |s| self.phase(s.phase));
@@ -199,12 +201,8 @@ impl Figure for Resonance {
 
 /// What the caption says about curves that lie on an earlier one.
 fn coincidence(curves: &[&Curve], nested: bool) -> String {
-    let largest = |curve: &Curve| range(curve.states.iter().map(|s| s.amplitude.abs())).1;
-    let same = |a: &Curve, b: &Curve| {
-        let mut pairs = a.states.iter().zip(&b.states);
-        a.frequency == b.frequency && pairs.all(|(s, t)| (s.amplitude - t.amplitude).abs() <= 1e-6 * largest(a))
-    };
-    let count = (1..curves.len()).filter(|&i| curves[..i].iter().any(|earlier| same(curves[i], earlier))).count();
+    let count =
+        (1..curves.len()).filter(|&i| curves[..i].iter().any(|earlier| data::coincide(earlier, curves[i]))).count();
     if count == 0 {
         return String::new();
     }

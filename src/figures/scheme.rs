@@ -30,7 +30,7 @@ pub struct Scheme<'a> {
     pub curves: Vec<Styled<'a>>,
     /// Legend entries.
     pub legend: Vec<Entry>,
-    /// Whether later lines are narrower, so that coinciding ones all show.
+    /// Whether lines are wider than those that coincide with them and are drawn later, so that all of them show.
     pub nested: bool,
 }
 
@@ -42,14 +42,16 @@ impl<'a> Scheme<'a> {
         let rest: Vec<Field> = fields.iter().copied().filter(|field| *field != lead).collect();
         let values = lead.distinct(curves);
         let groups = data::groups(curves, lead);
-        // Load and friction often change nothing: nested lines show curves that lie on one another.
-        let nested = rest.is_empty() && matches!(lead, Field::Load | Field::Friction) && values.len() <= 6;
+        // A line is wider than those of its colour scale that will lie on it.
+        let nested = rest.is_empty();
+        let above = |i: usize| curves[i + 1..].iter().filter(|later| data::coincide(curves[i], later)).count().min(4);
         let styled: Vec<Styled<'_>> = curves
             .iter()
-            .map(|&curve| {
+            .enumerate()
+            .map(|(i, &curve)| {
                 let rank = values.iter().position(|value| *value == lead.value(&curve.condition)).unwrap_or(0);
                 let group = groups.iter().position(|group| group.iter().any(|c| std::ptr::eq(*c, curve))).unwrap_or(0);
-                let width = if nested { 2.2 + 2.0 * (values.len() - 1 - rank) as f64 } else { 2.2 };
+                let width = 2.2 + if nested { 1.6 * above(i) as f64 } else { 0.0 };
                 let stroke = Stroke::dashed(ramp(rank, values.len()), width, DASHES[group % DASHES.len()]);
                 Styled { curve, stroke, label: label(curve, lead, &rest) }
             })
@@ -160,7 +162,7 @@ pub fn limit_stroke(case: LimitingCase) -> Stroke {
 
 /// A pale line of a limiting case, wide enough to show under curves that lie on it.
 pub fn limit_band(case: LimitingCase, curves: &[Styled<'_>]) -> Stroke {
-    let width = 4.8 + curves.iter().map(|styled| styled.stroke.width).fold(2.2, f64::max);
+    let width = 4.4 + curves.iter().map(|styled| styled.stroke.width).fold(2.2, f64::max);
     match case {
         LimitingCase::FreeOrFullSlip => Stroke::solid(SLIP_BAND, width),
         LimitingCase::StaticContact => Stroke::dashed(STATIC_BAND, width, DASH_BAND),
