@@ -2,7 +2,8 @@
 
 use super::FigureError;
 use super::canvas::{Dash, FINE};
-use plotters::style::{FontDesc, FontFamily, FontStyle, register_font};
+use plotters::style::colors::colormaps::{ColorMap, ViridisRGB};
+use plotters::style::{FontDesc, FontFamily, FontStyle, RGBColor, register_font};
 use resvg::{tiny_skia, usvg};
 use std::sync::{Arc, Once, OnceLock};
 
@@ -54,26 +55,10 @@ pub const DOTS: Dash = Dash::Dashes(2.0, 3.0);
 /// Dashes of groups of curves, in the order in which they are given out.
 pub const DASHES: [Dash; 4] = [Dash::Solid, Dash::Dashes(11.0, 4.0), Dash::Dashes(3.0, 3.0), Dash::DashDots(11.0, 9.0)];
 
-const VIRIDIS: [Color; 10] = [
-    Color(0x44, 0x01, 0x54),
-    Color(0x48, 0x28, 0x78),
-    Color(0x3e, 0x4a, 0x89),
-    Color(0x31, 0x68, 0x8e),
-    Color(0x26, 0x82, 0x8e),
-    Color(0x1f, 0x9e, 0x89),
-    Color(0x35, 0xb7, 0x79),
-    Color(0x6e, 0xce, 0x58),
-    Color(0xb5, 0xde, 0x2b),
-    Color(0xfd, 0xe7, 0x25),
-];
-
 /// Viridis at `t` in 0..1, for areas.
 pub fn viridis(t: f64) -> Color {
-    let position = if t.is_finite() { t.clamp(0.0, 1.0) * 9.0 } else { 0.0 };
-    let low = (position.floor() as usize).min(8);
-    let (a, b, share) = (VIRIDIS[low], VIRIDIS[low + 1], position - low as f64);
-    let mix = |x: u8, y: u8| (f64::from(x) + (f64::from(y) - f64::from(x)) * share).round() as u8;
-    Color(mix(a.0, b.0), mix(a.1, b.1), mix(a.2, b.2))
+    let RGBColor(red, green, blue) = ViridisRGB.get_color(if t.is_finite() { t.clamp(0.0, 1.0) } else { 0.0 });
+    Color(red, green, blue)
 }
 
 /// Colour of line `index` of `count`: viridis without its pale end, so that lines stay readable on white.
@@ -231,4 +216,24 @@ pub(super) fn rasterise(svg: &str, scale: f32) -> Result<Vec<u8>, FigureError> {
         .ok_or_else(|| failed(format!("no memory for {width} x {height} pixels")))?;
     resvg::render(&tree, tiny_skia::Transform::from_scale(scale, scale), &mut pixels.as_mut());
     pixels.encode_png().map_err(|error| failed(error.to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn viridis_runs_from_dark_to_light() {
+        assert_eq!([f64::NAN, -1.0, 0.0].map(viridis), [Color(68, 1, 84); 3]);
+        assert_eq!([1.0, 7.0].map(viridis), [Color(254, 232, 37); 2]);
+        let light = |i: i32| viridis(f64::from(i) / 50.0).1;
+        assert!((0..50).all(|i| light(i) <= light(i + 1)), "{:?}", (0..=50).map(light).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn texts_are_as_wide_as_their_glyphs() {
+        // Advance of `0` in DejaVu Sans: 1303 of 2048 units; bold: 1425.
+        assert!((text_width("00", 100.0, false) - 127.2).abs() < 0.3, "{}", text_width("00", 100.0, false));
+        assert!((text_width("00", 100.0, true) - 139.2).abs() < 0.3, "{}", text_width("00", 100.0, true));
+    }
 }
