@@ -5,7 +5,7 @@
 
 mod parallel;
 
-pub use parallel::Continuum;
+pub use parallel::Sliders;
 
 use super::lumps::{FIRST_EFFECT_PARAMETER, Lumps};
 use super::system::{Evaluation, Forcing, HybridSystem, MAX_STATES, Mode, ParameterColumns};

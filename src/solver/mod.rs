@@ -7,6 +7,7 @@ pub mod paper_euler;
 pub mod parallel;
 pub mod radau;
 pub mod shooting;
+pub mod time;
 mod steady;
 
 pub use steady::{Solution, Warm, orbit, solve};

@@ -5,7 +5,7 @@ use super::cycle::{Record, Tolerance};
 use super::paper_euler::{self, PaperContact};
 use super::radau::{State, Stepper};
 use super::{Method, Orbit, Status, SteadyState, parallel, shooting};
-use crate::model::contact::{Continuum, LimitingState, Problem};
+use crate::model::contact::{LimitingState, Problem, Sliders};
 use crate::model::dual::MAX_PARAMETERS;
 use crate::model::lumps::Lumps;
 use crate::model::system::{HybridSystem, Mode};
@@ -128,7 +128,7 @@ fn parallel_state(
     model: &Model,
     at: &Operation,
     problem: &Problem,
-    continuum: &Continuum,
+    continuum: &Sliders,
     derivatives: bool,
 ) -> Solution {
     let found = match parallel::solve(continuum) {
