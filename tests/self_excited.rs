@@ -43,9 +43,9 @@ fn every_point_over_the_catalogue_ends_in_a_number_or_in_words() {
         seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         (seed >> 11) as f64 / (1u64 << 53) as f64
     };
-    let (mut steady_points, mut excited, mut failed) = (0, 0, 0);
+    let (mut steady_points, mut integrated, mut excited, mut failed) = (0, 0, 0, 0);
     for effect in effects::REGISTRY {
-        for _ in 0..6 {
+        for _ in 0..20 {
             let value = |p: &effects::ParameterInfo, u: f64| {
                 let (low, high) = p.range.unwrap_or((p.minimum, p.maximum));
                 let low = low.max(1e-3 * high);
@@ -59,6 +59,7 @@ fn every_point_over_the_catalogue_ends_in_a_number_or_in_words() {
             match &state.status {
                 Status::Steady => {
                     steady_points += 1;
+                    integrated += usize::from(state.method == Method::TimeIntegration);
                     assert!(state.amplitude > 0.0 && state.phase.abs() <= std::f64::consts::PI, "{state:?}");
                 }
                 Status::SelfExcited(why) => {
@@ -73,6 +74,9 @@ fn every_point_over_the_catalogue_ends_in_a_number_or_in_words() {
             }
         }
     }
-    println!("{steady_points} steady, {excited} self-excited, {failed} failed");
+    println!(
+        "{steady_points} steady, {integrated} of them by time integration, {excited} self-excited, {failed} failed"
+    );
+    assert!(integrated * 50 < steady_points, "{integrated} of {steady_points} needed the time integration");
     assert!(failed <= 2, "{failed} points have no answer");
 }

@@ -7,8 +7,8 @@ pub mod paper_euler;
 pub mod parallel;
 pub mod radau;
 pub mod shooting;
-pub mod time;
 mod steady;
+pub mod time;
 
 pub use steady::{Solution, Warm, orbit, solve};
 

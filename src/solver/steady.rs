@@ -72,14 +72,10 @@ pub fn solve(
     let (re, im) = (free_re.value + periodic.cycle.fundamental.0, free_im.value + periodic.cycle.fundamental.1);
     let (true_amplitude, true_phase) = (re.hypot(im), im.atan2(re));
     let (amplitude, phase) = reading(lumps, true_amplitude, true_phase);
-    let mut status = if periodic.multiplier > UNSTABLE {
-        Status::SelfExcited(format!(
-            "the periodic state is unstable: a disturbance grows {:.3} times a cycle",
-            periodic.multiplier
-        ))
-    } else {
-        Status::Steady
-    };
+    let mut status = stability(periodic.multiplier);
+    if let (Status::SelfExcited(why), false) = (&status, derivatives) {
+        return lock_in(&problem, why);
+    }
     let gradient = derivatives.then(|| {
         let columns = shooting::column_derivatives(&problem, &periodic, tolerance)?;
         let mut by_parameter = vec![(0.0, 0.0); MAX_PARAMETERS];
@@ -185,6 +181,10 @@ fn parallel_state(
         Ok(found) => found,
         Err(why) => return without_periodic_state(problem, &why, derivatives),
     };
+    let status = stability(found.multiplier);
+    if let (Status::SelfExcited(why), false) = (&status, derivatives) {
+        return lock_in(problem, why);
+    }
     let lumps = &problem.lumps;
     let (re, im) = lumps.free_response();
     let (re, im) = (re.value + found.fundamental.0, im.value + found.fundamental.1);
@@ -199,7 +199,7 @@ fn parallel_state(
         force_maximum: found.force.1,
         cycles: found.cycles,
         periodicity_error: found.residual,
-        status: stability(found.multiplier),
+        status,
         method: Method::Shooting,
     };
     let derivatives = derivatives.then(|| differences(model, at));
