@@ -76,9 +76,9 @@ mod tests {
     /// Closed form of the Hertz-Mindlin-Cattaneo loop (n = 3/2) for mu = N = k0 = 1, by Masing's rule on the elements.
     #[test]
     fn loop_energy_is_that_of_mindlin() {
-        for (q, energy) in [(0.3, 0.0075251), (0.7, 0.1498266), (0.95, 0.6775315)] {
+        for (q, energy) in [(0.3f64, 0.0075251), (0.7, 0.1498266), (0.95, 0.6775315)] {
             // Stretch at the force q, then the energy each element loses per cycle of that amplitude.
-            let x = 1.5 * (1.0 - (1.0 - q as f64).powf(2.0 / 3.0));
+            let x = 1.5 * (1.0 - (1.0 - q).powf(2.0 / 3.0));
             let all = elements(1.5, 1.2 * x / 1.5);
             let lost: f64 = all.iter().map(|e| 4.0 * e.share * e.limit * (x - e.limit).max(0.0)).sum();
             assert!((lost / energy - 1.0).abs() < 5e-3, "q {q}: {lost}");
