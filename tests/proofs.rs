@@ -47,10 +47,8 @@ fn in_series(model: &Model, frequency: f64, eta: (f64, f64)) -> (f64, f64) {
     let w = TAU * frequency;
     let bristle = (model.contact.stiffness, w * model.contact.damping);
     let interface = (-w * eta.1, w * eta.0);
-    let product = (
-        bristle.0 * interface.0 - bristle.1 * interface.1,
-        bristle.0 * interface.1 + bristle.1 * interface.0,
-    );
+    let product =
+        (bristle.0 * interface.0 - bristle.1 * interface.1, bristle.0 * interface.1 + bristle.1 * interface.0);
     let sum = (bristle.0 + interface.0, bristle.1 + interface.1);
     let square = sum.0 * sum.0 + sum.1 * sum.1;
     ((product.0 * sum.0 + product.1 * sum.1) / square, (product.1 * sum.0 - product.0 * sum.1) / square)
@@ -73,7 +71,7 @@ fn den_hartog() {
         let drive = 2.5e-6;
         let torque = model.rig.spring_arm * drive * model.rig.spring_stiffness;
         let b = model.rig.contact_arm;
-        let rigid = 3e3 * stiffness / (b * b);
+        let rigid = 3e4 * stiffness / (b * b);
         model.contact.stiffness = rigid;
         model.contact.damping = 2.0 * (rigid * inertia).sqrt() / b;
         model.contact.friction = 0.5;
