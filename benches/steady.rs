@@ -116,7 +116,7 @@ fn published_euler(bencher: Bencher, steps: usize) {
 
 fn regime_map() -> Scenario {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/paper/regime-map.toml");
-    scenario::load(path.as_ref()).expect("a scenario of the repository")
+    scenario::load(std::path::Path::new(path)).expect("a scenario of the repository")
 }
 
 /// The regime map of the report (67 speeds, 101 frequencies) by the number of threads.
