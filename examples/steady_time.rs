@@ -11,7 +11,7 @@ use std::time::Instant;
 use stickslip::effects::{ParameterInfo, find};
 use stickslip::model::{Model, Operation};
 use stickslip::scenario::Formulation::Series;
-use stickslip::solver::{SteadyState, Warm, cycle::Tolerance, solve};
+use stickslip::solver::{Status, SteadyState, Warm, cycle::Tolerance, solve};
 
 /// The reference table.
 const TABLE: &str = include_str!("../tests/data/effects.csv");
@@ -115,17 +115,20 @@ fn effect(rows: &[Row]) -> Value {
         rows.iter().for_each(|row| _ = black_box(steady(&model, &row.at, derivatives, &mut Warm::default())));
     };
     let (mut amplitude, mut phase) = (0.0f64, 0.0f64);
-    let mut cycles = 0;
+    let (mut cycles, mut steady_rows) = (0, 0);
     for row in rows {
         let state = steady(&model, &row.at, false, &mut Warm::default());
         amplitude = amplitude.max((state.amplitude / row.amplitude - 1.0).abs());
         phase = phase.max((state.phase - row.phase).abs());
         cycles += state.cycles;
+        steady_rows += usize::from(state.status == Status::Steady);
     }
     json!({
         "effect": rows[0].effect,
         "speed": rows[0].at.speed,
         "load": rows[0].at.load,
+        "rows": rows.len(),
+        "steady_rows": steady_rows,
         "cycles": cycles as f64 / count,
         "amplitude_error": amplitude,
         "phase_error": phase,

@@ -39,15 +39,15 @@ SETTLED = 1e-6  # change of the fundamental over a cycle at which a transient co
 MAX_CYCLES = 500
 
 
-def best_of(work, repeats, least=0.0):
-    """Smallest time of several calls; stops repeating after 3 s once `repeats` were made or time has run out."""
+def best_of(work, repeats):
+    """Smallest time of several calls after one that does not count: `repeats` of them, fewer (at least 3) after 3 s."""
     work()
     times, began = [], time.perf_counter()
     while len(times) < repeats and (len(times) < 3 or time.perf_counter() - began < 3.0):
         start = time.perf_counter()
         work()
         times.append(time.perf_counter() - start)
-    return max(min(times), least)
+    return min(times)
 
 
 # --- (a) the published procedure, compiled -----------------------------------------------------------------------
