@@ -134,7 +134,9 @@ fn zero_strength_is_the_base() {
 fn reference_rows_agree_to_1e_4() {
     let mut wrong = Vec::new();
     let mut largest: Vec<(&str, f64, f64)> = Vec::new();
-    for row in rows().iter().filter(|row| row.effect.name() != "partial-slip") {
+    // A stroke of 0.3 um against 225 um to gross slip: the table has no slip at all there, which a continuum always has.
+    let unresolved = |row: &Row| row.effect.name() == "partial-slip" && row.at.speed == 0.0 && row.at.load == 20.0;
+    for row in rows().into_iter().filter(|row| !unresolved(row)) {
         let state = steady(&with(row.effect, row.parameters.clone()), &row.at);
         let (amplitude, phase) = ((state.amplitude / row.amplitude - 1.0).abs(), (state.phase - row.phase).abs());
         if state.status != Status::Steady || amplitude.is_nan() || amplitude > 1e-4 || phase > 1e-4 {
@@ -167,8 +169,11 @@ impl Random {
     }
 }
 
+/// A law with its parameters and two arguments.
+type Contribution<'a> = &'a dyn Fn(&[f64], f64, f64) -> Option<Law>;
+
 /// Checks the partial derivatives of one law against central differences.
-fn check(law: &dyn Fn(&[f64], f64, f64) -> Option<Law>, p: &[f64], first: f64, second: f64, what: &str) {
+fn check(law: Contribution<'_>, p: &[f64], first: f64, second: f64, what: &str) {
     let Some(at) = law(p, first, second) else { return };
     let value = |p: &[f64], first: f64, second: f64| law(p, first, second).expect("a law stays one").value;
     let compare = |name: &str, x: f64, slope: f64, f: &dyn Fn(f64) -> f64| {
@@ -234,7 +239,7 @@ fn derivatives_of_steady_states_match_differences() {
     let solved = |model: &Model, at: &Operation, derivatives: bool| -> Solution {
         solve(model, at, EULER_STEPS, &fine, derivatives, &mut Warm::default())
     };
-    for effect in REGISTRY.iter().filter(|effect| effect.name() != "partial-slip") {
+    for effect in REGISTRY {
         let p = tabulated(*effect);
         for (speed, load, drive) in [(0.0, 0.1, 7.5e-6), (1e-4, 10.0, 2.5e-6), (0.02, 20.0, 2.5e-6)] {
             let at = Operation { speed, load, drive, frequency: 73.0 };
@@ -255,8 +260,10 @@ fn derivatives_of_steady_states_match_differences() {
                 let (amplitude, phase) = (amplitude * p[i] / solution.state.amplitude, phase * p[i]);
                 let scale = amplitude.abs().max(phase.abs());
                 let error = (amplitude - by_amplitude).abs().max((phase - by_phase).abs());
+                // The elements of the continuum move with its exponent: their number shows in this derivative.
+                let relative = if effect.name() == "partial-slip" { 3e-3 } else { 1e-4 };
                 assert!(
-                    error < 1e-4 * scale + 1e-8,
+                    error < relative * scale + 1e-8,
                     "{what} {}: {amplitude:e} {phase:e}, differences {by_amplitude:e} {by_phase:e}",
                     info.key
                 );
@@ -278,5 +285,34 @@ fn the_example_of_every_page_is_a_valid_scenario() {
         for (read, meant) in scenario.effects[0].parameters.iter().zip(typical(*effect)) {
             assert!((read / meant - 1.0).abs() < 1e-12, "{}", effect.name());
         }
+    }
+}
+
+#[test]
+fn microslip_far_below_gross_slip_is_that_of_the_continuum() {
+    // n = 2 on first loading: F = kc x (1 - x/(2 xm)). By Masing's rule a stroke A gives the complex stiffness
+    // kc [1 - A/(2 xm) + i (2/(3 pi)) A/xm]; what the damping cc changes of this correction is of the order w cc/kc.
+    let effect = find("partial-slip").expect("registered");
+    let (model, base) = (with(effect, vec![2.0]), paper_model(Series));
+    let (rig, contact) = (base.rig, base.contact);
+    for frequency in [70.0, 74.0, 82.0, 94.0] {
+        let at = Operation { speed: 0.0, load: 20.0, drive: 2.5e-6, frequency };
+        let (with, without) = (steady(&model, &at), steady(&base, &at));
+        let share = rig.contact_arm * without.amplitude * contact.stiffness / (2.0 * contact.friction * at.load);
+        let coupling = rig.contact_arm * rig.contact_arm * contact.stiffness;
+        let (re, im) = (-0.5 * share * coupling, 2.0 / (3.0 * std::f64::consts::PI) * share * coupling);
+        // The response falls by the change of the stiffness over itself; torque of the drive over response gives the latter.
+        let w = std::f64::consts::TAU * frequency;
+        let arm = rig.spring_arm * at.drive / without.amplitude;
+        let (torque, angle) = (
+            arm * rig.spring_stiffness.hypot(w * rig.spring_damping),
+            (w * rig.spring_damping / rig.spring_stiffness).atan() - without.phase,
+        );
+        let (d_re, d_im) = (torque * angle.cos(), torque * angle.sin());
+        let square = d_re * d_re + d_im * d_im;
+        let expected = (-(re * d_re + im * d_im) / square, -(im * d_re - re * d_im) / square);
+        let found = (with.amplitude / without.amplitude - 1.0, with.phase - without.phase);
+        let error = (found.0 - expected.0).hypot(found.1 - expected.1) / expected.0.hypot(expected.1);
+        assert!(error < 0.25, "{frequency} Hz: {found:?}, expected {expected:?}");
     }
 }

@@ -59,6 +59,11 @@ enum Command {
         /// Scenario files or folders [default: scenarios/, or the built-in ones]
         scenarios: Vec<PathBuf>,
     },
+    /// The catalogue of effects, or one of them in full
+    Effects {
+        /// Name of an effect
+        name: Option<String>,
+    },
     /// Write the built-in scenarios and a commented template; never overwrites
     Init {
         /// Folder to write to
@@ -81,6 +86,7 @@ pub fn run(cli: Cli) -> Result<()> {
         Command::Report { scenarios, out } => report::execute(&scenarios, &out, &global),
         Command::Run { scenario, out } => run::execute(&scenario, &out, &global),
         Command::Check { scenarios } => check::execute(&scenarios),
+        Command::Effects { name } => effects::execute(name.as_deref()),
         Command::Init { dir } => init::execute(&dir),
     }
 }

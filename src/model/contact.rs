@@ -5,7 +5,7 @@
 
 mod parallel;
 
-pub use parallel::Continuum;
+pub use parallel::Sliders;
 
 use super::lumps::{FIRST_EFFECT_PARAMETER, Lumps};
 use super::system::{Evaluation, Forcing, HybridSystem, MAX_STATES, Mode, ParameterColumns};
@@ -257,20 +257,37 @@ impl Problem {
             }
         }
         if self.speed == 0.0 && self.continuum().is_none() {
-            let response = self.lumps.stuck_response();
-            // F = [Gamma e^{i phi0}/A - (K - J w^2 + i w C)] A / (-b), the force that makes up the difference to the free arm.
-            let (free, stuck) = (self.lumps.free_response(), response);
-            let difference = (free.0.value - stuck.0.value, free.1.value - stuck.1.value);
-            let w = self.omega;
-            let impedance = (self.k - w * w).hypot(w * self.c) / (self.inverse_inertia * self.b);
-            let force = impedance * difference.0.hypot(difference.1);
+            let stuck = self.static_contact();
             let (mu, ..) = self.friction(0.0, 0.0, 0.0);
-            let swing = self.load_stiffness.abs() * self.b * magnitude(response);
-            if force < mu * (self.load - swing) {
-                return Some(LimitingState { response, mean: 0.0, stick_fraction: 1.0, force: (-force, force) });
+            let swing = self.load_stiffness.abs() * self.b * magnitude(stuck.response);
+            if stuck.force.1 < mu * (self.load - swing) {
+                return Some(stuck);
             }
         }
         None
+    }
+
+    /// Case II: bristles that stick to a roller at rest throughout, started from rest.
+    fn static_contact(&self) -> LimitingState {
+        let (free, response) = (self.lumps.free_response(), self.lumps.stuck_response());
+        // The force makes up the difference to the free arm: b F = (K - J w^2 + i w C)(A - A_free).
+        let (re, im) = (free.0.value - response.0.value, free.1.value - response.1.value);
+        let w = self.omega;
+        let impedance = (self.k - w * w).hypot(w * self.c) / (self.inverse_inertia * self.b);
+        let force = impedance * re.hypot(im);
+        LimitingState { response, mean: 0.0, stick_fraction: 1.0, force: (-force, force) }
+    }
+
+    /// The stuck motion (case II) of a contact whose strength grows without bound while it rests on a roller at rest:
+    /// once it rests it never slips again. `None` where the strength is bounded.
+    pub fn locked_state(&self) -> Option<LimitingState> {
+        let linear = self.laws.iter().all(|(e, p)| e.torque(p, 0.0, 0.0).is_none());
+        let grows = self.psi.is_some() && {
+            let aged = |age: f64| self.friction(0.0, age * self.psi_scale, 0.0).0;
+            aged(1e12) > aged(1e9)
+        };
+        (self.speed == 0.0 && grows && linear && !self.rate_element && self.load_stiffness == 0.0)
+            .then(|| self.static_contact())
     }
 
     /// Index of the stretch of the bristles among the states.

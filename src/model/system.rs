@@ -3,6 +3,8 @@
 //! In mode m the states z (n of them) and the algebraic unknown s (the slip rate) obey z' = f(t, z, s), 0 = g(t, z, s).
 //! A mode holds while its event function is positive; where it falls to zero the system names the next mode.
 
+use super::continuum::Element;
+
 /// Most differential states a system can have.
 pub const MAX_STATES: usize = 8;
 /// Most columns of parameter derivatives a system can hand out.
@@ -110,4 +112,49 @@ pub trait HybridSystem {
     fn parameter_columns(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut ParameterColumns);
     /// Tangential force on the arm and stretch of the bristles.
     fn force(&self, forcing: &Forcing, z: &[f64], s: f64) -> (f64, f64);
+}
+
+/// An oscillator x'' = -stiffness x - damping x' + f (arm or support).
+#[derive(Debug, Clone, Copy)]
+pub struct Linear {
+    /// Stiffness over inertia \[1/s^2\].
+    pub stiffness: f64,
+    /// Damping over inertia \[1/s\].
+    pub damping: f64,
+}
+
+/// Sliders in parallel between the arm and the roller, as pieces: what they share and what each obeys.
+pub trait SliderSystem {
+    /// Period \[s\].
+    fn period(&self) -> f64;
+    /// The elements.
+    fn elements(&self) -> &[Element];
+    /// Forcing at time t.
+    fn forcing(&self, t: f64) -> Forcing;
+    /// Arm, relative to its motion without contact.
+    fn arm(&self) -> Linear;
+    /// Acceleration of the arm by the contact force and by torques: (per force, torque acceleration at angle and speed).
+    fn arm_load(&self, forcing: &Forcing, angle: f64, velocity: f64) -> (f64, f64);
+    /// The support, and its acceleration per contact force, where there is one.
+    fn support(&self) -> Option<(Linear, f64)>;
+    /// Relative speed of roller and arm at the arm's relative velocity and the support's velocity.
+    fn relative_speed(&self, forcing: &Forcing, velocity: f64, support: f64) -> f64;
+    /// (kc, cc, rate of renewal, branch stiffness, branch rate).
+    fn bristles(&self) -> [f64; 5];
+    /// (gain, rate) of the heating T' = gain F s - rate T; zero where there is none.
+    fn heating(&self) -> (f64, f64);
+    /// mu N and its slope at slip rate s >= 0, arm angle, interface state and heating.
+    fn limit(&self, forcing: &Forcing, angle: f64, s: f64, psi: f64, heat: f64) -> (f64, f64);
+    /// Interface state: rate at slip rate s is `rate.0 + rate.1 psi`, where there is one.
+    fn interface(&self, s: f64) -> Option<(f64, f64)>;
+    /// Scales of stroke \[m\] and slip rate \[m/s\].
+    fn scale(&self) -> (f64, f64);
+    /// Shared states at the start: angle, velocity, support, its velocity, heating; and psi of the sliders.
+    fn start(&self) -> ([f64; 5], f64);
+    /// Whether the roller is at rest, so that sliders that never slip keep the stretch of a start from rest.
+    fn at_rest(&self) -> bool;
+    /// Arm displacement per angle \[m\].
+    fn lever(&self) -> f64;
+    /// Viscous coefficient where the interface is a rate element instead of a slider.
+    fn rate_viscosity(&self) -> Option<f64>;
 }

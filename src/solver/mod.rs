@@ -8,6 +8,7 @@ pub mod parallel;
 pub mod radau;
 pub mod shooting;
 mod steady;
+pub mod time;
 
 pub use steady::{Solution, Warm, orbit, solve};
 

@@ -5,57 +5,13 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::radau::{A, C, Stepper};
-use crate::model::continuum::Element;
-use crate::model::system::Forcing;
+use crate::model::system::{Forcing, Linear, SliderSystem};
 use nalgebra::{DMatrix, DVector};
 
 /// Three stage values.
 pub type Stages = [f64; 3];
 /// Coefficients between stages.
 pub type Block = [Stages; 3];
-
-/// An oscillator x'' = -stiffness x - damping x' + f (arm or support).
-#[derive(Debug, Clone, Copy)]
-pub struct Linear {
-    /// Stiffness over inertia \[1/s^2\].
-    pub stiffness: f64,
-    /// Damping over inertia \[1/s\].
-    pub damping: f64,
-}
-
-/// What the sliders share and obey.
-pub trait ParallelSystem {
-    /// Period \[s\].
-    fn period(&self) -> f64;
-    /// The elements.
-    fn elements(&self) -> &[Element];
-    /// Forcing at time t.
-    fn forcing(&self, t: f64) -> Forcing;
-    /// Arm, relative to its motion without contact.
-    fn arm(&self) -> Linear;
-    /// Acceleration of the arm by the contact force and by torques: (per force, torque acceleration at angle and speed).
-    fn arm_load(&self, forcing: &Forcing, angle: f64, velocity: f64) -> (f64, f64);
-    /// The support, and its acceleration per contact force, where there is one.
-    fn support(&self) -> Option<(Linear, f64)>;
-    /// Relative speed of roller and arm at the arm's relative velocity and the support's velocity.
-    fn relative_speed(&self, forcing: &Forcing, velocity: f64, support: f64) -> f64;
-    /// (kc, cc, rate of renewal, branch stiffness, branch rate).
-    fn bristles(&self) -> [f64; 5];
-    /// (gain, rate) of the heating T' = gain F s - rate T; zero where there is none.
-    fn heating(&self) -> (f64, f64);
-    /// mu N and its slope at slip rate s >= 0, arm angle, interface state and heating.
-    fn limit(&self, forcing: &Forcing, angle: f64, s: f64, psi: f64, heat: f64) -> (f64, f64);
-    /// Interface state: rate at slip rate s is `rate.0 + rate.1 psi`, where there is one.
-    fn interface(&self, s: f64) -> Option<(f64, f64)>;
-    /// Scales of stroke \[m\] and slip rate \[m/s\].
-    fn scale(&self) -> (f64, f64);
-    /// Shared states at the start: angle, velocity, support, its velocity, heating; and psi of the sliders.
-    fn start(&self) -> ([f64; 5], f64);
-    /// Whether the roller is at rest, so that sliders that never slip keep the stretch of a start from rest.
-    fn at_rest(&self) -> bool;
-    /// Arm displacement per angle \[m\].
-    fn lever(&self) -> f64;
-}
 
 /// Result of the periodic search.
 #[derive(Debug, Clone)]
@@ -102,7 +58,7 @@ struct Cycle {
 }
 
 /// Finds the periodic state. Errors say why in words.
-pub fn solve(system: &dyn ParallelSystem) -> Result<Found, String> {
+pub fn solve(system: &dyn SliderSystem) -> Result<Found, String> {
     let method = Method::new(system);
     let (mut shared, psi) = system.start();
     let (stroke, speed) = system.scale();
@@ -199,7 +155,7 @@ fn radius(matrix: &DMatrix<f64>) -> f64 {
 
 /// Stage coefficients of the fixed step.
 struct Method<'a> {
-    system: &'a dyn ParallelSystem,
+    system: &'a dyn SliderSystem,
     h: f64,
     arm: Pair,
     support: Option<(Pair, f64)>,
@@ -215,7 +171,7 @@ struct Pair {
 }
 
 impl<'a> Method<'a> {
-    fn new(system: &'a dyn ParallelSystem) -> Self {
+    fn new(system: &'a dyn SliderSystem) -> Self {
         let h = system.period() / STEPS as f64;
         let [kc, cc, renewal, k1, rate] = system.bristles();
         let stretch = relaxation(h, renewal);

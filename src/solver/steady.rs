@@ -4,9 +4,9 @@ use super::analytic::wrap;
 use super::cycle::{Record, Tolerance};
 use super::paper_euler::{self, PaperContact};
 use super::radau::{State, Stepper};
-use super::{Method, Orbit, Status, SteadyState, parallel, shooting};
-use crate::model::contact::{Continuum, LimitingState, Problem};
-use crate::model::dual::MAX_PARAMETERS;
+use super::{Method, Orbit, Status, SteadyState, parallel, shooting, time};
+use crate::model::contact::{LimitingState, Problem, Sliders};
+use crate::model::dual::{Dual, MAX_PARAMETERS};
 use crate::model::lumps::Lumps;
 use crate::model::system::{HybridSystem, Mode};
 use crate::model::{Model, Operation};
@@ -14,6 +14,11 @@ use crate::scenario::Formulation;
 
 /// Floquet multipliers above this count as unstable.
 const UNSTABLE: f64 = 1.0 + 1e-6;
+
+/// Time integration of points without a stable periodic state.
+pub const LOCK_IN: time::Plan = time::Plan { steps: 1000, cycles: 200, settled: 1e-7, window: 100 };
+/// A motion this many times larger than without contact has no bound.
+const RUNAWAY: f64 = 1e6;
 
 /// Start for the neighbouring point of a sweep.
 #[derive(Debug, Clone, Default)]
@@ -56,11 +61,10 @@ pub fn solve(
     }
     let periodic = match shooting::solve(&problem, warm.0.as_ref(), tolerance) {
         Ok(periodic) => periodic,
-        Err(why) if warm.0.is_some() => match shooting::solve(&problem, None, tolerance) {
-            Ok(periodic) => periodic,
-            Err(_) => return failed(why),
-        },
-        Err(why) => return failed(why),
+        Err(why) => {
+            warm.0 = None;
+            return without_periodic_state(&problem, &why, derivatives);
+        }
     };
     warm.0 = Some(periodic.start);
     let lumps = &problem.lumps;
@@ -68,14 +72,10 @@ pub fn solve(
     let (re, im) = (free_re.value + periodic.cycle.fundamental.0, free_im.value + periodic.cycle.fundamental.1);
     let (true_amplitude, true_phase) = (re.hypot(im), im.atan2(re));
     let (amplitude, phase) = reading(lumps, true_amplitude, true_phase);
-    let mut status = if periodic.multiplier > UNSTABLE {
-        Status::SelfExcited(format!(
-            "the periodic state is unstable: a disturbance grows {:.3} times a cycle",
-            periodic.multiplier
-        ))
-    } else {
-        Status::Steady
-    };
+    let mut status = stability(periodic.multiplier);
+    if let (Status::SelfExcited(why), false) = (&status, derivatives) {
+        return lock_in(&problem, why);
+    }
     let gradient = derivatives.then(|| {
         let columns = shooting::column_derivatives(&problem, &periodic, tolerance)?;
         let mut by_parameter = vec![(0.0, 0.0); MAX_PARAMETERS];
@@ -123,18 +123,68 @@ fn stability(multiplier: f64) -> Status {
     }
 }
 
+/// What there is where no periodic state was found: the contact that rests for ever, if its interface grows the stronger
+/// the longer it rests; otherwise what a time integration settles in, or its lock-in average. Without derivatives.
+fn without_periodic_state(problem: &Problem, why: &str, derivatives: bool) -> Solution {
+    if let Some(limit) = problem.locked_state() {
+        return closed_form(&problem.lumps, limit, derivatives);
+    }
+    lock_in(problem, why)
+}
+
+/// Time integration from the first guess: settled motion is a steady state, any other is averaged as a lock-in amplifier
+/// would over the window of the plan.
+fn lock_in(problem: &Problem, why: &str) -> Solution {
+    let found = time::integrate(&problem.sliders(), &LOCK_IN);
+    let lumps = &problem.lumps;
+    let (re, im) = lumps.free_response();
+    let (re, im) = (re.value + found.fundamental.0, im.value + found.fundamental.1);
+    let (amplitude, phase) = reading(lumps, re.hypot(im), im.atan2(re));
+    if !amplitude.is_finite() || amplitude > RUNAWAY * re_im(lumps.free_response()) {
+        return failed(format!("{why}; integrated in time the motion grows without bound"));
+    }
+    let status = if found.periodic {
+        Status::Steady
+    } else {
+        let (window, after) = (LOCK_IN.window, LOCK_IN.cycles);
+        Status::SelfExcited(format!("{why}; lock-in average over {window} cycles after {after} cycles"))
+    };
+    let state = SteadyState {
+        amplitude,
+        phase,
+        mean: found.mean,
+        speed_amplitude: lumps.arm.value * lumps.omega * re.hypot(im),
+        stick_fraction: found.stick_fraction,
+        force_minimum: found.force.0,
+        force_maximum: found.force.1,
+        cycles: found.cycles,
+        periodicity_error: found.change,
+        status,
+        method: Method::TimeIntegration,
+    };
+    Solution { state, derivatives: None }
+}
+
+fn re_im((re, im): (Dual, Dual)) -> f64 {
+    re.value.hypot(im.value)
+}
+
 /// A contact of many parallel sliders; its derivatives are differences of converged solutions.
 fn parallel_state(
     model: &Model,
     at: &Operation,
     problem: &Problem,
-    continuum: &Continuum,
+    continuum: &Sliders,
     derivatives: bool,
 ) -> Solution {
     let found = match parallel::solve(continuum) {
         Ok(found) => found,
-        Err(why) => return failed(why),
+        Err(why) => return without_periodic_state(problem, &why, derivatives),
     };
+    let status = stability(found.multiplier);
+    if let (Status::SelfExcited(why), false) = (&status, derivatives) {
+        return lock_in(problem, why);
+    }
     let lumps = &problem.lumps;
     let (re, im) = lumps.free_response();
     let (re, im) = (re.value + found.fundamental.0, im.value + found.fundamental.1);
@@ -149,7 +199,7 @@ fn parallel_state(
         force_maximum: found.force.1,
         cycles: found.cycles,
         periodicity_error: found.residual,
-        status: stability(found.multiplier),
+        status,
         method: Method::Shooting,
     };
     let derivatives = derivatives.then(|| differences(model, at));

@@ -3,29 +3,33 @@
 use super::Problem;
 use crate::effects::Law;
 use crate::model::continuum::{self, Element};
-use crate::model::system::{Forcing, HybridSystem};
-use crate::solver::parallel::{Linear, ParallelSystem};
+use crate::model::system::{Forcing, HybridSystem, Linear, SliderSystem};
 
-/// A problem whose contact is a continuum of parallel elements.
-pub struct Continuum<'a> {
+/// A problem with its contact seen as parallel elements.
+pub struct Sliders<'a> {
     problem: &'a Problem,
     elements: Vec<Element>,
 }
 
 impl Problem {
+    /// The contact as one slider or as the elements of a continuum.
+    pub fn sliders(&self) -> Sliders<'_> {
+        self.continuum().unwrap_or_else(|| Sliders { problem: self, elements: continuum::elements(1.0, 1.0) })
+    }
+
     /// The continuum of elements that replaces the single one, where an effect asks for it.
-    pub fn continuum(&self) -> Option<Continuum<'_>> {
+    pub fn continuum(&self) -> Option<Sliders<'_>> {
         let n = self.laws.iter().find_map(|(e, p)| e.continuum(p)).filter(|n| *n > 1.0)?;
         let (free, stuck) = (self.lumps.free_response(), self.lumps.stuck_response());
         let amplitude = |(re, im): (crate::model::dual::Dual, crate::model::dual::Dual)| re.value.hypot(im.value);
         // No stroke is much larger than those of the limiting cases; xm is where the last slider gives way.
         let stroke = 1.5 * self.b * amplitude(free).max(amplitude(stuck));
         let last = n * self.mu * self.load / self.kc;
-        Some(Continuum { problem: self, elements: continuum::elements(n, stroke / last) })
+        Some(Sliders { problem: self, elements: continuum::elements(n, stroke / last) })
     }
 }
 
-impl ParallelSystem for Continuum<'_> {
+impl SliderSystem for Sliders<'_> {
     fn period(&self) -> f64 {
         self.problem.period()
     }
@@ -83,5 +87,8 @@ impl ParallelSystem for Continuum<'_> {
     }
     fn lever(&self) -> f64 {
         self.problem.b
+    }
+    fn rate_viscosity(&self) -> Option<f64> {
+        self.problem.rate_element.then_some(self.problem.sigma2)
     }
 }

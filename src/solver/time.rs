@@ -1,0 +1,350 @@
+//! Plain time integration with fixed steps: trapezoidal rule for the oscillators (Newmark's average acceleration) and for
+//! the bristles, a scalar search for the slip rate. Slow, simple, and independent of the periodic solvers, with which it
+//! shares only the statement of the laws.
+
+use crate::model::continuum::Element;
+use crate::model::system::{Forcing, Linear, SliderSystem};
+
+/// How long and how finely to integrate.
+#[derive(Debug, Clone, Copy)]
+pub struct Plan {
+    /// Steps per cycle of the drive.
+    pub steps: usize,
+    /// Most cycles before the motion counts as not periodic.
+    pub cycles: usize,
+    /// Relative change of the fundamental over a cycle below which the motion counts as periodic.
+    pub settled: f64,
+    /// Cycles over which a motion that is not periodic is averaged, after `cycles`.
+    pub window: usize,
+}
+
+impl Default for Plan {
+    fn default() -> Self {
+        Self { steps: 8000, cycles: 400, settled: 1e-8, window: 100 }
+    }
+}
+
+/// What the integration ended with; the fundamental is that of the angle relative to the motion without contact.
+#[derive(Debug, Clone, Copy)]
+pub struct Outcome {
+    /// Complex fundamental of the relative angle, of the last cycle or averaged over the window.
+    pub fundamental: (f64, f64),
+    /// Mean relative angle.
+    pub mean: f64,
+    /// Share of stuck stiffness over the last cycle.
+    pub stick_fraction: f64,
+    /// Extremes of the force over the last cycle (over the window).
+    pub force: (f64, f64),
+    /// Cycles integrated.
+    pub cycles: usize,
+    /// Relative change of the fundamental over the last cycle.
+    pub change: f64,
+    /// Whether the motion became periodic.
+    pub periodic: bool,
+}
+
+/// Integrates until the motion is periodic, or through the averaging window.
+pub fn integrate(system: &dyn SliderSystem, plan: &Plan) -> Outcome {
+    let mut state = State::new(system, plan.steps);
+    let scale = system.scale().0 / system.lever();
+    let mut before = (f64::NAN, f64::NAN);
+    let mut calm = 0;
+    let mut last = Outcome {
+        fundamental: before,
+        mean: f64::NAN,
+        stick_fraction: f64::NAN,
+        force: (f64::NAN, f64::NAN),
+        cycles: 0,
+        change: f64::NAN,
+        periodic: false,
+    };
+    for cycle in 1..=plan.cycles {
+        let reading = state.cycle();
+        let change = (reading.fundamental.0 - before.0).hypot(reading.fundamental.1 - before.1) / scale;
+        before = reading.fundamental;
+        calm = if change < plan.settled { calm + 1 } else { 0 };
+        last = Outcome { cycles: cycle, change, periodic: calm >= 3, ..reading };
+        if last.periodic {
+            return last;
+        }
+    }
+    average(&mut state, plan, last)
+}
+
+/// Lock-in average over the window.
+fn average(state: &mut State, plan: &Plan, last: Outcome) -> Outcome {
+    let mut sum = Outcome { cycles: last.cycles + plan.window, ..last };
+    (sum.fundamental, sum.mean, sum.stick_fraction) = ((0.0, 0.0), 0.0, 0.0);
+    let share = 1.0 / plan.window as f64;
+    for _ in 0..plan.window {
+        let reading = state.cycle();
+        sum.fundamental.0 += share * reading.fundamental.0;
+        sum.fundamental.1 += share * reading.fundamental.1;
+        sum.mean += share * reading.mean;
+        sum.stick_fraction += share * reading.stick_fraction;
+        sum.force = (sum.force.0.min(reading.force.0), sum.force.1.max(reading.force.1));
+    }
+    sum
+}
+
+/// An oscillator x'' = -stiffness x - damping x' + load by the trapezoidal rule.
+#[derive(Clone, Copy)]
+struct Oscillator {
+    linear: Linear,
+    x: f64,
+    v: f64,
+    a: f64,
+}
+
+impl Oscillator {
+    /// (x, v) at the end of a step without load at its end, and the denominator by which a load there is divided.
+    fn predict(&self, h: f64) -> (f64, f64, f64) {
+        let (x, v) = (self.x + h * self.v + 0.25 * h * h * self.a, self.v + 0.5 * h * self.a);
+        let inertia = 1.0 + 0.5 * h * self.linear.damping + 0.25 * h * h * self.linear.stiffness;
+        let a = -(self.linear.stiffness * x + self.linear.damping * v) / inertia;
+        (x + 0.25 * h * h * a, v + 0.5 * h * a, inertia)
+    }
+
+    fn advance(&mut self, h: f64, load: f64) {
+        let (x, v, inertia) = self.predict(h);
+        let a = load / inertia;
+        let (x, v) = (x + 0.25 * h * h * a, v + 0.5 * h * a);
+        self.a = -self.linear.stiffness * x - self.linear.damping * v + load;
+        (self.x, self.v) = (x, v);
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Bristle {
+    x: f64,
+    rate: f64,
+    q: f64,
+    q_rate: f64,
+    psi: f64,
+    psi_rate: f64,
+    slip: f64,
+}
+
+struct State<'a> {
+    system: &'a dyn SliderSystem,
+    steps: usize,
+    h: f64,
+    arm: Oscillator,
+    support: Option<(Oscillator, f64)>,
+    heat: f64,
+    heat_rate: f64,
+    bristles: Vec<Bristle>,
+    force: f64,
+    step: usize,
+}
+
+impl<'a> State<'a> {
+    fn new(system: &'a dyn SliderSystem, steps: usize) -> Self {
+        let (shared, psi) = system.start();
+        let forcing = system.forcing(0.0);
+        let kc = system.bristles()[0];
+        let (limit, _) = system.limit(&forcing, shared[0], 0.0, psi, shared[4]);
+        let rest = shared[2] - system.lever() * (forcing.angle + shared[0]);
+        let bristle = |e: &Element| {
+            let most = e.limit * limit / kc;
+            let x = if system.at_rest() { rest.clamp(-most, most) } else { most };
+            let slip = if system.at_rest() { 0.0 } else { system.relative_speed(&forcing, 0.0, 0.0).max(0.0) };
+            Bristle { x, rate: 0.0, q: 0.0, q_rate: 0.0, psi, psi_rate: 0.0, slip }
+        };
+        let bristles: Vec<Bristle> = system.elements().iter().map(bristle).collect();
+        let force = system.elements().iter().zip(&bristles).map(|(e, s)| e.share * kc * s.x).sum();
+        let oscillator = |linear, x, v| Oscillator { linear, x, v, a: 0.0 };
+        Self {
+            system,
+            steps,
+            h: system.period() / steps as f64,
+            arm: oscillator(system.arm(), shared[0], shared[1]),
+            support: system.support().map(|(linear, gain)| (oscillator(linear, shared[2], shared[3]), gain)),
+            heat: shared[4],
+            heat_rate: 0.0,
+            bristles,
+            force,
+            step: 0,
+        }
+    }
+
+    fn cycle(&mut self) -> Outcome {
+        let mut out = Outcome {
+            fundamental: (0.0, 0.0),
+            mean: 0.0,
+            stick_fraction: 0.0,
+            force: (f64::INFINITY, f64::NEG_INFINITY),
+            cycles: 0,
+            change: 0.0,
+            periodic: false,
+        };
+        let share = 1.0 / self.steps as f64;
+        let reference = self.arm.x;
+        for _ in 0..self.steps {
+            let (forcing, stuck) = self.advance();
+            let swing = 2.0 * share * (self.arm.x - reference);
+            out.fundamental.0 += swing * forcing.sine;
+            out.fundamental.1 += swing * forcing.cosine;
+            out.mean += share * self.arm.x;
+            out.stick_fraction += share * stuck;
+            out.force = (out.force.0.min(self.force), out.force.1.max(self.force));
+        }
+        out
+    }
+
+    /// One step; the forcing at its end and the share of stuck stiffness.
+    fn advance(&mut self) -> (Forcing, f64) {
+        let (system, h) = (self.system, self.h);
+        self.step = self.step % self.steps + 1;
+        let forcing = system.forcing(h * self.step as f64);
+        let (angle, velocity, inertia) = self.arm.predict(h);
+        let (gain, mut torque) = system.arm_load(&forcing, angle, velocity);
+        let by_load = 0.5 * h / inertia;
+        let support = self.support.map(|(oscillator, gain)| {
+            let (_, v, inertia) = oscillator.predict(h);
+            (v, 0.5 * h * gain / inertia)
+        });
+        let heat = self.heat + h * self.heat_rate;
+        let mut force = self.force;
+        let mut moved = self.bristles.clone();
+        let (mut stuck, mut power) = (0.0, 0.0);
+        for _ in 0..50 {
+            let support = support.map_or(0.0, |(v, by_force)| v + by_force * force);
+            // The load at the end of the step moves the arm by the trapezoidal rule.
+            let load = gain * force + torque;
+            let (angle, velocity) = (angle + 0.5 * h * by_load * load, velocity + by_load * load);
+            torque = system.arm_load(&forcing, angle, velocity).1;
+            let v = system.relative_speed(&forcing, velocity, support);
+            let (mut sum, mut held, mut work) = (0.0, 0.0, 0.0);
+            for ((element, old), new) in system.elements().iter().zip(&self.bristles).zip(&mut moved) {
+                let f = bristle(system, element, old, new, &forcing, angle, heat, v, h);
+                sum += element.share * f;
+                let slip = if system.rate_viscosity().is_some() { v } else { new.slip };
+                work += element.share * f * slip;
+                held += if new.slip == 0.0 { element.share } else { 0.0 };
+            }
+            let change = (sum - force).abs() + (gain * force + torque - load).abs() / gain;
+            (force, stuck, power) = (sum, held, work);
+            if change <= 1e-12 * (force.abs() + system.scale().0 * system.bristles()[0]) {
+                break;
+            }
+        }
+        self.force = force;
+        self.bristles = moved;
+        self.arm.advance(h, gain * force + torque);
+        if let Some((oscillator, gain)) = &mut self.support {
+            oscillator.advance(h, *gain * force);
+        }
+        let (heating, cooling) = system.heating();
+        if heating > 0.0 {
+            let heat = (self.heat + 0.5 * h * (self.heat_rate + heating * power)) / (1.0 + 0.5 * h * cooling);
+            self.heat_rate = heating * power - cooling * heat;
+            self.heat = heat;
+        }
+        (forcing, stuck)
+    }
+}
+
+/// Advances one bristle to the relative speed `v` at the end of the step; its force per share.
+#[allow(clippy::too_many_arguments)]
+fn bristle(
+    system: &dyn SliderSystem,
+    element: &Element,
+    old: &Bristle,
+    new: &mut Bristle,
+    forcing: &Forcing,
+    angle: f64,
+    heat: f64,
+    v: f64,
+    h: f64,
+) -> f64 {
+    let [kc, cc, renewal, k1, rate] = system.bristles();
+    let half = 0.5 * h;
+    // f = own + slope d, with the stretching rate d at the end of the step.
+    let (fade, relax) = (1.0 / (1.0 + half * renewal), 1.0 / (1.0 + half * rate));
+    let own = kc * fade * (old.x + half * old.rate) + relax * (old.q + half * old.q_rate);
+    let slope = kc * fade * half + cc + k1 * relax * half;
+    let psi_at = |s: f64| match system.interface(s) {
+        Some((constant, factor)) => {
+            let psi = (old.psi + half * (old.psi_rate + constant)) / (1.0 - half * factor);
+            (psi, constant + factor * psi)
+        }
+        None => (old.psi, 0.0),
+    };
+    let d = if let Some(viscosity) = system.rate_viscosity() {
+        // The slip rate is kc |v| x/(mu N): linear in x at the end of the step.
+        let (limit, _) = system.limit(forcing, angle, v.abs(), psi_at(v.abs()).0, heat);
+        let flow = kc * v.abs() / limit.max(1e-300);
+        let x = (old.x + half * (old.rate + v)) / (1.0 + half * (flow + renewal));
+        new.slip = flow * x;
+        (new.psi, new.psi_rate) = psi_at(v.abs());
+        let d = v - new.slip;
+        finish(old, new, d, h, [renewal, k1, rate]);
+        return kc * new.x + cc * d + new.q + viscosity * v;
+    } else {
+        let stick = own + slope * v;
+        let sign = if stick < 0.0 { -1.0 } else { 1.0 };
+        let excess = |s: f64| {
+            let (limit, _) = system.limit(forcing, angle, s, psi_at(s).0, heat);
+            sign * stick - slope * s - element.limit * limit
+        };
+        let s = slip_rate(&excess, sign * old.slip, system.scale().1);
+        new.slip = sign * s;
+        (new.psi, new.psi_rate) = psi_at(s);
+        v - new.slip
+    };
+    finish(old, new, d, h, [renewal, k1, rate]);
+    own + slope * d
+}
+
+fn finish(old: &Bristle, new: &mut Bristle, d: f64, h: f64, [renewal, k1, rate]: [f64; 3]) {
+    let half = 0.5 * h;
+    new.x = (old.x + half * (old.rate + d)) / (1.0 + half * renewal);
+    new.rate = d - renewal * new.x;
+    new.q = (old.q + half * (old.q_rate + k1 * d)) / (1.0 + half * rate);
+    new.q_rate = k1 * d - rate * new.q;
+}
+
+/// Slip rate s >= 0 at which the excess of pull over friction vanishes, on the branch of the last one; 0 for stick.
+fn slip_rate(excess: &dyn Fn(f64) -> f64, last: f64, scale: f64) -> f64 {
+    let (mut low, mut high);
+    if last > 0.0 && excess(last) > 0.0 {
+        (low, high) = (last, 1.01 * last);
+        while excess(high) > 0.0 && high < 1e9 * scale {
+            (low, high) = (high, high + 2.0 * (high - low));
+        }
+    } else if last > 0.0 {
+        (low, high) = (0.99 * last, last);
+        while excess(low) <= 0.0 {
+            if low < 1e-12 * scale {
+                return if excess(0.0) > 0.0 { low } else { 0.0 };
+            }
+            (low, high) = (0.5 * low, low);
+        }
+    } else {
+        if excess(0.0) <= 0.0 {
+            return 0.0;
+        }
+        (low, high) = (0.0, 1e-9 * scale);
+        while excess(high) > 0.0 && high < 1e9 * scale {
+            (low, high) = (high, 2.0 * high);
+        }
+    }
+    // Regula falsi with the Illinois weight.
+    let (mut at_low, mut at_high) = (excess(low), excess(high));
+    for _ in 0..100 {
+        let middle = (low * at_high - high * at_low) / (at_high - at_low);
+        let value = excess(middle);
+        if value > 0.0 {
+            (low, at_low) = (middle, value);
+            at_high *= 0.5;
+        } else {
+            (high, at_high) = (middle, value);
+            at_low *= 0.5;
+        }
+        if value == 0.0 || (high - low) <= 1e-13 * high {
+            return middle;
+        }
+    }
+    0.5 * (low + high)
+}
