@@ -60,13 +60,25 @@ fn every_figure_draws_its_outcome_twice_alike_with_room_for_every_text() {
         assert_eq!(drawing, draw(figure.name(), &outcome), "{} differs between two draws", figure.name());
         assert_eq!(drawing.name, figure.name());
         assert!(drawing.caption.len() > 80 && drawing.alt.len() > 40 && !drawing.notes.is_empty(), "{}", drawing.name);
-        assert!(drawing.svg.contains(r##"fill="#ffffff""##), "{} has no background", drawing.name);
+        assert!(drawing.svg.contains(r##"fill="#FFFFFF""##), "{} has no background", drawing.name);
         assert!(
             !drawing.svg.contains("NaN") && !drawing.svg.contains("inf"),
             "{} has a broken coordinate",
             drawing.name
         );
         check_layout(&drawing);
+    }
+}
+
+#[test]
+fn every_figure_goes_into_a_page() {
+    for figure in figures::REGISTRY {
+        let drawing = draw(figure.name(), &suited(figure.name()));
+        let page = stickslip::report::svg::inline(&drawing.svg, "f-").unwrap_or_else(|| panic!("{}", drawing.name));
+        let size = (page.matches("<svg").count(), page.matches("<title>").count(), page.matches("<desc>").count());
+        assert_eq!(size, (1, 1, 1), "{}", drawing.name);
+        assert!(!drawing.svg.contains(" id="), "{} has ids, which would clash on a page", drawing.name);
+        assert!(drawing.svg.len() < 330_000, "{}: {} bytes", drawing.name, drawing.svg.len());
     }
 }
 
@@ -155,6 +167,8 @@ fn default_figures_take_any_scenario() {
             check_layout(&draw(name, &outcome));
         }
     }
+    let loads = draw("resonance", &variants()[2]).caption;
+    assert!(loads.contains("2 curves coincide") && loads.contains("nested"), "{loads}");
 }
 
 #[test]
@@ -173,9 +187,9 @@ fn points_that_are_not_steady_are_counted_and_not_joined() {
         let (good, bad) = (draw(name, &whole), draw(name, &sick));
         assert!(bad.caption.contains("5 are self-excited") && bad.caption.contains("5 failed"), "{}", bad.caption);
         let circles = |drawing: &Drawing| drawing.svg.matches("<circle").count();
-        let paths = |drawing: &Drawing| drawing.svg.matches("<path").count();
+        let lines = |drawing: &Drawing| drawing.svg.matches("<polyline").count();
         assert!(circles(&bad) >= circles(&good) + 5, "{name}: no open marks");
-        assert!(paths(&bad) > paths(&good), "{name}: the line is not interrupted");
+        assert!(lines(&bad) > lines(&good), "{name}: the line is not interrupted");
         check_layout(&bad);
     }
 }

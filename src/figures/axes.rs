@@ -1,7 +1,12 @@
 //! Panels with axes, ticks and curves.
 
-use super::canvas::{Anchor, Canvas, Mark, Point, Stroke, Type};
-use super::style::{Color, GRID, INK, LABEL_SIZE, TICK_SIZE, WHITE, power_of_ten};
+use super::canvas::{Anchor, Canvas, FINE, Point, Stroke, Type, fine};
+use super::clip;
+use super::marks::Mark;
+use super::style::{Color, GRID, INK, LABEL_SIZE, TICK_SIZE, WHITE};
+use plotters::coord::combinators::{IntoLogRange, LogCoord};
+use plotters::coord::ranged1d::Ranged;
+use plotters::coord::types::RangedCoordf64;
 
 const X_SPACING: f64 = 88.0;
 const Y_SPACING: f64 = 46.0;
@@ -24,7 +29,7 @@ pub struct Axis {
 impl Axis {
     /// A linear axis over exactly this range, widened where it has no extent.
     pub fn linear(label: impl Into<String>, low: f64, high: f64) -> Self {
-        let (low, high) = if low.is_finite() && high.is_finite() { (low, high) } else { (0.0, 1.0) };
+        let (low, high) = if (high - low).is_finite() { (low, high) } else { (0.0, 1.0) };
         let scale = low.abs().max(high.abs());
         let flat = high - low <= 1e-9 * scale || high <= low;
         let pad = if !flat {
@@ -60,59 +65,21 @@ impl Axis {
         Self { step: Some(step), ..self }
     }
 
-    /// Position of a value along the axis, 0 at the lower end and 1 at the upper.
-    pub fn share(&self, value: f64) -> f64 {
-        if self.log {
-            (value.log10() - self.low.log10()) / (self.high.log10() - self.low.log10())
+    /// Place of a value between the ends of the axis, given in logical pixels; none for what has no place on it.
+    fn place(&self, value: f64, (start, end): (f64, f64)) -> f64 {
+        let limits = (fine(start), fine(end));
+        if !value.is_finite() || (self.log && value <= 0.0) {
+            return f64::NAN;
+        }
+        let place = if self.log {
+            LogCoord::from((self.low..self.high).log_scale()).map(&value, limits)
         } else {
-            (value - self.low) / (self.high - self.low)
-        }
+            // plotters adds in 32 bits, which values far outside would exceed.
+            let reach = 99.0 * (self.high - self.low);
+            RangedCoordf64::from(self.low..self.high).map(&value.clamp(self.low - reach, self.high + reach), limits)
+        };
+        f64::from(place) / FINE
     }
-
-    /// Ticks with their labels (empty for minor ones) for an axis of that length.
-    pub fn ticks(&self, length: f64, spacing: f64) -> Vec<(f64, String)> {
-        let room = (length / spacing).max(2.0);
-        if self.log { self.log_ticks(room) } else { self.linear_ticks(room) }
-    }
-
-    fn linear_ticks(&self, room: f64) -> Vec<(f64, String)> {
-        let rough = (self.high - self.low) / room;
-        let power = 10f64.powf(rough.log10().floor());
-        let nice = [1.0, 2.0, 5.0, 10.0].into_iter().find(|m| m * power >= rough * 0.999).unwrap_or(10.0) * power;
-        let step = self.step.unwrap_or(nice);
-        let exact =
-            |d: &usize| (step * 10f64.powi(*d as i32)).fract().min(1.0 - (step * 10f64.powi(*d as i32)).fract()) < 1e-6;
-        let decimals = (0..12).find(exact).unwrap_or(12);
-        let (first, last) = ((self.low / step - 1e-6).ceil() as i64, (self.high / step + 1e-6).floor() as i64);
-        let label = |k: i64| format!("{:.decimals$}", k as f64 * step).replace('-', "−");
-        (first..=last.min(first + 200)).map(|k| (k as f64 * step, label(k))).collect()
-    }
-
-    fn log_ticks(&self, room: f64) -> Vec<(f64, String)> {
-        let decades = self.high.log10() - self.low.log10();
-        let every = (decades / room).ceil().max(1.0) as i32;
-        let labelled: &[i32] = if decades < 0.6 * room / 2.0 && decades < 2.5 { &[1, 2, 5] } else { &[1] };
-        let (first, last) = (self.low.log10().floor() as i32, self.high.log10().ceil() as i32);
-        let mut ticks = Vec::new();
-        for exponent in first..=last {
-            for digit in 1..if every > 1 { 2 } else { 10 } {
-                let value = f64::from(digit) * 10f64.powi(exponent);
-                if !(-1e-9..=1.0 + 1e-9).contains(&self.share(value)) {
-                    continue;
-                }
-                let named = labelled.contains(&digit) && (exponent - first) % every == 0;
-                ticks.push((value, if named { log_label(digit, exponent) } else { String::new() }));
-            }
-        }
-        ticks
-    }
-}
-
-fn log_label(digit: i32, exponent: i32) -> String {
-    if (-4..5).contains(&exponent) {
-        return format!("{:.*}", (-exponent).max(0) as usize, f64::from(digit) * 10f64.powi(exponent));
-    }
-    if digit == 1 { power_of_ten(exponent) } else { format!("{digit}×{}", power_of_ten(exponent)) }
 }
 
 /// Smallest and largest finite value (infinite ends where there is none).
@@ -139,14 +106,14 @@ pub struct Panel {
 }
 
 impl Panel {
-    /// Pixel of a value on the horizontal axis.
+    /// Pixel of a value on the horizontal axis; NaN where it has no place there.
     pub fn px(&self, value: f64) -> f64 {
-        self.left + self.width * self.x.share(value)
+        self.x.place(value, (self.left, self.right()))
     }
 
-    /// Pixel of a value on the vertical axis.
+    /// Pixel of a value on the vertical axis; NaN where it has no place there.
     pub fn py(&self, value: f64) -> f64 {
-        self.top + self.height * (1.0 - self.y.share(value))
+        self.y.place(value, (self.bottom(), self.top))
     }
 
     /// Right edge \[px\].
@@ -208,28 +175,23 @@ impl Panel {
         }
     }
 
-    /// Clips what follows to the panel.
-    pub fn clip(&self, canvas: &mut Canvas) {
-        canvas.clip((self.left, self.top), self.width, self.height);
-    }
-
     /// A curve, clipped to the panel and interrupted where a value is missing.
     pub fn curve(&self, canvas: &mut Canvas, points: &[Point], stroke: Stroke) {
-        self.clip(canvas);
         let pixels: Vec<Point> = points.iter().map(|&(x, y)| (self.px(x), self.py(y))).collect();
-        for run in pixels.split(|(x, y)| !x.is_finite() || !y.is_finite()) {
-            canvas.polyline(run, stroke);
+        let window = ((self.left, self.top), (self.right(), self.bottom()));
+        for run in clip::polyline(&pixels, window) {
+            canvas.polyline(&run, stroke);
         }
-        canvas.unclip();
     }
 
     /// Marks at the points that lie in the panel; a mark without fill is open.
     pub fn marks(&self, canvas: &mut Canvas, points: &[Point], mark: Mark, radius: f64, color: Color, filled: bool) {
         let outline = if filled { Stroke::solid(WHITE, 0.8) } else { Stroke::solid(color, 1.6) };
         for &(x, y) in points {
-            let inside = |share: f64| (-0.001..=1.001).contains(&share);
-            if inside(self.x.share(x)) && inside(self.y.share(y)) {
-                canvas.mark(mark, (self.px(x), self.py(y)), radius, if filled { color } else { WHITE }, outline);
+            let (x, y) = (self.px(x), self.py(y));
+            let across = self.left - 0.5..=self.right() + 0.5;
+            if across.contains(&x) && (self.top - 0.5..=self.bottom() + 0.5).contains(&y) {
+                canvas.mark(mark, (x, y), radius, if filled { color } else { WHITE }, outline);
             }
         }
     }
@@ -237,5 +199,21 @@ impl Panel {
     /// Bold text above the upper left corner.
     pub fn heading(&self, canvas: &mut Canvas, text: &str) {
         canvas.text((self.left, self.top - 9.0), text, Type::default().bold());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_run_between_the_edges_and_far_values_stay_finite() {
+        let axis = |log| Axis { log, ..Axis::linear("", 1.0, 100.0) };
+        let (x, y) = (axis(true), axis(false));
+        let panel = Panel { left: 10.0, top: 20.0, width: 200.0, height: 99.0, x, y };
+        assert_eq!([1.0, 10.0, 100.0].map(|value| panel.px(value)), [10.0, 110.0, 210.0]);
+        assert_eq!([1.0, 2.0, 100.0].map(|value| panel.py(value)), [119.0, 118.0, 20.0]);
+        assert!([0.0, -1.0, f64::NAN, f64::INFINITY].iter().all(|value| panel.px(*value).is_nan()));
+        assert!(panel.py(1e300) < -9000.0 && panel.py(-1e300) > 9000.0 && panel.px(1e300) > 9000.0);
     }
 }

@@ -1,122 +1,100 @@
-//! A small SVG writer: unrounded coordinates, deterministic text, no identifiers (so that drawings may share a page).
+//! A thin layer over plotters: logical pixels, and the few shapes that the figures are made of.
+//!
+//! plotters rounds every coordinate and width to an integer, so it draws on a canvas that is [`FINE`] times larger.
+//! It writes no identifiers, so drawings may share a page.
 
-use super::style::{Color, FONT, INK, TICK_SIZE};
-use std::fmt::Write;
+use super::FigureError;
+pub use super::pen::{Anchor, Dash, Stroke, Type};
+use super::style::{Color, WHITE, text_width, typeface};
+use plotters::coord::Shift;
+use plotters::element::{DashedPathElement, DottedPathElement, Drawable, PointCollection};
+use plotters::prelude::*;
+use plotters::style::Color as _;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 /// A point in logical pixels.
 pub type Point = (f64, f64);
 
-/// How a line is drawn.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stroke {
-    /// Colour.
-    pub color: Color,
-    /// Width \[px\].
-    pub width: f64,
-    /// SVG dash pattern; empty for a solid line.
-    pub dash: &'static str,
+/// Units of the backend per logical pixel.
+pub const FINE: f64 = 16.0;
+
+/// A length in units of the backend.
+pub fn fine(length: f64) -> i32 {
+    (length * FINE).round() as i32
 }
 
-impl Stroke {
-    /// A solid line.
-    pub fn solid(color: Color, width: f64) -> Self {
-        Self { color, width, dash: "" }
-    }
-
-    /// A dashed line.
-    pub fn dashed(color: Color, width: f64, dash: &'static str) -> Self {
-        Self { color, width, dash }
-    }
-
-    fn attributes(self) -> String {
-        let dash = if self.dash.is_empty() { String::new() } else { format!(r#" stroke-dasharray="{}""#, self.dash) };
-        format!(r#"stroke="{}" stroke-width="{}"{dash}"#, self.color, number(self.width))
-    }
+fn line(stroke: Stroke) -> ShapeStyle {
+    ShapeStyle { stroke_width: fine(stroke.width).max(1) as u32, filled: false, ..fill(stroke.color) }
 }
 
-/// Which end of a text sits at its position.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Anchor {
-    /// The left end.
-    Start,
-    /// The middle.
-    Middle,
-    /// The right end.
-    End,
+fn fill(Color(red, green, blue): Color) -> ShapeStyle {
+    RGBColor(red, green, blue).filled()
 }
-
-/// How a text is set; the position is the baseline.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Type {
-    /// Size \[px\].
-    pub size: f64,
-    /// Which end sits at the position.
-    pub anchor: Anchor,
-    /// Colour.
-    pub color: Color,
-    /// Bold face.
-    pub bold: bool,
-    /// Reads upwards.
-    pub upwards: bool,
-}
-
-impl Default for Type {
-    fn default() -> Self {
-        Self { size: TICK_SIZE, anchor: Anchor::Start, color: INK, bold: false, upwards: false }
-    }
-}
-
-impl Type {
-    /// The usual size with the given anchor.
-    pub fn at(anchor: Anchor) -> Self {
-        Self { anchor, ..Self::default() }
-    }
-
-    /// The same in another colour.
-    pub fn colored(self, color: Color) -> Self {
-        Self { color, ..self }
-    }
-
-    /// The same in bold face.
-    pub fn bold(self) -> Self {
-        Self { bold: true, ..self }
-    }
-}
-
-/// Marks of points; told apart by shape, not by colour alone.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Mark {
-    /// Circle.
-    Circle,
-    /// Square.
-    Square,
-    /// Triangle pointing up.
-    Triangle,
-    /// Diamond.
-    Diamond,
-}
-
-/// The shapes in the order in which they are given out.
-pub const MARKS: [Mark; 4] = [Mark::Circle, Mark::Square, Mark::Triangle, Mark::Diamond];
 
 /// A drawing under construction.
-#[derive(Debug, Clone)]
-pub struct Canvas {
-    width: f64,
-    height: f64,
-    body: String,
+pub struct Canvas<'a> {
+    area: DrawingArea<SVGBackend<'a>, Shift>,
+    failure: Option<String>,
 }
 
-impl Canvas {
-    /// A white canvas.
-    pub fn new(width: f64, height: f64) -> Self {
-        Self { width, height, body: String::new() }
+/// The SVG document of that width and height with its title and text alternative, as `draw` draws it on white.
+///
+/// # Errors
+/// [`FigureError::Render`] where plotters refuses an element.
+pub fn document(
+    (width, height): (f64, f64),
+    (title, alt): (&str, &str),
+    draw: impl FnOnce(&mut Canvas<'_>),
+) -> Result<String, FigureError> {
+    let mut svg = String::new();
+    let backend = SVGBackend::with_string(&mut svg, (fine(width) as u32, fine(height) as u32));
+    let mut canvas = Canvas { area: backend.into_drawing_area(), failure: None };
+    canvas.rectangle((0.0, 0.0), width, height, WHITE, None);
+    draw(&mut canvas);
+    let done = canvas.area.present().map_err(|error| error.to_string());
+    if let Some(reason) = canvas.failure.take().or(done.err()) {
+        return Err(FigureError::Render(reason));
     }
+    drop(canvas);
+    Ok(dress(&svg, (width, height), (title, alt)))
+}
 
-    fn push(&mut self, element: std::fmt::Arguments<'_>) {
-        // Writing to a String cannot fail.
-        let _ = self.body.write_fmt(element);
-        self.body.push('\n');
+/// Sets the outer size back to logical pixels, and adds what plotters cannot write: title and text alternative, round
+/// corners of lines, and baselines exactly where they were asked for.
+fn dress(svg: &str, (width, height): (f64, f64), (title, alt): (&str, &str)) -> String {
+    let body = svg.split_once('\n').map_or("", |(_, body)| body);
+    let body = body.replace(r#" dy="-0.5ex""#, "").replace(r#" opacity="1""#, "");
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {} {}\" role=\"img\" \
+         stroke-linejoin=\"round\">\n<title>{}</title>\n<desc>{}</desc>\n{body}",
+        fine(width),
+        fine(height),
+        escape(title),
+        escape(alt)
+    )
+}
+
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
+
+fn pixel((x, y): Point) -> (i32, i32) {
+    (fine(x), fine(y))
+}
+
+fn pixels(points: &[Point]) -> Vec<(i32, i32)> {
+    points.iter().map(|&point| pixel(point)).collect()
+}
+
+impl<'a> Canvas<'a> {
+    fn put<E>(&mut self, element: E)
+    where
+        E: Drawable<SVGBackend<'a>>,
+        for<'b> &'b E: PointCollection<'b, (i32, i32)>,
+    {
+        if let Err(error) = self.area.draw(&element) {
+            self.failure.get_or_insert(error.to_string());
+        }
     }
 
     /// A straight line.
@@ -126,124 +104,124 @@ impl Canvas {
 
     /// An open polygon.
     pub fn polyline(&mut self, points: &[Point], stroke: Stroke) {
-        if points.len() > 1 {
-            let (d, style) = (path(points), stroke.attributes());
-            self.push(format_args!(r#"<path d="{d}" fill="none" {style} stroke-linejoin="round"/>"#));
+        if points.len() < 2 {
+            return;
+        }
+        let (points, style) = (pixels(points), line(stroke));
+        match stroke.dash {
+            Dash::Solid => self.put(PathElement::new(points, style)),
+            Dash::Dashes(size, gap) => self.put(DashedPathElement::new(points, fine(size), fine(gap), style)),
+            Dash::DashDots(size, gap) => {
+                let (dot, radius) = (fill(stroke.color), fine(0.5 * stroke.width));
+                let dots = move |at: (i32, i32)| Circle::new(at, radius, dot);
+                let first = fine(size + 0.5 * gap);
+                self.put(DashedPathElement::new(points.clone(), fine(size), fine(gap), style));
+                self.put(DottedPathElement::new(points, first, fine(size + gap), dots));
+            }
         }
     }
 
     /// A filled polygon, with an outline where a stroke is given.
-    pub fn polygon(&mut self, points: &[Point], fill: Color, outline: Option<Stroke>) {
-        let style = outline.map_or_else(String::new, |stroke| format!(" {}", stroke.attributes()));
-        self.push(format_args!(r#"<path d="{}Z" fill="{fill}"{style} stroke-linejoin="round"/>"#, path(points)));
+    pub fn polygon(&mut self, points: &[Point], color: Color, outline: Option<Stroke>) {
+        self.put(Polygon::new(pixels(points), fill(color)));
+        if let Some(stroke) = outline {
+            // The first side twice, so that the last corner is joined too.
+            let closed: Vec<Point> = points.iter().chain(points.iter().take(2)).copied().collect();
+            self.polyline(&closed, stroke);
+        }
     }
 
     /// A filled rectangle from its upper left corner.
-    pub fn rectangle(&mut self, corner: Point, width: f64, height: f64, fill: Color, outline: Option<Stroke>) {
-        let style = outline.map_or_else(String::new, |stroke| format!(" {}", stroke.attributes()));
-        let (x, y, w, h) = (number(corner.0), number(corner.1), number(width.max(0.0)), number(height.max(0.0)));
-        self.push(format_args!(r#"<rect x="{x}" y="{y}" width="{w}" height="{h}" fill="{fill}"{style}/>"#));
+    pub fn rectangle(&mut self, (x, y): Point, width: f64, height: f64, color: Color, outline: Option<Stroke>) {
+        let (right, bottom) = (x + width.max(0.0), y + height.max(0.0));
+        match outline {
+            None => self.put(Rectangle::new([pixel((x, y)), pixel((right, bottom))], fill(color))),
+            Some(_) => self.polygon(&[(x, y), (right, y), (right, bottom), (x, bottom)], color, outline),
+        }
     }
 
     /// A circle.
-    pub fn circle(&mut self, center: Point, radius: f64, fill: Color, outline: Stroke) {
-        let (x, y, r, style) = (number(center.0), number(center.1), number(radius), outline.attributes());
-        self.push(format_args!(r#"<circle cx="{x}" cy="{y}" r="{r}" fill="{fill}" {style}/>"#));
+    pub fn circle(&mut self, center: Point, radius: f64, color: Color, outline: Stroke) {
+        self.put(Circle::new(pixel(center), fine(radius), fill(color)));
+        self.put(Circle::new(pixel(center), fine(radius), line(outline)));
     }
 
-    /// A mark of about the given radius.
-    pub fn mark(&mut self, mark: Mark, (x, y): Point, r: f64, fill: Color, outline: Stroke) {
-        match mark {
-            Mark::Circle => self.circle((x, y), r, fill, outline),
-            Mark::Square => {
-                let h = 0.88 * r;
-                self.polygon(&[(x - h, y - h), (x + h, y - h), (x + h, y + h), (x - h, y + h)], fill, Some(outline));
+    /// A text; `_c` in it lowers the c, for which Unicode has no character.
+    pub fn text(&mut self, (mut x, y): Point, text: &str, style: Type) {
+        if !text.contains("_c") {
+            return self.words((x, y), text, style);
+        }
+        let small = Type { size: 0.72 * style.size, ..style };
+        let mut pieces = Vec::new();
+        for (index, piece) in text.split("_c").enumerate() {
+            if index > 0 {
+                pieces.push((0.2 * style.size, "c", small));
             }
-            Mark::Triangle => {
-                let points = [(x, y - 1.15 * r), (x + r, y + 0.75 * r), (x - r, y + 0.75 * r)];
-                self.polygon(&points, fill, Some(outline));
-            }
-            Mark::Diamond => {
-                let h = 1.2 * r;
-                self.polygon(&[(x, y - h), (x + h, y), (x, y + h), (x - h, y)], fill, Some(outline));
+            pieces.push((0.0, piece, style));
+        }
+        let width: f64 = pieces.iter().map(|(_, piece, style)| text_width(piece, style.size, style.bold)).sum();
+        x -= match style.anchor {
+            Anchor::Start => 0.0,
+            Anchor::Middle => 0.5 * width,
+            Anchor::End => width,
+        };
+        for (drop, piece, style) in pieces {
+            x += text_width(piece, style.size, style.bold);
+            // SVG drops leading spaces.
+            let seen = piece.trim_start();
+            if !seen.is_empty() {
+                let left = x - text_width(seen, style.size, style.bold);
+                self.words((left, y + drop), seen, Type { anchor: Anchor::Start, ..style });
             }
         }
     }
 
-    /// A text; markup in it is escaped.
-    pub fn text(&mut self, (x, y): Point, text: &str, style: Type) {
+    fn words(&mut self, at: Point, text: &str, style: Type) {
+        let color = fill(style.color).color;
         let anchor = match style.anchor {
-            Anchor::Start => "start",
-            Anchor::Middle => "middle",
-            Anchor::End => "end",
+            Anchor::Start => HPos::Left,
+            Anchor::Middle => HPos::Center,
+            Anchor::End => HPos::Right,
         };
-        let (x, y) = (number(x), number(y));
-        let weight = if style.bold { r#" font-weight="bold""# } else { "" };
-        let turn = if style.upwards { format!(r#" transform="rotate(-90 {x} {y})""#) } else { String::new() };
-        let (size, color, text) = (number(style.size), style.color, escape(text));
-        // Unicode has no lowered c.
-        let text = text.replace(
-            "_c",
-            &format!(r#"<tspan dy="{}" font-size="{}">c</tspan>"#, number(0.2 * style.size), number(0.72 * style.size)),
-        );
-        let text =
-            text.replace("</tspan>,", &format!(r#"</tspan><tspan dy="{}">,</tspan>"#, number(-0.2 * style.size)));
-        self.push(format_args!(
-            r#"<text x="{x}" y="{y}" font-size="{size}" fill="{color}" text-anchor="{anchor}"{weight}{turn}>{text}</text>"#
+        let turn = if style.upwards { FontTransform::Rotate270 } else { FontTransform::None };
+        // plotters writes its sizes divided by 1.24.
+        let font = typeface(1.24 * FINE * style.size, style.bold).transform(turn);
+        let look = TextStyle::from(font).color(&color).pos(Pos::new(anchor, VPos::Bottom));
+        self.put(Text::new(text.to_string(), pixel(at), look));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::style::INK;
+    use super::*;
+
+    #[test]
+    fn a_document_has_its_outer_size_its_words_and_fine_coordinates() {
+        let svg = document((20.0, 10.0), ("a < b", "c & d"), |canvas| {
+            canvas.line((0.25, 1.0), (20.0, 9.96), Stroke::solid(INK, 1.5));
+            canvas.text((3.0, 4.0), "k_c & x", Type::default());
+        });
+        let svg = svg.unwrap();
+        assert!(svg.starts_with(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"20\" height=\"10\" viewBox=\"0 0 320 160\""
         ));
+        assert!(svg.contains("<title>a &lt; b</title>\n<desc>c &amp; d</desc>"), "{svg}");
+        assert!(svg.contains(r#"stroke-width="24" points="4,16 320,159 ""#), "{svg}");
+        assert!(svg.matches("<text").count() == 3 && !svg.contains(" dy="), "{svg}");
+        assert!(svg.contains("\n&amp; x\n") && svg.trim_end().ends_with("</svg>"), "{svg}");
     }
 
-    /// An arrow with a filled head.
-    pub fn arrow(&mut self, from: Point, to: Point, stroke: Stroke) {
-        let (dx, dy) = (to.0 - from.0, to.1 - from.1);
-        let length = dx.hypot(dy).max(1e-9);
-        let (ux, uy) = (dx / length, dy / length);
-        let head = (4.5 * stroke.width).clamp(9.0, 14.0);
-        let base = (to.0 - head * ux, to.1 - head * uy);
-        self.line(from, base, stroke);
-        let half = 0.4 * head;
-        let wings = [(base.0 - half * uy, base.1 + half * ux), (base.0 + half * uy, base.1 - half * ux)];
-        self.polygon(&[to, wings[0], wings[1]], stroke.color, None);
+    #[test]
+    fn dashes_are_pieces_and_dots_lie_between_them() {
+        let draw = |dash| {
+            let line = |canvas: &mut Canvas<'_>| canvas.line((0.0, 5.0), (40.0, 5.0), Stroke::dashed(INK, 2.0, dash));
+            document((40.0, 10.0), ("", ""), line).unwrap()
+        };
+        let dashed = draw(Dash::Dashes(6.0, 4.0));
+        assert_eq!(dashed.matches("<polyline").count(), 4);
+        let dotted = draw(Dash::DashDots(6.0, 4.0));
+        assert_eq!((dotted.matches("<polyline").count(), dotted.matches("<circle").count()), (4, 4));
+        assert!(dotted.contains(r#"cx="128" cy="80" r="16""#), "{dotted}");
     }
-
-    /// Everything until [`Canvas::unclip`] shows only inside the rectangle.
-    pub fn clip(&mut self, corner: Point, width: f64, height: f64) {
-        let (x, y, w, h) = (number(corner.0), number(corner.1), number(width), number(height));
-        self.push(format_args!(
-            r#"<svg x="{x}" y="{y}" width="{w}" height="{h}" viewBox="{x} {y} {w} {h}" overflow="hidden">"#
-        ));
-    }
-
-    /// Ends the clipping.
-    pub fn unclip(&mut self) {
-        self.push(format_args!("</svg>"));
-    }
-
-    /// The SVG document with its title and text alternative.
-    pub fn finish(self, title: &str, alt: &str) -> String {
-        let (w, h) = (number(self.width), number(self.height));
-        format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\" role=\"img\" \
-             font-family=\"{FONT}\">\n<title>{}</title>\n<desc>{}</desc>\n\
-             <rect x=\"0\" y=\"0\" width=\"{w}\" height=\"{h}\" fill=\"#ffffff\"/>\n{}</svg>\n",
-            escape(title),
-            escape(alt),
-            self.body
-        )
-    }
-}
-
-/// Hundredths of a pixel, without trailing zeros.
-fn number(value: f64) -> String {
-    let rounded = (value * 100.0).round() / 100.0;
-    format!("{}", if rounded == 0.0 { 0.0 } else { rounded })
-}
-
-fn path(points: &[Point]) -> String {
-    let steps = points.iter().enumerate();
-    steps.map(|(i, &(x, y))| format!("{}{} {}", if i == 0 { 'M' } else { 'L' }, number(x), number(y))).collect()
-}
-
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -1,9 +1,10 @@
 //! Compliance alpha/u0 against frequency: curves of equal V/u0 fall on one another.
 
 use super::axes::{Axis, Panel, range};
-use super::canvas::{Canvas, MARKS, Mark, Point, Stroke};
+use super::canvas::{Point, Stroke, document};
 use super::data::{self, Field, health};
 use super::legend::{Entry, Key, legend, legend_width};
+use super::marks::{MARKS, Mark};
 use super::style::{Color, Table, Unit, WIDTH, cell, ramp, significant};
 use super::{Drawing, Figure, FigureError};
 use crate::sweep::{Curve, Outcome};
@@ -86,7 +87,7 @@ impl<'a> Data<'a> {
         entries
     }
 
-    fn draw(&self, title: &str, alt: &str) -> String {
+    fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
         let entries = self.legend();
         let width = WIDTH - 92.0 - 50.0 - legend_width(&entries);
         let curves = || self.groups.iter().flat_map(|group| &group.curves);
@@ -98,30 +99,30 @@ impl<'a> Data<'a> {
         let spreads = self.groups.iter().flat_map(|group| group.spread.iter().map(|point| point.1.max(FLOOR)));
         let y = Axis::logarithmic("spread [–]", spreads, 0.1);
         let lower = Panel { left: 92.0, top: 482.0, width, height: 200.0, x: axis(), y };
-        let mut canvas = Canvas::new(WIDTH, HEIGHT);
-        upper.frame(&mut canvas, false, true);
-        lower.frame(&mut canvas, true, true);
-        for (i, group) in self.groups.iter().enumerate() {
-            for curve in &group.curves {
-                upper.curve(&mut canvas, &self.points(curve), Stroke::solid(self.color(i), 1.6));
+        document((WIDTH, HEIGHT), (title, alt), |canvas| {
+            upper.frame(canvas, false, true);
+            lower.frame(canvas, true, true);
+            for (i, group) in self.groups.iter().enumerate() {
+                for curve in &group.curves {
+                    upper.curve(canvas, &self.points(curve), Stroke::solid(self.color(i), 1.6));
+                }
+                let floored: Vec<Point> = group.spread.iter().map(|&(f, s)| (f, s.max(FLOOR))).collect();
+                lower.curve(canvas, &floored, Stroke::solid(self.color(i), 1.8));
             }
-            let floored: Vec<Point> = group.spread.iter().map(|&(f, s)| (f, s.max(FLOOR))).collect();
-            lower.curve(&mut canvas, &floored, Stroke::solid(self.color(i), 1.8));
-        }
-        // Marks of different drives are interleaved along the curve so that each stays visible.
-        for (i, group) in self.groups.iter().enumerate() {
-            for curve in &group.curves {
-                let (drive, points) = (self.mark(curve), self.points(curve));
-                let stride = (points.len() / 9).max(1);
-                let offset = drive * stride / self.drives.len() + i * 2;
-                let some: Vec<Point> = points.iter().copied().skip(offset % stride).step_by(stride).collect();
-                upper.marks(&mut canvas, &some, MARKS[drive % MARKS.len()], 4.6, self.color(i), drive < MARKS.len());
-                let excited = data::self_excited(curve, |s| self.unit.of(s.amplitude / curve.condition.drive));
-                upper.marks(&mut canvas, &excited, Mark::Circle, 4.0, self.color(i), false);
+            // Marks of different drives are interleaved along the curve so that each stays visible.
+            for (i, group) in self.groups.iter().enumerate() {
+                for curve in &group.curves {
+                    let (drive, points) = (self.mark(curve), self.points(curve));
+                    let stride = (points.len() / 9).max(1);
+                    let offset = drive * stride / self.drives.len() + i * 2;
+                    let some: Vec<Point> = points.iter().copied().skip(offset % stride).step_by(stride).collect();
+                    upper.marks(canvas, &some, MARKS[drive % MARKS.len()], 4.6, self.color(i), drive < MARKS.len());
+                    let excited = data::self_excited(curve, |s| self.unit.of(s.amplitude / curve.condition.drive));
+                    upper.marks(canvas, &excited, Mark::Circle, 4.0, self.color(i), false);
+                }
             }
-        }
-        legend(&mut canvas, upper.right() + 30.0, 20.0, &entries);
-        canvas.finish(title, alt)
+            legend(canvas, upper.right() + 30.0, 20.0, &entries);
+        })
     }
 
     fn csv(&self) -> String {
@@ -190,7 +191,7 @@ impl Figure for Collapse {
         );
         let notes = vec![("Largest relative spread at equal V/u₀".to_string(), significant(largest, 2))];
         let alt = "Graph of amplitude over drive against frequency: one colour for each ratio of speed to drive; a strip below shows the relative spread within each ratio.".to_string();
-        let svg = data.draw(self.title(), &alt);
+        let svg = data.draw(self.title(), &alt)?;
         Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
     }
 }

@@ -135,6 +135,13 @@ pub fn span(curves: &[&Curve]) -> Point {
     (axis.low, axis.high)
 }
 
+/// Whether two curves have the same amplitudes to a millionth of the largest.
+pub fn coincide(a: &Curve, b: &Curve) -> bool {
+    let limit = 1e-6 * range(a.states.iter().map(|state| state.amplitude)).1;
+    let mut pairs = a.states.iter().zip(&b.states);
+    a.frequency == b.frequency && pairs.all(|(s, t)| (s.amplitude - t.amplitude).abs() <= limit)
+}
+
 /// The word for a status in a CSV file.
 pub fn status_word(status: &Status) -> &'static str {
     match status {

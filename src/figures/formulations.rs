@@ -1,9 +1,10 @@
 //! The published procedure against the series formulation, and the error of its step size.
 
 use super::axes::{Axis, Panel, range};
-use super::canvas::{Anchor, Canvas, MARKS, Mark, Point, Stroke, Type};
+use super::canvas::{Anchor, Canvas, Point, Stroke, Type, document};
 use super::data::{self, Field, health};
 use super::legend::{Entry, Key, legend, legend_width};
+use super::marks::{MARKS, Mark};
 use super::style::{Color, DASHES, GREY, INK, Table, WIDTH, cell, ramp, significant};
 use super::{Drawing, Figure, FigureError};
 use crate::scenario::Formulation;
@@ -57,7 +58,7 @@ impl<'a> Data<'a> {
         range(self.pairs.iter().flat_map(|pair| pair.difference.iter().map(|point| point.1.abs()))).1
     }
 
-    fn draw(&self, title: &str, alt: &str) -> String {
+    fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
         let mut entries: Vec<Entry> = vec![(Key::Heading, "Condition".into())];
         let indexed: Vec<(usize, &Pair<'_>)> = self.pairs.iter().enumerate().collect();
         for (i, pair) in data::spread(&indexed, 14) {
@@ -75,11 +76,11 @@ impl<'a> Data<'a> {
         }
         let free = WIDTH - 92.0 - 40.0 - legend_width(&entries);
         let width = if steps { 0.5 * (free - 104.0) } else { free };
-        let mut canvas = Canvas::new(WIDTH, HEIGHT);
-        let left = self.left_panel(&mut canvas, width);
-        let right = if steps { self.right_panel(&mut canvas, left.right() + 104.0, width) } else { left };
-        legend(&mut canvas, right.right() + 24.0, 30.0, &entries);
-        canvas.finish(title, alt)
+        document((WIDTH, HEIGHT), (title, alt), |canvas| {
+            let left = self.left_panel(canvas, width);
+            let right = if steps { self.right_panel(canvas, left.right() + 104.0, width) } else { left };
+            legend(canvas, right.right() + 24.0, 30.0, &entries);
+        })
     }
 
     fn left_panel(&self, canvas: &mut Canvas, width: f64) -> Panel {
@@ -212,7 +213,8 @@ impl Figure for Formulations {
             caption += &format!(
                 " Right: largest difference over frequency against steps per cycle. The error of the step size (squares, \
                  relative to the extrapolation of the two finest step sizes, {text}) should fall along the dotted slope −1 of a first-order \
-                 procedure; the difference from the series formulation (circles) levels off at what the formulations differ by."
+                 procedure; the difference from the series formulation (circles) levels off at what the formulations differ by, after a \
+                 minimum where the two have opposite signs."
             );
             notes.push(("Largest error of the coarsest step".into(), text));
         }
@@ -224,7 +226,7 @@ impl Figure for Formulations {
             notes.push((format!("Largest difference, {name}"), format!("{} %", significant(100.0 * worst, 2))));
         }
         let alt = "Left: relative difference in amplitude between two formulations against frequency. Right: the error of the Euler procedure against steps per cycle on logarithmic axes.".to_string();
-        let svg = data.draw(self.title(), &alt);
+        let svg = data.draw(self.title(), &alt)?;
         Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
     }
 }

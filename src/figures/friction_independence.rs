@@ -1,9 +1,10 @@
 //! Curves for several coefficients of friction coincide (paper Figure 3).
 
 use super::axes::{Axis, Panel, range};
-use super::canvas::{Canvas, Mark, Point, Stroke};
+use super::canvas::{Point, Stroke, document};
 use super::data::{self, Field, health};
 use super::legend::{Entry, Key, legend, legend_width};
+use super::marks::Mark;
 use super::style::{Table, Unit, WIDTH, cell, ramp, significant};
 use super::{Drawing, Figure, FigureError};
 use crate::sweep::{Curve, Outcome};
@@ -68,7 +69,7 @@ impl<'a> Data<'a> {
         entries
     }
 
-    fn draw(&self, title: &str, alt: &str) -> String {
+    fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
         let entries = self.legend();
         let width = WIDTH - 92.0 - 50.0 - legend_width(&entries).max(178.0);
         let (low, high) = range(self.curves.iter().flat_map(|curve| curve.frequency.iter().copied()));
@@ -83,33 +84,33 @@ impl<'a> Data<'a> {
         let floored = self.differences.iter().flatten().map(|point| point.1.max(FLOOR));
         let y = Axis::logarithmic("rel. diff. of α [–]", floored, 0.12);
         let lower = Panel { left: 92.0, top: 562.0, width, height: 160.0, x: axis(), y };
-        let mut canvas = Canvas::new(WIDTH, HEIGHT);
-        upper.frame(&mut canvas, false, true);
-        middle.frame(&mut canvas, false, true);
-        lower.frame(&mut canvas, true, true);
-        for (i, curve) in self.curves.iter().enumerate() {
-            let stroke = self.stroke(i);
-            upper.curve(&mut canvas, &data::steady(curve, |s| self.unit.of(s.amplitude)), stroke);
-            middle.curve(&mut canvas, &data::steady(curve, |s| s.phase.to_degrees()), stroke);
-            let excited = data::self_excited(curve, |s| self.unit.of(s.amplitude));
-            upper.marks(&mut canvas, &excited, Mark::Circle, 4.0, stroke.color, false);
-        }
-        for (i, points) in self.differences.iter().enumerate() {
-            let points: Vec<Point> = points.iter().map(|&(f, d)| (f, d.max(FLOOR))).collect();
-            lower.curve(&mut canvas, &points, Stroke { width: 1.8, ..self.stroke(i + 1) });
-        }
-        legend(&mut canvas, upper.right() + 30.0, 20.0, &entries);
-        let base = significant(self.curves[0].condition.friction, 4);
-        let largest = significant(self.largest(), 2);
-        let text = [
-            (Key::Heading, "Difference".into()),
-            (Key::Heading, format!("from µ = {base}:")),
-            (Key::Heading, format!("at most {largest}")),
-        ];
-        for (i, entry) in text.iter().enumerate() {
-            legend(&mut canvas, upper.right() + 30.0, lower.top + 24.0 * i as f64, std::slice::from_ref(entry));
-        }
-        canvas.finish(title, alt)
+        document((WIDTH, HEIGHT), (title, alt), |canvas| {
+            upper.frame(canvas, false, true);
+            middle.frame(canvas, false, true);
+            lower.frame(canvas, true, true);
+            for (i, curve) in self.curves.iter().enumerate() {
+                let stroke = self.stroke(i);
+                upper.curve(canvas, &data::steady(curve, |s| self.unit.of(s.amplitude)), stroke);
+                middle.curve(canvas, &data::steady(curve, |s| s.phase.to_degrees()), stroke);
+                let excited = data::self_excited(curve, |s| self.unit.of(s.amplitude));
+                upper.marks(canvas, &excited, Mark::Circle, 4.0, stroke.color, false);
+            }
+            for (i, points) in self.differences.iter().enumerate() {
+                let points: Vec<Point> = points.iter().map(|&(f, d)| (f, d.max(FLOOR))).collect();
+                lower.curve(canvas, &points, Stroke { width: 1.8, ..self.stroke(i + 1) });
+            }
+            legend(canvas, upper.right() + 30.0, 20.0, &entries);
+            let base = significant(self.curves[0].condition.friction, 4);
+            let largest = significant(self.largest(), 2);
+            let text = [
+                (Key::Heading, "Difference".into()),
+                (Key::Heading, format!("from µ = {base}:")),
+                (Key::Heading, format!("at most {largest}")),
+            ];
+            for (i, entry) in text.iter().enumerate() {
+                legend(canvas, upper.right() + 30.0, lower.top + 24.0 * i as f64, std::slice::from_ref(entry));
+            }
+        })
     }
 
     fn csv(&self) -> String {
@@ -168,7 +169,7 @@ impl Figure for FrictionIndependence {
         let alt = format!(
             "Amplitude and phase against frequency for {count} coefficients of friction as nested lines; a strip below shows the relative differences on a logarithmic axis."
         );
-        let svg = data.draw(self.title(), &alt);
+        let svg = data.draw(self.title(), &alt)?;
         Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
     }
 }

@@ -1,6 +1,7 @@
 //! Legends beside the panels.
 
-use super::canvas::{Canvas, Mark, Stroke, Type};
+use super::canvas::{Canvas, Stroke, Type};
+use super::marks::Mark;
 use super::style::{Color, GREY, TICK_SIZE, WHITE, text_width};
 
 /// What a legend entry shows before its text.
@@ -22,8 +23,8 @@ pub type Entry = (Key, String);
 /// Width that a legend takes \[px\].
 pub fn legend_width(entries: &[Entry]) -> f64 {
     let width = |(key, text): &Entry| {
-        let plain = text_width(text, TICK_SIZE);
-        if *key == Key::Heading { 1.12 * plain } else { plain + 44.0 }
+        let heading = *key == Key::Heading;
+        text_width(text, TICK_SIZE, heading) + if heading { 0.0 } else { 44.0 }
     };
     entries.iter().map(width).fold(0.0, f64::max)
 }

@@ -1,7 +1,7 @@
 //! Loops of contact force against displacement of the arm.
 
 use super::axes::{Axis, Panel, range};
-use super::canvas::{Anchor, Canvas, Point, Stroke, Type};
+use super::canvas::{Anchor, Canvas, Point, Stroke, Type, document};
 use super::legend::{Key, legend};
 use super::orbits::{Cycle, cycles, force_unit, left_out};
 use super::style::{INK, SLIP, STATIC, Table, Unit, WIDTH, cell};
@@ -36,7 +36,7 @@ impl<'a> Data<'a> {
         (0..cycle.len()).map(at).collect()
     }
 
-    fn draw(&self, title: &str, alt: &str) -> String {
+    fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
         let columns = self.cycles.len().min(3);
         let rows = self.cycles.len().div_ceil(columns);
         let (left, gap, top, cell_height) = (96.0, 40.0, 96.0, 390.0);
@@ -49,26 +49,26 @@ impl<'a> Data<'a> {
         let reach = 1.08 * low.abs().max(high.abs());
         let (lowest, highest) = range(points().map(|((_, y), _)| y));
         let pad = 0.08 * (highest - lowest).max(1e-3);
-        let mut canvas = Canvas::new(WIDTH, total);
-        let entries = [
-            (Key::Line(Stroke::solid(STATIC, 4.5)), "interface sticks".to_string()),
-            (Key::Line(Stroke::solid(SLIP, 2.0)), "interface slips, F = µW".to_string()),
-        ];
-        legend(&mut canvas, left, 2.0, &entries[..1]);
-        legend(&mut canvas, left + 220.0, 2.0, &entries[1..]);
-        for (index, cycle) in self.cycles.iter().enumerate() {
-            let (row, column) = (index / columns, index % columns);
-            let x = Axis::linear(format!("arm displacement b(θ − θ₀) [{}]", self.stroke.label), -reach, reach);
-            let y = Axis::linear(format!("force F − µW [{}]", self.force.label), lowest - pad, highest + pad);
-            let (left, top) = (left + (width + gap) * column as f64, top + pitch * row as f64);
-            let panel = Panel { left, top, width, height, x, y };
-            panel.frame(&mut canvas, index + columns >= self.cycles.len(), column == 0);
-            let [first, second] = cycle.name();
-            canvas.text((left, top - 29.0), &first, Type::at(Anchor::Start).bold());
-            canvas.text((left, top - 9.0), &second, Type::at(Anchor::Start).colored(INK));
-            self.draw_loop(&panel, &mut canvas, cycle);
-        }
-        canvas.finish(title, alt)
+        document((WIDTH, total), (title, alt), |canvas| {
+            let entries = [
+                (Key::Line(Stroke::solid(STATIC, 4.5)), "interface sticks".to_string()),
+                (Key::Line(Stroke::solid(SLIP, 2.0)), "interface slips, F = µW".to_string()),
+            ];
+            legend(canvas, left, 2.0, &entries[..1]);
+            legend(canvas, left + 220.0, 2.0, &entries[1..]);
+            for (index, cycle) in self.cycles.iter().enumerate() {
+                let (row, column) = (index / columns, index % columns);
+                let x = Axis::linear(format!("arm displacement b(θ − θ₀) [{}]", self.stroke.label), -reach, reach);
+                let y = Axis::linear(format!("force F − µW [{}]", self.force.label), lowest - pad, highest + pad);
+                let (left, top) = (left + (width + gap) * column as f64, top + pitch * row as f64);
+                let panel = Panel { left, top, width, height, x, y };
+                panel.frame(canvas, index + columns >= self.cycles.len(), column == 0);
+                let [first, second] = cycle.name();
+                canvas.text((left, top - 29.0), &first, Type::at(Anchor::Start).bold());
+                canvas.text((left, top - 9.0), &second, Type::at(Anchor::Start).colored(INK));
+                self.draw_loop(&panel, canvas, cycle);
+            }
+        })
     }
 
     fn draw_loop(&self, panel: &Panel, canvas: &mut Canvas, cycle: &Cycle<'_>) {
@@ -83,14 +83,17 @@ impl<'a> Data<'a> {
             panel.curve(canvas, &line, stroke);
             start += run.len();
         }
-        // The direction of travel, shown where the force changes most.
+        // The direction of travel: an arrowhead where the force changes most.
         let step = (points.len() / 24).max(1);
         let pixel = |i: usize| (panel.px(points[i].0.0), panel.py(points[i].0.1));
         let rise = |i: usize| (pixel(i + step).1 - pixel(i).1).abs();
         let steepest = (0..points.len().saturating_sub(step)).max_by(|a, b| rise(*a).total_cmp(&rise(*b)));
         if let Some(i) = steepest.filter(|i| rise(*i) > 6.0) {
-            let color = if points[i].1 { STATIC } else { SLIP };
-            canvas.arrow(pixel(i), pixel(i + step), Stroke::solid(color, 3.4));
+            let (from, middle, to) = (pixel(i), pixel(i + step / 2), pixel(i + step));
+            let length = (to.0 - from.0).hypot(to.1 - from.1);
+            let along =
+                |way: f64| (middle.0 + way * (to.0 - from.0) / length, middle.1 + way * (to.1 - from.1) / length);
+            canvas.arrow(along(-7.0), along(8.0), Stroke::solid(if points[i].1 { STATIC } else { SLIP }, 3.4));
         }
     }
 
@@ -152,7 +155,7 @@ impl Figure for Loops {
             "{} panels of force against displacement: the part of the cycle that sticks drawn thick, the part that slips thin.",
             data.cycles.len()
         );
-        let svg = data.draw(self.title(), &alt);
+        let svg = data.draw(self.title(), &alt)?;
         Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
     }
 }

@@ -1,23 +1,27 @@
 //! Figures: a [`crate::sweep::Outcome`] in, SVG, CSV and caption out; PNG from the SVG. Nothing is simulated here.
 //!
 //! One file per figure: a pure function extracts what is shown, another draws it. [`style`] holds everything they look
-//! alike in, [`canvas`] writes SVG with unrounded coordinates, [`axes`] panels and ticks, [`data`] selections.
+//! alike in, [`canvas`] a thin layer over plotters, [`axes`] panels and ticks on its coordinates, [`data`] selections.
 
 pub mod axes;
 pub mod canvas;
+pub mod clip;
 pub mod collapse;
 pub mod data;
 pub mod formulations;
 pub mod friction_independence;
 pub mod legend;
 pub mod loops;
+pub mod marks;
 pub mod orbits;
+pub mod pen;
 pub mod regime_map;
 pub mod resonance;
 pub mod ridge;
 pub mod rig_sketch;
 pub mod scheme;
 pub mod style;
+mod ticks;
 pub mod time_histories;
 pub mod velocity_amplitude;
 

@@ -1,7 +1,7 @@
 //! Share of the cycle that sticks over drive frequency and roller speed.
 
 use super::axes::{Axis, Panel, range};
-use super::canvas::{Anchor, Canvas, Point, Stroke, Type};
+use super::canvas::{Anchor, Canvas, Point, Stroke, Type, document};
 use super::data::{self, Field, health};
 use super::scheme::limit_points;
 use super::style::{Color, GREY, INK, SLIP, Table, Unit, WHITE, WIDTH, cell, text_width, viridis};
@@ -38,7 +38,9 @@ impl<'a> Data<'a> {
             })?;
         rows.sort_by(|a, b| a.condition.speed.total_cmp(&b.condition.speed));
         let span = range(rows.iter().flat_map(|curve| curve.frequency.iter().copied()));
-        let log = rows[rows.len() - 1].condition.speed > 12.0 * rows[0].condition.speed;
+        let speeds: Vec<f64> = rows.iter().map(|curve| curve.condition.speed).collect();
+        let log =
+            speeds[speeds.len() - 1] > 12.0 * speeds[0] && unevenness(&speeds, f64::ln) <= unevenness(&speeds, |v| v);
         let slip = data::limit(outcome, LimitingCase::FreeOrFullSlip, rows[0].condition.drive);
         let left_out = all.len() - rows.len();
         Ok(Self { rows, slip, span, log, left_out })
@@ -48,38 +50,39 @@ impl<'a> Data<'a> {
         self.slip.map_or_else(Vec::new, |slip| limit_points(slip, &slip.speed_amplitude, self.span, 1e-3))
     }
 
-    fn draw(&self, title: &str, alt: &str) -> String {
+    fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
         let speeds: Vec<f64> = self.rows.iter().map(|curve| Unit::speed().of(curve.condition.speed)).collect();
         let edges = edges(&speeds, self.log);
         let (low, high) = (edges[0], edges[edges.len() - 1]);
         let y = Axis { log: self.log, ..Axis::linear("roller speed V [mm/s]", low, high) };
         let x = Axis::linear("frequency f [Hz]", self.span.0, self.span.1);
         let panel = Panel { left: 92.0, top: 24.0, width: WIDTH - 92.0 - 132.0, height: 536.0, x, y };
-        let mut canvas = Canvas::new(WIDTH, HEIGHT);
-        panel.clip(&mut canvas);
-        for (row, curve) in self.rows.iter().enumerate() {
+        document((WIDTH, HEIGHT), (title, alt), |canvas| {
+            self.cells(&panel, canvas, &edges);
+            panel.curve(canvas, &self.boundary(), Stroke::solid(WHITE, 5.0));
+            panel.curve(canvas, &self.boundary(), Stroke::solid(SLIP, 2.6));
+            panel.border(canvas, 1.0);
+            panel.labels(canvas, true, true);
+            label_boundary(&panel, canvas, &self.boundary());
+            color_bar(canvas, &panel);
+        })
+    }
+
+    /// One rectangle for each run of equal colour in a row; a slight overlap avoids seams.
+    fn cells(&self, panel: &Panel, canvas: &mut Canvas, edges: &[f64]) {
+        for (curve, speeds) in self.rows.iter().zip(edges.windows(2)) {
             let columns = self::edges(&curve.frequency, false);
-            let (top, bottom) = (panel.py(edges[row + 1]), panel.py(edges[row]));
-            // Neighbours of one colour become one rectangle; a slight overlap avoids seams.
-            let colors: Vec<Color> =
-                curve.states.iter().take(curve.frequency.len()).map(|s| color(&s.status, s.stick_fraction)).collect();
+            let (top, bottom) = (panel.py(speeds[1]), (panel.py(speeds[0]) + 1.2).min(panel.bottom()));
+            let states = curve.states.iter().take(curve.frequency.len());
+            let colors: Vec<Color> = states.map(|s| color(&s.status, s.stick_fraction)).collect();
             let mut start = 0;
             for run in colors.chunk_by(|a, b| a == b) {
-                let (left, right) = (panel.px(columns[start]), panel.px(columns[start + run.len()]));
-                canvas.rectangle((left, top), right - left + 1.2, bottom - top + 1.2, run[0], None);
+                let left = panel.px(columns[start]).max(panel.left);
+                let right = (panel.px(columns[start + run.len()]) + 1.2).min(panel.right());
+                canvas.rectangle((left, top), right - left, bottom - top, run[0], None);
                 start += run.len();
             }
         }
-        canvas.unclip();
-        panel.curve(&mut canvas, &self.boundary(), Stroke::solid(WHITE, 5.0));
-        panel.curve(&mut canvas, &self.boundary(), Stroke::solid(SLIP, 2.6));
-        panel.border(&mut canvas, 1.0);
-        panel.labels(&mut canvas, true, true);
-        if let Some(slip) = self.slip {
-            label_boundary(&panel, &mut canvas, (slip.speed_peak_frequency, Unit::speed().of(slip.speed_peak)));
-        }
-        color_bar(&mut canvas, &panel);
-        canvas.finish(title, alt)
     }
 
     fn csv(&self) -> String {
@@ -110,18 +113,32 @@ fn edges(values: &[f64], log: bool) -> Vec<f64> {
     edges.into_iter().map(back).collect()
 }
 
+/// Largest over smallest distance of neighbours on a scale.
+fn unevenness(ascending: &[f64], scale: fn(f64) -> f64) -> f64 {
+    let (least, most) = range(ascending.windows(2).map(|pair| scale(pair[1]) - scale(pair[0])));
+    most / least
+}
+
 fn color(status: &Status, stick: f64) -> Color {
     if *status == Status::Steady && stick.is_finite() { viridis((stick * 50.0).round() / 50.0) } else { MISSING }
 }
 
-fn label_boundary(panel: &Panel, canvas: &mut Canvas, (f, v): Point) {
+/// Names the boundary above it, at its top or else near a side: wherever there is room.
+fn label_boundary(panel: &Panel, canvas: &mut Canvas, boundary: &[Point]) {
     let text = "V = bωα in full slip";
-    let width = 1.13 * text_width(text, 15.0) + 16.0;
-    let (x, y) = (panel.px(f).clamp(panel.left + 0.5 * width + 4.0, panel.right() - 0.5 * width - 4.0), panel.py(v));
-    let y = if y - 38.0 > panel.top { y - 14.0 } else { y + 34.0 };
-    if y < panel.bottom() {
-        canvas.rectangle((x - 0.5 * width, y - 17.0), width, 23.0, WHITE, Some(Stroke::solid(GREY, 0.7)));
-        canvas.text((x, y), text, Type::at(Anchor::Middle).colored(SLIP).bold());
+    let half = 0.5 * text_width(text, 15.0, true) + 8.0;
+    let line: Vec<Point> = boundary.iter().map(|&(f, v)| (panel.px(f), panel.py(v))).collect();
+    let Some(top) = line.iter().min_by(|a, b| a.1.total_cmp(&b.1)) else { return };
+    for x in [top.0, panel.right(), panel.left] {
+        let x = x.clamp(panel.left + half + 10.0, panel.right() - half - 10.0);
+        let below = line.iter().filter(|point| (point.0 - x).abs() <= half);
+        let y = range(below.map(|point| point.1)).0 - 14.0;
+        if y - 24.0 > panel.top && y < panel.bottom() {
+            let corner = (x - half, y - 17.0);
+            canvas.rectangle(corner, 2.0 * half, 23.0, WHITE, Some(Stroke::solid(GREY, 0.7)));
+            canvas.text((x, y), text, Type::at(Anchor::Middle).colored(SLIP).bold());
+            return;
+        }
     }
 }
 
@@ -191,7 +208,7 @@ impl Figure for RegimeMap {
                 .replace("gaps); no line joins across them", "grey)");
         }
         let alt = "Colour map of the stick fraction over frequency and roller speed; a resonance-shaped line marks where the arm in full slip is as fast as the roller.".to_string();
-        let svg = data.draw(self.title(), &alt);
+        let svg = data.draw(self.title(), &alt)?;
         Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
     }
 }

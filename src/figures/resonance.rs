@@ -1,14 +1,15 @@
 //! Amplitude and phase against frequency, one curve per condition, between the limiting cases (paper Figures 5 and 6).
 
 use super::axes::{Axis, Panel, range};
-use super::canvas::{Canvas, Mark, Point, Stroke};
+use super::canvas::{Point, Stroke, document};
 use super::data::{self, health};
 use super::legend::{Entry, Key, legend, legend_width};
-use super::scheme::{Scheme, draw_curve, draw_limit, limit_name, limit_points, limit_stroke, limits, recolored};
+use super::marks::Mark;
+use super::scheme::{Scheme, Styled, draw_curve, draw_limit, limit_band, limit_name, limit_points, limits};
 use super::style::{INK, Table, Unit, WIDTH, cell};
 use super::{Drawing, Figure, FigureError};
 use crate::solver::SteadyState;
-use crate::sweep::{LimitCurve, Outcome};
+use crate::sweep::{Curve, LimitCurve, Outcome};
 use std::f64::consts::PI;
 
 const HEIGHT: f64 = 740.0;
@@ -57,7 +58,7 @@ impl<'a> Data<'a> {
             entries.push((Key::Heading, "Limiting cases".into()));
         }
         for (limit, _) in &self.limits {
-            entries.push((Key::Line(recolored(limit_stroke(limit.case), INK)), limit_name(limit.case).into()));
+            entries.push((Key::Line(limit_band(limit.case, &self.scheme.curves)), limit_name(limit.case).into()));
         }
         let mut states = self.scheme.curves.iter().flat_map(|styled| &styled.curve.states);
         if states.any(|state| data::status_word(&state.status) == "self-excited") {
@@ -66,7 +67,7 @@ impl<'a> Data<'a> {
         entries
     }
 
-    fn draw(&self, title: &str, alt: &str) -> String {
+    fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
         let entries = self.legend();
         let column = legend_width(&entries);
         let width = WIDTH - 92.0 - 30.0 - column - 20.0;
@@ -81,31 +82,33 @@ impl<'a> Data<'a> {
         let phase = phase_axis(phases);
         let upper = Panel { left: 92.0, top: 24.0, width, height: 330.0, x: axis(), y: amplitude };
         let lower = Panel { left: 92.0, top: 382.0, width, height: 300.0, x: axis(), y: phase };
-        let mut canvas = Canvas::new(WIDTH, HEIGHT);
-        upper.frame(&mut canvas, false, true);
-        lower.frame(&mut canvas, true, true);
-        for styled in &self.scheme.curves {
-            draw_curve(&upper, &mut canvas, styled.curve, styled.stroke, |s| self.unit.of(s.amplitude));
-            // A line broken wherever the phase jumps by more than half a turn.
-            let points = data::steady(styled.curve, |s| self.phase(s.phase));
-            for run in unbroken(&points) {
-                lower.curve(&mut canvas, run, styled.stroke);
+        document((WIDTH, HEIGHT), (title, alt), |canvas| {
+            upper.frame(canvas, false, true);
+            lower.frame(canvas, true, true);
+            for (limit, _) in &self.limits {
+                let (case, band) = (limit.case, limit_band(limit.case, &self.scheme.curves));
+                let points = limit_points(limit, &limit.amplitude, self.span, self.unit.factor);
+                draw_limit(&upper, canvas, &points, case, band);
+                for run in unbroken(&limit_points(limit, &self.limit_phase(limit), self.span, 1.0)) {
+                    draw_limit(&lower, canvas, run, case, band);
+                }
             }
-            let dots = |s: &SteadyState| if points.len() == 1 { self.phase(s.phase) } else { f64::NAN };
-            draw_curve(&lower, &mut canvas, styled.curve, styled.stroke, dots);
-            let open = data::self_excited(styled.curve, |s| self.phase(s.phase));
-            lower.marks(&mut canvas, &open, Mark::Circle, 4.0, styled.stroke.color, false);
-        }
-        for (limit, stroke) in &self.limits {
-            let stroke = recolored(*stroke, INK);
-            let points = limit_points(limit, &limit.amplitude, self.span, self.unit.factor);
-            draw_limit(&upper, &mut canvas, &points, stroke);
-            for run in unbroken(&limit_points(limit, &self.limit_phase(limit), self.span, 1.0)) {
-                draw_limit(&lower, &mut canvas, run, stroke);
+            let mut widest_first: Vec<&Styled<'_>> = self.scheme.curves.iter().collect();
+            widest_first.sort_by(|a, b| b.stroke.width.total_cmp(&a.stroke.width));
+            for styled in widest_first {
+                draw_curve(&upper, canvas, styled.curve, styled.stroke, |s| self.unit.of(s.amplitude));
+                // A line broken wherever the phase jumps by more than half a turn.
+                let points = data::steady(styled.curve, |s| self.phase(s.phase));
+                for run in unbroken(&points) {
+                    lower.curve(canvas, run, styled.stroke);
+                }
+                let dots = |s: &SteadyState| if points.len() == 1 { self.phase(s.phase) } else { f64::NAN };
+                draw_curve(&lower, canvas, styled.curve, styled.stroke, dots);
+                let open = data::self_excited(styled.curve, |s| self.phase(s.phase));
+                lower.marks(canvas, &open, Mark::Circle, 4.0, styled.stroke.color, false);
             }
-        }
-        legend(&mut canvas, upper.right() + 30.0, 20.0, &entries);
-        canvas.finish(title, alt)
+            legend(canvas, upper.right() + 30.0, 20.0, &entries);
+        })
     }
 
     fn csv(&self) -> String {
@@ -181,18 +184,32 @@ impl Figure for Resonance {
         let count = data.scheme.curves.len();
         let (from, to) = range(curves.iter().flat_map(|curve| curve.frequency.iter().copied()));
         let caption = format!(
-            "Amplitude α and phase φ of the arm at the drive frequency, {count} computed curve{} from {} to {} Hz.{peaks}{}",
+            "Amplitude α and phase φ of the arm at the drive frequency, {count} computed curve{} from {} to {} Hz; wide and pale, the limiting cases.{peaks}{}{}",
             if count == 1 { "" } else { "s" },
             cell(from),
             cell(to),
+            coincidence(&curves, data.scheme.nested),
             health(&curves)
         );
         let alt = format!(
-            "Two stacked graphs against frequency: amplitude with resonance peaks, and phase falling through resonance, for {count} conditions and the limiting cases as dashed lines."
+            "Two stacked graphs against frequency: amplitude with resonance peaks, and phase falling through resonance, for {count} conditions and the limiting cases as wide pale lines beneath."
         );
-        let svg = data.draw(self.title(), &alt);
+        let svg = data.draw(self.title(), &alt)?;
         Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
     }
+}
+
+/// What the caption says about curves that lie on an earlier one.
+fn coincidence(curves: &[&Curve], nested: bool) -> String {
+    let count =
+        (1..curves.len()).filter(|&i| curves[..i].iter().any(|earlier| data::coincide(earlier, curves[i]))).count();
+    if count == 0 {
+        return String::new();
+    }
+    let look =
+        if nested { "the lines are nested so that all of them show" } else { "the line drawn later hides the other" };
+    let verb = if count == 1 { "curve coincides" } else { "curves coincide" };
+    format!(" {count} {verb} with another to a millionth of the largest amplitude; {look}.")
 }
 
 fn peak_text((f, a): Point, unit: &Unit) -> String {

@@ -1,15 +1,17 @@
 //! Frequency and height of the resonance peak against the roller's speed.
 
 use super::axes::{Axis, Panel, range};
-use super::canvas::{Anchor, Canvas, MARKS, Mark, Point, Stroke, Type};
+use super::canvas::{Anchor, Canvas, Point, Stroke, Type, document};
 use super::data::{self, Field, health};
 use super::legend::{Entry, Key, legend, legend_width};
+use super::marks::{MARKS, Mark};
 use super::scheme::{limit_name, limits};
-use super::style::{INK, Table, Unit, WIDTH, cell, ramp};
+use super::style::{DOTS, INK, TICK_SIZE, Table, Unit, WIDTH, cell, ramp, text_width};
 use super::{Drawing, Figure, FigureError};
 use crate::sweep::{Curve, LimitCurve, LimitingCase, Outcome};
 
 const HEIGHT: f64 = 720.0;
+const THRESHOLD: [&str; 2] = ["faster than the arm", "ever moves: full slip"];
 
 /// The figure.
 pub struct Ridge;
@@ -33,6 +35,7 @@ struct Line {
     peaks: Vec<Peak>,
     stroke: Stroke,
     mark: Mark,
+    radius: f64,
 }
 
 /// What is shown, in SI.
@@ -54,8 +57,11 @@ impl<'a> Data<'a> {
             peaks.sort_by(|a, b| a.speed.total_cmp(&b.speed));
             let label =
                 if fields.is_empty() { "computed".into() } else { data::describe(&group[0].condition, &fields) };
-            let (stroke, mark) = (Stroke::solid(ramp(i, groups.len()), 2.2), MARKS[i % MARKS.len()]);
-            lines.push(Line { label, peaks, stroke, mark });
+            // Later lines and marks are smaller, so that coinciding ones all show.
+            let excess = (groups.len() - 1 - i).min(4) as f64;
+            let (stroke, mark) = (Stroke::solid(ramp(i, groups.len()), 2.2 + 2.4 * excess), MARKS[i % MARKS.len()]);
+            let radius = 2.4 * excess + if peaks.len() > 40 { 3.6 } else { 5.0 };
+            lines.push(Line { label, peaks, stroke, mark, radius });
         }
         lines.retain(|line| line.peaks.iter().filter(|peak| peak.speed > 0.0).count() > 1);
         let first = curves.first().filter(|_| !lines.is_empty()).ok_or_else(missing)?;
@@ -72,7 +78,7 @@ impl<'a> Data<'a> {
         self.lines.iter().flat_map(|line| &line.peaks)
     }
 
-    fn draw(&self, title: &str, alt: &str) -> String {
+    fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
         let speed = Unit::speed();
         let unit = Unit::fitting(range(self.peaks().map(|p| p.amplitude)).1, "rad");
         let mut entries: Vec<Entry> = vec![(Key::Heading, "Peak of the curve".into())];
@@ -84,10 +90,11 @@ impl<'a> Data<'a> {
         entries.push((Key::Heading, "Limiting cases".into()));
         entries.extend(self.limits.iter().map(|(limit, stroke)| (Key::Line(*stroke), limit_name(limit.case).into())));
         if let Some(v) = self.threshold() {
-            entries.push((Key::Line(Stroke::dashed(INK, 1.4, "2 3")), format!("V = {}", speed.show(v, 4))));
+            entries.push((Key::Line(Stroke::dashed(INK, 1.4, DOTS)), format!("V = {}", speed.show(v, 4))));
             entries.push((Key::Heading, String::new()));
         }
-        let width = WIDTH - 92.0 - 50.0 - legend_width(&entries);
+        let explained = THRESHOLD.map(|text| 44.0 + text_width(text, TICK_SIZE, false)).into_iter().fold(0.0, f64::max);
+        let width = WIDTH - 92.0 - 50.0 - legend_width(&entries).max(explained);
         let speeds = || self.peaks().map(|peak| speed.of(peak.speed)).chain(self.threshold().map(|v| speed.of(v)));
         let axis = || Axis::logarithmic("roller speed V [mm/s]", speeds(), 0.04);
         let frequencies = self.peaks().map(|p| p.frequency).chain(self.limits.iter().map(|(l, _)| l.peak_frequency));
@@ -100,16 +107,16 @@ impl<'a> Data<'a> {
         let pad = 0.1 * (high - low).max(0.01 * high);
         let y = Axis::linear(format!("peak amplitude [{}]", unit.label), low - pad, high + pad);
         let lower = Panel { left: 92.0, top: 357.0, width, height: 305.0, x: axis(), y };
-        let mut canvas = Canvas::new(WIDTH, HEIGHT);
-        self.panel(&mut canvas, &upper, (|p| p.frequency, 1.0), |limit| limit.peak_frequency, false);
-        self.panel(&mut canvas, &lower, (|p| p.amplitude, unit.factor), |limit| limit.peak_amplitude, true);
-        let end = legend(&mut canvas, upper.right() + 30.0, 20.0, &entries);
-        if self.threshold().is_some() {
-            for (i, text) in ["faster than the arm", "ever moves: full slip"].iter().enumerate() {
-                canvas.text((upper.right() + 74.0, end - 9.0 + 19.0 * i as f64), text, Type::at(Anchor::Start));
+        document((WIDTH, HEIGHT), (title, alt), |canvas| {
+            self.panel(canvas, &upper, (|p| p.frequency, 1.0), |limit| limit.peak_frequency, false);
+            self.panel(canvas, &lower, (|p| p.amplitude, unit.factor), |limit| limit.peak_amplitude, true);
+            let end = legend(canvas, upper.right() + 30.0, 20.0, &entries);
+            if self.threshold().is_some() {
+                for (i, text) in THRESHOLD.iter().enumerate() {
+                    canvas.text((upper.right() + 74.0, end - 9.0 + 19.0 * i as f64), text, Type::at(Anchor::Start));
+                }
             }
-        }
-        canvas.finish(title, alt)
+        })
     }
 
     fn panel(
@@ -128,14 +135,18 @@ impl<'a> Data<'a> {
         }
         if let Some(v) = self.threshold() {
             let x = speed.of(v);
-            panel.curve(canvas, &[(x, panel.y.low), (x, panel.y.high)], Stroke::dashed(INK, 1.4, "2 3"));
+            panel.curve(canvas, &[(x, panel.y.low), (x, panel.y.high)], Stroke::dashed(INK, 1.4, DOTS));
         }
         for line in &self.lines {
             let moving = || line.peaks.iter().filter(|peak| peak.speed > 0.0);
             let points: Vec<Point> = moving().map(|peak| (speed.of(peak.speed), quantity(peak) / factor)).collect();
             panel.curve(canvas, &points, line.stroke);
             for (point, peak) in points.iter().zip(moving()) {
-                panel.marks(canvas, &[*point], line.mark, 5.0, line.stroke.color, peak.inside);
+                panel.marks(canvas, &[*point], line.mark, line.radius, line.stroke.color, peak.inside);
+            }
+            for peak in line.peaks.iter().filter(|peak| peak.speed == 0.0) {
+                let edge = [(panel.x.low, quantity(peak) / factor)];
+                panel.marks(canvas, &edge, line.mark, line.radius + 2.0, line.stroke.color, peak.inside);
             }
         }
     }
@@ -201,11 +212,15 @@ impl Figure for Ridge {
             notes.push(("Threshold of full slip, max bωα".into(), text));
         }
         if data.peaks().any(|peak| peak.speed == 0.0) {
-            caption += " Peaks at V = 0 have no place on the logarithmic axis; they are in the table.";
+            caption +=
+                " The logarithmic axis has no place for V = 0: those peaks are the larger marks on its left end.";
+        }
+        if data.lines.len() > 1 {
+            caption += " Lines and marks are nested, so that coinciding ones all show.";
         }
         caption += &health(&data.curves);
         let alt = "Two stacked graphs against roller speed on a logarithmic axis; peak frequency above and peak amplitude below, with the static and full-slip values as horizontal lines.".to_string();
-        let svg = data.draw(self.title(), &alt);
+        let svg = data.draw(self.title(), &alt)?;
         Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
     }
 }

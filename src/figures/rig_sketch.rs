@@ -1,6 +1,6 @@
 //! The rig and the contact model with their symbols (after paper Figure 1).
 
-use super::canvas::{Anchor, Canvas, Point, Stroke, Type};
+use super::canvas::{Anchor, Canvas, Dash, Point, Stroke, Type, document};
 use super::style::{Color, GREY, INK, ROLLER, SLIP, STATIC, Table, WHITE, WIDTH, cell, significant};
 use super::{Drawing, Figure, FigureError};
 use crate::sweep::Outcome;
@@ -134,7 +134,7 @@ fn rig(canvas: &mut Canvas) {
     }
     let below = LEVEL + 178.0;
     for (x, from, to) in [(PIVOT.0, 110.0, 54.0), (PINCH, 126.0, 10.0), (CONTACT, 16.0, 54.0)] {
-        canvas.line((x, LEVEL + from), (x, below + to), Stroke::dashed(GREY, 1.0, "2 4"));
+        canvas.line((x, LEVEL + from), (x, below + to), Stroke::dashed(GREY, 1.0, Dash::Dashes(2.0, 4.0)));
     }
     dimension(canvas, (PIVOT.0, below), (PINCH, below), "a");
     dimension(canvas, (PIVOT.0, below + 44.0), (CONTACT, below + 44.0), "b");
@@ -162,7 +162,7 @@ fn roller(canvas: &mut Canvas) {
 /// The contact model, magnified: bristle in series with a slider between arm and roller surface.
 fn inset(canvas: &mut Canvas) {
     let (left, top, width, height) = (660.0, 428.0, 416.0, 172.0);
-    let frame = Stroke::dashed(GREY, 1.4, "5 4");
+    let frame = Stroke::dashed(GREY, 1.4, Dash::Dashes(5.0, 4.0));
     canvas.polyline(&[(CONTACT + 8.0, LEVEL + 21.0), (CONTACT + 28.0, top + 44.0), (left, top + 44.0)], frame);
     canvas.rectangle((left, top), width, height, WHITE, Some(Stroke::solid(GREY, 1.4)));
     let middle = top + 82.0;
@@ -226,11 +226,6 @@ impl Figure for RigSketch {
 
     fn draw(&self, outcome: &Outcome) -> Result<Drawing, FigureError> {
         let values = values(outcome);
-        let mut canvas = Canvas::new(WIDTH, HEIGHT);
-        rig(&mut canvas);
-        roller(&mut canvas);
-        inset(&mut canvas);
-        list(&mut canvas, &values);
         let mut table = Table::new(&["symbol", "quantity", "value", "unit"]);
         for (symbol, quantity, value, unit) in &values {
             table.row([(*symbol).to_string(), (*quantity).to_string(), cell(*value), (*unit).to_string()]);
@@ -239,7 +234,12 @@ impl Figure for RigSketch {
         let notes = notes.collect();
         let caption = "A rigid arm of inertia J turns by the angle θ on a torsional spring (K₀, C₀). Two springs (k₀, c₀) pinch it at the                        distance a; a piezo actuator moves the end of one of them by u. At the distance b a rubber roller of peripheral speed V,                        pressed on with the load W, rubs on the arm with the tangential force F. Inset: the contact is a bristle (stiffness kc,                        damping cc, stretch x) in series with a slider of friction µ, whose slip rate is s. Not to scale.".to_string();
         let alt = "Sketch of the rig: arm on a torsional spring, pinched by two springs of which one is driven by a piezo, and a roller rubbing at the arm's end; inset of the contact model.".to_string();
-        let svg = canvas.finish(self.title(), &alt);
+        let svg = document((WIDTH, HEIGHT), (self.title(), &alt), |canvas| {
+            rig(canvas);
+            roller(canvas);
+            inset(canvas);
+            list(canvas, &values);
+        })?;
         Ok(Drawing::of(self, (caption, alt), (svg, table.finish()), notes))
     }
 }

@@ -1,10 +1,11 @@
 //! How curves are told apart: colour for the leading property, dashes for the rest, and the legend that says so.
 
 use super::axes::Panel;
-use super::canvas::{Canvas, Mark, Point, Stroke};
+use super::canvas::{Canvas, Point, Stroke};
 use super::data::{self, Field};
 use super::legend::{Entry, Key};
-use super::style::{Color, DASH_SLIP, DASH_STATIC, DASHES, INK, SLIP, STATIC, ramp};
+use super::marks::Mark;
+use super::style::{DASH_BAND, DASH_SLIP, DASH_STATIC, DASHES, INK, SLIP, SLIP_BAND, STATIC, STATIC_BAND, ramp};
 use crate::solver::SteadyState;
 use crate::sweep::{Curve, LimitCurve, LimitingCase, Outcome};
 
@@ -29,6 +30,8 @@ pub struct Scheme<'a> {
     pub curves: Vec<Styled<'a>>,
     /// Legend entries.
     pub legend: Vec<Entry>,
+    /// Whether lines are wider than those that coincide with them and are drawn later, so that all of them show.
+    pub nested: bool,
 }
 
 impl<'a> Scheme<'a> {
@@ -39,12 +42,17 @@ impl<'a> Scheme<'a> {
         let rest: Vec<Field> = fields.iter().copied().filter(|field| *field != lead).collect();
         let values = lead.distinct(curves);
         let groups = data::groups(curves, lead);
+        // A line is wider than those of its colour scale that will lie on it.
+        let nested = rest.is_empty();
+        let above = |i: usize| curves[i + 1..].iter().filter(|later| data::coincide(curves[i], later)).count().min(4);
         let styled: Vec<Styled<'_>> = curves
             .iter()
-            .map(|&curve| {
+            .enumerate()
+            .map(|(i, &curve)| {
                 let rank = values.iter().position(|value| *value == lead.value(&curve.condition)).unwrap_or(0);
                 let group = groups.iter().position(|group| group.iter().any(|c| std::ptr::eq(*c, curve))).unwrap_or(0);
-                let stroke = Stroke::dashed(ramp(rank, values.len()), 2.2, DASHES[group % DASHES.len()]);
+                let width = 2.2 + if nested { 1.6 * above(i) as f64 } else { 0.0 };
+                let stroke = Stroke::dashed(ramp(rank, values.len()), width, DASHES[group % DASHES.len()]);
                 Styled { curve, stroke, label: label(curve, lead, &rest) }
             })
             .collect();
@@ -55,7 +63,7 @@ impl<'a> Scheme<'a> {
         } else {
             grouped_legend(&styled, lead, &rest, &groups)
         };
-        Self { curves: styled, legend }
+        Self { curves: styled, legend, nested }
     }
 }
 
@@ -133,11 +141,14 @@ pub fn limits(outcome: &Outcome, drive: f64) -> Vec<(&LimitCurve, Stroke)> {
 }
 
 /// Draws part of a limiting case; a lone point as a mark.
-pub fn draw_limit(panel: &Panel, canvas: &mut Canvas, points: &[Point], stroke: Stroke) {
+pub fn draw_limit(panel: &Panel, canvas: &mut Canvas, points: &[Point], case: LimitingCase, stroke: Stroke) {
     panel.curve(canvas, points, stroke);
     if points.len() == 1 {
-        let mark = if stroke.dash == DASH_SLIP { Mark::Triangle } else { Mark::Square };
-        panel.marks(canvas, points, mark, 6.0, stroke.color, false);
+        let (mark, color) = match case {
+            LimitingCase::FreeOrFullSlip => (Mark::Triangle, SLIP),
+            LimitingCase::StaticContact => (Mark::Square, STATIC),
+        };
+        panel.marks(canvas, points, mark, 6.0, color, false);
     }
 }
 
@@ -149,9 +160,13 @@ pub fn limit_stroke(case: LimitingCase) -> Stroke {
     }
 }
 
-/// The same line in another colour.
-pub fn recolored(stroke: Stroke, color: Color) -> Stroke {
-    Stroke { color, ..stroke }
+/// A pale line of a limiting case, wide enough to show under curves that lie on it.
+pub fn limit_band(case: LimitingCase, curves: &[Styled<'_>]) -> Stroke {
+    let width = 4.4 + curves.iter().map(|styled| styled.stroke.width).fold(2.2, f64::max);
+    match case {
+        LimitingCase::FreeOrFullSlip => Stroke::solid(SLIP_BAND, width),
+        LimitingCase::StaticContact => Stroke::dashed(STATIC_BAND, width, DASH_BAND),
+    }
 }
 
 /// Name of a limiting case.

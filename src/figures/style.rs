@@ -1,9 +1,11 @@
 //! What all figures share in looks: sizes, colours, font, numbers with units, CSV, and pixels.
 
 use super::FigureError;
+use super::canvas::{Dash, FINE};
+use plotters::style::colors::colormaps::{ColorMap, ViridisRGB};
+use plotters::style::{FontDesc, FontFamily, FontStyle, RGBColor, register_font};
 use resvg::{tiny_skia, usvg};
-use std::fmt;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Once, OnceLock};
 
 /// Width of a figure in logical pixels.
 pub const WIDTH: f64 = 1100.0;
@@ -17,12 +19,6 @@ pub const FONT: &str = "DejaVu Sans, Verdana, sans-serif";
 /// An sRGB colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Color(pub u8, pub u8, pub u8);
-
-impl fmt::Display for Color {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "#{:02x}{:02x}{:02x}", self.0, self.1, self.2)
-    }
-}
 
 /// Text and frames.
 pub const INK: Color = Color(0x22, 0x22, 0x22);
@@ -41,33 +37,28 @@ pub const SLIP: Color = Color(0xd5, 0x5e, 0x00);
 /// Roller and computed curve (Okabe and Ito's bluish green).
 pub const ROLLER: Color = Color(0x00, 0x8a, 0x63);
 
-/// Dash of the static-contact limit.
-pub const DASH_STATIC: &str = "9 5";
-/// Dash of the no-contact and full-slip limit.
-pub const DASH_SLIP: &str = "3 3.5";
-/// Dashes of groups of curves, in the order in which they are given out.
-pub const DASHES: [&str; 4] = ["", "11 4", "3 3", "11 4 3 4"];
+/// Static contact as a wide pale line.
+pub const STATIC_BAND: Color = Color(0xa6, 0xce, 0xe8);
+/// Full slip as a wide pale line.
+pub const SLIP_BAND: Color = Color(0xf7, 0xc9, 0xa3);
 
-const VIRIDIS: [Color; 10] = [
-    Color(0x44, 0x01, 0x54),
-    Color(0x48, 0x28, 0x78),
-    Color(0x3e, 0x4a, 0x89),
-    Color(0x31, 0x68, 0x8e),
-    Color(0x26, 0x82, 0x8e),
-    Color(0x1f, 0x9e, 0x89),
-    Color(0x35, 0xb7, 0x79),
-    Color(0x6e, 0xce, 0x58),
-    Color(0xb5, 0xde, 0x2b),
-    Color(0xfd, 0xe7, 0x25),
-];
+/// Dash of the wide static-contact limit.
+pub const DASH_BAND: Dash = Dash::Dashes(16.0, 5.0);
+/// Dash of the static-contact limit.
+pub const DASH_STATIC: Dash = Dash::Dashes(9.0, 5.0);
+/// Dash of the no-contact and full-slip limit.
+pub const DASH_SLIP: Dash = Dash::Dashes(3.0, 3.5);
+/// Dash of the roller's speed.
+pub const DASH_ROLLER: Dash = Dash::DashDots(14.0, 11.0);
+/// Dots of guides and thresholds.
+pub const DOTS: Dash = Dash::Dashes(2.0, 3.0);
+/// Dashes of groups of curves, in the order in which they are given out.
+pub const DASHES: [Dash; 4] = [Dash::Solid, Dash::Dashes(11.0, 4.0), Dash::Dashes(3.0, 3.0), Dash::DashDots(11.0, 9.0)];
 
 /// Viridis at `t` in 0..1, for areas.
 pub fn viridis(t: f64) -> Color {
-    let position = if t.is_finite() { t.clamp(0.0, 1.0) * 9.0 } else { 0.0 };
-    let low = (position.floor() as usize).min(8);
-    let (a, b, share) = (VIRIDIS[low], VIRIDIS[low + 1], position - low as f64);
-    let mix = |x: u8, y: u8| (f64::from(x) + (f64::from(y) - f64::from(x)) * share).round() as u8;
-    Color(mix(a.0, b.0), mix(a.1, b.1), mix(a.2, b.2))
+    let RGBColor(red, green, blue) = ViridisRGB.get_color(if t.is_finite() { t.clamp(0.0, 1.0) } else { 0.0 });
+    Color(red, green, blue)
 }
 
 /// Colour of line `index` of `count`: viridis without its pale end, so that lines stay readable on white.
@@ -147,16 +138,22 @@ pub fn power_of_ten(exponent: i32) -> String {
     format!("10{}{}", if exponent < 0 { "⁻" } else { "" }, raised.collect::<String>())
 }
 
-/// Width of a text in DejaVu Sans, estimated from classes of glyphs \[px\].
-pub fn text_width(text: &str, size: f64) -> f64 {
-    let em = |c: char| match c {
-        'i' | 'j' | 'l' | ' ' | '.' | ',' | ':' | ';' | '\'' | '|' | 'I' => 0.32,
-        'f' | 't' | 'r' | '(' | ')' | '[' | ']' | '/' | '⁻' | '²' => 0.41,
-        'm' | 'M' | 'W' | 'w' | '≥' | '≤' | '=' | '−' | '×' | '→' => 0.87,
-        c if c.is_uppercase() => 0.70,
-        _ => 0.625,
-    };
-    size * text.chars().map(em).sum::<f64>()
+/// The font of all figures as plotters knows it; its size is in units of the backend.
+pub fn typeface(size: f64, bold: bool) -> FontDesc<'static> {
+    static REGISTERED: Once = Once::new();
+    REGISTERED.call_once(|| {
+        // Fails for a broken font only; widths of texts are then estimated.
+        let _ = register_font(FONT, FontStyle::Normal, dejavu::sans::regular());
+        let _ = register_font(FONT, FontStyle::Bold, dejavu::sans::bold());
+    });
+    FontDesc::new(FontFamily::Name(FONT), size, if bold { FontStyle::Bold } else { FontStyle::Normal })
+}
+
+/// Width of a text in DejaVu Sans \[px\].
+pub fn text_width(text: &str, size: f64, bold: bool) -> f64 {
+    // plotters measures with the size as the height of the font, which is 1.164 em.
+    let measured = typeface(1.164 * FINE * size, bold).box_size(text);
+    measured.map_or(0.65 * size * text.chars().count() as f64, |(width, _)| f64::from(width) / FINE)
 }
 
 /// What a CSV file holds.
@@ -219,4 +216,24 @@ pub(super) fn rasterise(svg: &str, scale: f32) -> Result<Vec<u8>, FigureError> {
         .ok_or_else(|| failed(format!("no memory for {width} x {height} pixels")))?;
     resvg::render(&tree, tiny_skia::Transform::from_scale(scale, scale), &mut pixels.as_mut());
     pixels.encode_png().map_err(|error| failed(error.to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn viridis_runs_from_dark_to_light() {
+        assert_eq!([f64::NAN, -1.0, 0.0].map(viridis), [Color(68, 1, 84); 3]);
+        assert_eq!([1.0, 7.0].map(viridis), [Color(254, 232, 37); 2]);
+        let light = |i: i32| viridis(f64::from(i) / 50.0).1;
+        assert!((0..50).all(|i| light(i) <= light(i + 1)), "{:?}", (0..=50).map(light).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn texts_are_as_wide_as_their_glyphs() {
+        // Advance of `0` in DejaVu Sans: 1303 of 2048 units; bold: 1425.
+        assert!((text_width("00", 100.0, false) - 127.2).abs() < 0.3, "{}", text_width("00", 100.0, false));
+        assert!((text_width("00", 100.0, true) - 139.2).abs() < 0.3, "{}", text_width("00", 100.0, true));
+    }
 }

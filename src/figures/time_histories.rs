@@ -1,10 +1,10 @@
 //! Speeds and force over one cycle.
 
 use super::axes::{Axis, Panel, range};
-use super::canvas::{Anchor, Canvas, Point, Stroke, Type};
+use super::canvas::{Anchor, Canvas, Dash, Point, Stroke, Type, document};
 use super::legend::{Key, legend};
 use super::orbits::{Cycle, cycles, force_unit, left_out};
-use super::style::{Color, INK, ROLLER, SHADE, SLIP, Table, Unit, WIDTH, cell};
+use super::style::{Color, DASH_ROLLER, INK, ROLLER, SHADE, SLIP, Table, Unit, WIDTH, cell};
 use super::{Drawing, Figure, FigureError};
 use crate::sweep::Outcome;
 
@@ -37,10 +37,10 @@ impl<'a> Data<'a> {
         (0..=n).map(|i| (i as f64 / n as f64, quantity(i % n))).collect()
     }
 
-    fn draw(&self, title: &str, alt: &str) -> String {
+    fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
         let speed = Unit::speed();
         let columns = self.cycles.len();
-        let (left, gap) = (96.0, 40.0);
+        let (left, gap) = (96.0, 52.0);
         let width = (WIDTH - left - 28.0 - gap * (columns - 1) as f64) / columns as f64;
         let speeds = self.cycles.iter().flat_map(|c| {
             let own = (0..c.len()).flat_map(move |i| [c.velocity(i), c.orbit.slip_rate[i]]);
@@ -51,40 +51,41 @@ impl<'a> Data<'a> {
         let forces = self.cycles.iter().flat_map(|c| (0..c.len()).map(|i| self.force.of(c.force(i))));
         let (lowest, highest) = range(forces);
         let padding = 0.08 * (highest - lowest).max(1e-3);
-        let mut canvas = Canvas::new(WIDTH, HEIGHT);
-        let entries = [
-            (Key::Line(Stroke::solid(INK, 2.6)), "arm bθ′"),
-            (Key::Line(Stroke::dashed(ROLLER, 2.4, "14 4 4 4")), "roller V"),
-            (Key::Line(Stroke::dashed(SLIP, 2.4, "7 3")), "slip rate s"),
-            (Key::Line(Stroke::solid(FORCE, 2.6)), "force F"),
-            (Key::Patch(SHADE), "interface sticks"),
-        ];
-        for (i, (key, text)) in entries.into_iter().enumerate() {
-            legend(&mut canvas, left + 178.0 * i as f64, 2.0, &[(key, text.to_string())]);
-        }
-        for (index, cycle) in self.cycles.iter().enumerate() {
-            let left = left + (width + gap) * index as f64;
-            let axis = || Axis::linear("time t/T [–]", 0.0, 1.0).step(0.25);
-            let y = Axis::linear("speed [mm/s]", low - pad, high + pad);
-            let upper = Panel { left, top: 92.0, width, height: 350.0, x: axis(), y };
-            let y = Axis::linear(format!("force F − µW [{}]", self.force.label), lowest - padding, highest + padding);
-            let lower = Panel { left, top: 466.0, width, height: 214.0, x: axis(), y };
-            for panel in [&upper, &lower] {
-                shade(panel, &mut canvas, cycle);
-                panel.frame(&mut canvas, panel.top == lower.top, index == 0);
+        document((WIDTH, HEIGHT), (title, alt), |canvas| {
+            let entries = [
+                (Key::Line(Stroke::solid(INK, 2.6)), "arm bθ′"),
+                (Key::Line(Stroke::dashed(ROLLER, 2.4, DASH_ROLLER)), "roller V"),
+                (Key::Line(Stroke::dashed(SLIP, 2.4, Dash::Dashes(7.0, 3.0))), "slip rate s"),
+                (Key::Line(Stroke::solid(FORCE, 2.6)), "force F"),
+                (Key::Patch(SHADE), "interface sticks"),
+            ];
+            for (i, (key, text)) in entries.into_iter().enumerate() {
+                legend(canvas, left + 178.0 * i as f64, 2.0, &[(key, text.to_string())]);
             }
-            let [first, second] = cycle.name();
-            canvas.text((left, 92.0 - 29.0), &first, Type::at(Anchor::Start).bold());
-            canvas.text((left, 92.0 - 9.0), &second, Type::at(Anchor::Start));
-            let v = speed.of(cycle.condition.speed);
-            upper.curve(&mut canvas, &[(0.0, v), (1.0, v)], Stroke::dashed(ROLLER, 2.4, "14 4 4 4"));
-            upper.curve(&mut canvas, &Self::history(cycle, |i| speed.of(cycle.velocity(i))), Stroke::solid(INK, 2.6));
-            let slip = Self::history(cycle, |i| speed.of(cycle.orbit.slip_rate[i]));
-            upper.curve(&mut canvas, &slip, Stroke::dashed(SLIP, 2.4, "7 3"));
-            let force = Self::history(cycle, |i| self.force.of(cycle.force(i)));
-            lower.curve(&mut canvas, &force, Stroke::solid(FORCE, 2.6));
-        }
-        canvas.finish(title, alt)
+            for (index, cycle) in self.cycles.iter().enumerate() {
+                let left = left + (width + gap) * index as f64;
+                let axis = || Axis::linear("time t/T [–]", 0.0, 1.0).step(0.25);
+                let y = Axis::linear("speed [mm/s]", low - pad, high + pad);
+                let upper = Panel { left, top: 92.0, width, height: 350.0, x: axis(), y };
+                let y =
+                    Axis::linear(format!("force F − µW [{}]", self.force.label), lowest - padding, highest + padding);
+                let lower = Panel { left, top: 466.0, width, height: 214.0, x: axis(), y };
+                for panel in [&upper, &lower] {
+                    shade(panel, canvas, cycle);
+                    panel.frame(canvas, panel.top == lower.top, index == 0);
+                }
+                let [first, second] = cycle.name();
+                canvas.text((left, 92.0 - 29.0), &first, Type::at(Anchor::Start).bold());
+                canvas.text((left, 92.0 - 9.0), &second, Type::at(Anchor::Start));
+                let v = speed.of(cycle.condition.speed);
+                upper.curve(canvas, &[(0.0, v), (1.0, v)], Stroke::dashed(ROLLER, 2.4, DASH_ROLLER));
+                upper.curve(canvas, &Self::history(cycle, |i| speed.of(cycle.velocity(i))), Stroke::solid(INK, 2.6));
+                let slip = Self::history(cycle, |i| speed.of(cycle.orbit.slip_rate[i]));
+                upper.curve(canvas, &slip, Stroke::dashed(SLIP, 2.4, Dash::Dashes(7.0, 3.0)));
+                let force = Self::history(cycle, |i| self.force.of(cycle.force(i)));
+                lower.curve(canvas, &force, Stroke::solid(FORCE, 2.6));
+            }
+        })
     }
 
     fn csv(&self) -> String {
@@ -159,7 +160,7 @@ impl Figure for TimeHistories {
             "Histories over one cycle in {} columns: speeds above, force below; shaded where the interface sticks.",
             data.cycles.len()
         );
-        let svg = data.draw(self.title(), &alt);
+        let svg = data.draw(self.title(), &alt)?;
         Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
     }
 }

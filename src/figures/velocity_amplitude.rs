@@ -1,11 +1,12 @@
 //! Speed amplitude of the arm at the contact against frequency, with the roller's speed (paper Figure 2).
 
 use super::axes::{Axis, Panel, range};
-use super::canvas::{Anchor, Canvas, Mark, Point, Stroke, Type};
+use super::canvas::{Anchor, Canvas, Point, Stroke, Type, document};
 use super::data::{self, Field, crossings, health};
 use super::legend::{Entry, Key, legend, legend_width};
+use super::marks::Mark;
 use super::scheme::{draw_curve, draw_limit, limit_name, limit_points, limits};
-use super::style::{INK, ROLLER, SLIP, TICK_SIZE, Table, Unit, WIDTH, cell, ramp, text_width};
+use super::style::{DASH_ROLLER, DOTS, INK, ROLLER, SLIP, TICK_SIZE, Table, Unit, WIDTH, cell, ramp, text_width};
 use super::{Drawing, Figure, FigureError};
 use crate::sweep::{Condition, Curve, LimitCurve, LimitingCase, Outcome};
 
@@ -59,7 +60,7 @@ impl<'a> Data<'a> {
         speed > 0.0 && speed <= 1.5 * top
     }
 
-    fn draw(&self, title: &str, alt: &str) -> String {
+    fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
         let unit = Unit::speed();
         let single = self.curves.len() == 1;
         let states = self.curves.iter().flat_map(|(curve, _)| curve.states.iter().map(|s| s.speed_amplitude));
@@ -84,7 +85,7 @@ impl<'a> Data<'a> {
                 "V in the curve's colour".into()
             };
             entries.push((Key::Heading, "Roller".into()));
-            entries.push((Key::Line(Stroke::dashed(if single { ROLLER } else { INK }, 2.0, "14 4 4 4")), text));
+            entries.push((Key::Line(Stroke::dashed(if single { ROLLER } else { INK }, 2.0, DASH_ROLLER)), text));
         }
         let width = WIDTH - 92.0 - 50.0 - legend_width(&entries);
         let x = Axis::linear("frequency f [Hz]", self.span.0, self.span.1);
@@ -96,32 +97,32 @@ impl<'a> Data<'a> {
             x,
             y: Axis::around("speed amplitude bωα [mm/s]", values),
         };
-        let mut canvas = Canvas::new(WIDTH, HEIGHT);
-        panel.frame(&mut canvas, true, true);
-        for (curve, stroke) in &self.curves {
-            let speed = curve.condition.speed;
-            if self.fits(speed, top) {
-                let level = unit.of(speed);
-                let dashes = Stroke::dashed(stroke.color, 2.0, "14 4 4 4");
-                panel.curve(&mut canvas, &[(panel.x.low, level), (panel.x.high, level)], dashes);
+        document((WIDTH, HEIGHT), (title, alt), |canvas| {
+            panel.frame(canvas, true, true);
+            for (curve, stroke) in &self.curves {
+                let speed = curve.condition.speed;
+                if self.fits(speed, top) {
+                    let level = unit.of(speed);
+                    let dashes = Stroke::dashed(stroke.color, 2.0, DASH_ROLLER);
+                    panel.curve(canvas, &[(panel.x.low, level), (panel.x.high, level)], dashes);
+                }
+                draw_curve(&panel, canvas, curve, *stroke, |s| unit.of(s.speed_amplitude));
             }
-            draw_curve(&panel, &mut canvas, curve, *stroke, |s| unit.of(s.speed_amplitude));
-        }
-        for (limit, stroke) in &self.limits {
-            let points = limit_points(limit, &limit.speed_amplitude, self.span, unit.factor);
-            draw_limit(&panel, &mut canvas, &points, *stroke);
-        }
-        for (curve, _) in &self.curves {
-            let level = unit.of(curve.condition.speed);
-            let roots = self.onsets(&curve.condition);
-            let marks: Vec<Point> = roots.iter().map(|f| (*f, level)).collect();
-            panel.marks(&mut canvas, &marks, Mark::Circle, 6.0, SLIP, false);
-            if single {
-                drop_lines(&panel, &mut canvas, &roots, level);
+            for (limit, stroke) in &self.limits {
+                let points = limit_points(limit, &limit.speed_amplitude, self.span, unit.factor);
+                draw_limit(&panel, canvas, &points, limit.case, *stroke);
             }
-        }
-        legend(&mut canvas, panel.right() + 30.0, 20.0, &entries);
-        canvas.finish(title, alt)
+            for (curve, _) in &self.curves {
+                let level = unit.of(curve.condition.speed);
+                let roots = self.onsets(&curve.condition);
+                let marks: Vec<Point> = roots.iter().map(|f| (*f, level)).collect();
+                panel.marks(canvas, &marks, Mark::Circle, 6.0, SLIP, false);
+                if single {
+                    drop_lines(&panel, canvas, &roots, level);
+                }
+            }
+            legend(canvas, panel.right() + 30.0, 20.0, &entries);
+        })
     }
 
     fn csv(&self) -> String {
@@ -147,10 +148,10 @@ fn drop_lines(panel: &Panel, canvas: &mut Canvas, roots: &[f64], level: f64) {
     const NAMES: [&str; 4] = ["f₁", "f₂", "f₃", "f₄"];
     for (i, root) in roots.iter().enumerate() {
         let (x, y) = (panel.px(*root), panel.py(level));
-        canvas.line((x, y + 6.0), (x, panel.bottom()), Stroke::dashed(INK, 1.2, "2 3"));
+        canvas.line((x, y + 6.0), (x, panel.bottom()), Stroke::dashed(INK, 1.2, DOTS));
         let name = NAMES.get(i).copied().unwrap_or("f");
         let text = format!("{name} = {root:.2} Hz");
-        let reach = 1.12 * text_width(&text, TICK_SIZE) + 24.0;
+        let reach = text_width(&text, TICK_SIZE, true) + 24.0;
         let leftwards = if i % 2 == 0 { x - reach > panel.left } else { x + reach > panel.right() };
         let (offset, anchor) = if leftwards { (-8.0, Anchor::End) } else { (8.0, Anchor::Start) };
         canvas.text((x + offset, panel.bottom() - 20.0 - 24.0 * i as f64), &text, Type::at(anchor).bold());
@@ -202,7 +203,7 @@ impl Figure for VelocityAmplitude {
         }
         caption += &health(&data.curves.iter().map(|(curve, _)| *curve).collect::<Vec<_>>());
         let alt = "Graph of the arm's speed amplitude against frequency: a lower and a higher dashed resonance peak, the roller's speed as a horizontal line, and the computed curve in between.".to_string();
-        let svg = data.draw(self.title(), &alt);
+        let svg = data.draw(self.title(), &alt)?;
         Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
     }
 }
