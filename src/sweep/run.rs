@@ -6,7 +6,7 @@ use crate::model::{Model, Operation};
 use crate::scenario::{Formulation, Scenario};
 use crate::solver::analytic::Oscillator;
 use crate::solver::cycle::Tolerance;
-use crate::solver::{Orbit, SteadyState, Warm, orbit, solve};
+use crate::solver::{Orbit, SteadyState, Warm, orbit, solve, solve_periodic};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use std::io::IsTerminal;
@@ -76,9 +76,7 @@ pub fn run(scenario: &Scenario, options: &Options) -> Result<Outcome, Interrupte
                 if options.cancel.is_some_and(|c| c.load(Ordering::Relaxed)) {
                     return out;
                 }
-                let at =
-                    Operation { speed: condition.speed, load: condition.load, drive: condition.drive, frequency: f };
-                let tolerance = Tolerance::default();
+                let (at, tolerance) = (operation(condition, f), Tolerance::default());
                 let state = solve(&model, &at, condition.euler_steps, &tolerance, false, &mut warm).state;
                 let path = options.orbits.then(|| orbit(&model, &at, condition.euler_steps, &tolerance, ORBIT_SAMPLES));
                 out.push((state, path));
@@ -101,6 +99,20 @@ pub fn run(scenario: &Scenario, options: &Options) -> Result<Outcome, Interrupte
         .collect();
     let limits = limits(&model, scenario);
     Ok(Outcome { scenario: scenario.clone(), curves, limits, seconds: began.elapsed().as_secs_f64() })
+}
+
+/// The periodic states of one condition on the calling thread, each starting from its neighbour; points without one fail.
+pub fn curve(model: &Model, condition: &Condition, frequency: &[f64]) -> Curve {
+    let model = at_condition(model, condition);
+    let mut warm = Warm::default();
+    let tolerance = Tolerance::default();
+    let point = |&f: &f64| solve_periodic(&model, &operation(condition, f), &tolerance, &mut warm);
+    let states = frequency.iter().map(point).collect();
+    Curve { condition: *condition, frequency: frequency.to_vec(), states, orbits: Vec::new() }
+}
+
+fn operation(condition: &Condition, frequency: f64) -> Operation {
+    Operation { speed: condition.speed, load: condition.load, drive: condition.drive, frequency }
 }
 
 fn at_condition(model: &Model, condition: &Condition) -> Model {
