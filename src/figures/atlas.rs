@@ -15,7 +15,7 @@ use crate::solver::SteadyState;
 use crate::sweep::Curve;
 
 const LEFT: f64 = 92.0;
-const GAP: f64 = 26.0;
+const GAP: f64 = 38.0;
 /// Largest amplitude shown, in those of the base.
 const CEILING: f64 = 2.5;
 const AMPLITUDE: &str = "amplitude per drive α/u₀ [rad/m]";
@@ -39,7 +39,9 @@ pub fn draw(entry: &Entry) -> Result<Drawing, FigureError> {
     let total: usize = all.iter().map(|curve| curve.states.len()).sum();
     let gaps = match missing {
         0 => String::new(),
-        _ => format!(" Gaps: {missing} of {total} points have no stable periodic state."),
+        _ => format!(
+            " At {missing} of {total} points the periodic state is unstable (open marks) or none was found (gaps)."
+        ),
     };
     let caption = format!(
         "Amplitude per drive (above) and phase (below) of the arm for {} strengths of the effect{}; black, the base without it.{gaps} What it does: {}",
@@ -102,6 +104,7 @@ fn equation(info: &ParameterInfo, value: f64) -> String {
     let unit = match info.unit {
         "1" => Unit::new(1.0, ""),
         "m/s" => Unit::speed(),
+        "N/m" if value.abs() >= 1e6 => Unit::new(1e6, "MN/m"),
         "m" | "s" | "W" | "N/m" => Unit::fitting(value.abs(), info.unit),
         other => Unit::new(1.0, &other.replace("^2", "²").replace("^3", "³")),
     };
@@ -119,7 +122,7 @@ fn drawing(lines: &[Line<'_>], words: (&str, &str)) -> Result<String, FigureErro
         |line: &Line<'_>| line.curves.iter().flat_map(|c| data::steady(c, per_drive(c))).map(|p| p.1).collect();
     let of_base: Vec<f64> = lines.first().map(states).unwrap_or_default();
     let ceiling = CEILING * range(of_base).1;
-    let amplitudes = lines.iter().flat_map(states).map(|a: f64| a.min(ceiling));
+    let amplitudes = lines.iter().flat_map(states).filter(|a: &f64| a.is_finite()).map(|a| a.min(ceiling));
     let y = Axis::around(AMPLITUDE, amplitudes.chain([0.0]));
     let degrees = |state: &SteadyState| state.phase.to_degrees();
     let phases = lines.iter().flat_map(|l| l.curves).flat_map(|c| data::steady(c, degrees)).map(|p| p.1);

@@ -6,7 +6,7 @@ use crate::model::{Model, Operation};
 use crate::scenario::{Formulation, Scenario};
 use crate::solver::analytic::Oscillator;
 use crate::solver::cycle::Tolerance;
-use crate::solver::{Orbit, SteadyState, Warm, orbit, solve, solve_periodic};
+use crate::solver::{Orbit, Status, SteadyState, Warm, orbit, solve, solve_periodic};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use std::io::IsTerminal;
@@ -101,13 +101,21 @@ pub fn run(scenario: &Scenario, options: &Options) -> Result<Outcome, Interrupte
     Ok(Outcome { scenario: scenario.clone(), curves, limits, seconds: began.elapsed().as_secs_f64() })
 }
 
-/// The periodic states of one condition on the calling thread, each starting from its neighbour; points without one fail.
+/// The periodic states of one condition on the calling thread, each starting from its neighbour.
+///
+/// Points without one fail, and so do all that follow two of them in a row: the search is long where there is nothing.
 pub fn curve(model: &Model, condition: &Condition, frequency: &[f64]) -> Curve {
     let model = at_condition(model, condition);
-    let mut warm = Warm::default();
-    let tolerance = Tolerance::default();
-    let point = |&f: &f64| solve_periodic(&model, &operation(condition, f), &tolerance, &mut warm);
-    let states = frequency.iter().map(point).collect();
+    let (tolerance, mut warm) = (Tolerance::default(), Warm::default());
+    let mut states: Vec<SteadyState> = Vec::with_capacity(frequency.len());
+    for &f in frequency {
+        let lost = |state: &SteadyState| matches!(state.status, Status::Failed(_));
+        let state = match states.as_slice() {
+            [.., before, last] if lost(before) && lost(last) => last.clone(),
+            _ => solve_periodic(&model, &operation(condition, f), &tolerance, &mut warm),
+        };
+        states.push(state);
+    }
     Curve { condition: *condition, frequency: frequency.to_vec(), states, orbits: Vec::new() }
 }
 

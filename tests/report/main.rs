@@ -199,7 +199,7 @@ fn a_view_of_nothing_is_still_a_page() {
 #[test]
 fn the_atlas_has_a_section_per_effect() {
     let view = demo::report(TITLE);
-    let page = render(&view).unwrap();
+    let page = unescape(&render(&view).unwrap());
     let at = |text: &str| page.find(text).unwrap_or_else(|| panic!("{text} is not in the page"));
     assert!(at("<section id=\"atlas\"") < at("<section id=\"verification\""));
     assert!(at("href=\"#atlas\"") < at("href=\"#verification\""));
