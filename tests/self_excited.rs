@@ -43,9 +43,9 @@ fn every_point_over_the_catalogue_ends_in_a_number_or_in_words() {
         seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         (seed >> 11) as f64 / (1u64 << 53) as f64
     };
-    let (mut steady_points, mut excited, mut failed) = (0, 0, 0);
+    let (mut steady_points, mut integrated, mut excited, mut failed) = (0, 0, 0, 0);
     for effect in effects::REGISTRY {
-        for _ in 0..6 {
+        for _ in 0..20 {
             let value = |p: &effects::ParameterInfo, u: f64| {
                 let (low, high) = p.range.unwrap_or((p.minimum, p.maximum));
                 let low = low.max(1e-3 * high);
@@ -59,6 +59,7 @@ fn every_point_over_the_catalogue_ends_in_a_number_or_in_words() {
             match &state.status {
                 Status::Steady => {
                     steady_points += 1;
+                    integrated += usize::from(state.method == Method::TimeIntegration);
                     assert!(state.amplitude > 0.0 && state.phase.abs() <= std::f64::consts::PI, "{state:?}");
                 }
                 Status::SelfExcited(why) => {
@@ -73,6 +74,44 @@ fn every_point_over_the_catalogue_ends_in_a_number_or_in_words() {
             }
         }
     }
-    println!("{steady_points} steady, {excited} self-excited, {failed} failed");
+    println!(
+        "{steady_points} steady, {integrated} of them by time integration, {excited} self-excited, {failed} failed"
+    );
+    assert!(integrated * 50 < steady_points, "{integrated} of {steady_points} needed the time integration");
     assert!(failed <= 2, "{failed} points have no answer");
+}
+
+#[test]
+fn a_hardening_arm_has_two_states_between_its_folds_and_both_are_found() {
+    use stickslip::scenario::{EffectSetting, Sweep};
+    let mut scenario = stickslip::scenario::paper();
+    // A lightly damped arm in full slip under hardly any load.
+    scenario.rig.torsional_damping = 0.02;
+    scenario.rig.spring_damping = 0.0;
+    scenario.effects = vec![EffectSetting { name: "cubic-stiffness".into(), parameters: vec![2e10] }];
+    scenario.sweep = Some(Sweep {
+        frequency: (0..=60).map(|i| 70.0 + 0.1 * i as f64).collect(),
+        speed: vec![0.5],
+        load: vec![1e-9],
+        drive: vec![2.5e-6],
+        friction: vec![0.5],
+        formulation: vec![Series],
+        euler_steps: vec![1000],
+    });
+    let outcome = stickslip::sweep::run(&scenario, &stickslip::sweep::Options::default()).unwrap();
+    let curve = &outcome.curves[0];
+    let two: Vec<usize> = (0..curve.frequency.len()).filter(|&i| curve.down[i].is_some()).collect();
+    assert!(two.len() > 3, "{two:?}");
+    // One stretch without gaps, in which the upward sweep rides on the higher branch and both are stable.
+    assert_eq!(two.last().unwrap() - two[0] + 1, two.len());
+    for &i in &two {
+        let down = curve.down[i].as_ref().unwrap();
+        assert!(curve.states[i].amplitude > 1.2 * down.amplitude);
+        assert_eq!((&curve.states[i].status, &down.status), (&Status::Steady, &Status::Steady));
+    }
+    // The upper branch ends near the backbone w^2 = (K + 3/4 K3 alpha^2)/J.
+    let last = *two.last().unwrap();
+    let alpha = curve.states[last].amplitude;
+    let backbone = ((1018.8 + 0.75 * 2e10 * alpha * alpha) / 0.005f64).sqrt() / std::f64::consts::TAU;
+    assert!((curve.frequency[last] - backbone).abs() < 0.4, "{} {backbone}", curve.frequency[last]);
 }

@@ -110,15 +110,19 @@ fn write(drawing: Drawing, id: &str, out: &Path) -> Result<FigureInput> {
 fn curves(outcome: &Outcome) -> String {
     let mut text = String::from(
         "formulation,euler_steps,drive_m,load_n,friction,speed_m_s,frequency_hz,amplitude_rad,phase_rad,mean_rad,\
-         speed_amplitude_m_s,stick_fraction,force_minimum_n,force_maximum_n,cycles,periodicity_error,status\n",
+         speed_amplitude_m_s,stick_fraction,force_minimum_n,force_maximum_n,cycles,periodicity_error,status,branch\n",
     );
     for curve in &outcome.curves {
         let c = &curve.condition;
         let formulation = crate::report::formulation(c.formulation);
-        for (f, s) in curve.frequency.iter().zip(&curve.states) {
+        let up = curve.frequency.iter().zip(&curve.states).map(|(f, s)| (f, s, "up"));
+        let down = curve.frequency.iter().zip(&curve.down).filter_map(|(f, s)| s.as_ref().map(|s| (f, s, "down")));
+        for (f, s, branch) in up.chain(down) {
+            // A curve without a second branch has none to name.
+            let branch = if curve.down.is_empty() { "" } else { branch };
             let status = s.status.word();
             text += &format!(
-                "{formulation},{},{:e},{},{},{:e},{f},{:.9e},{:.9},{:.9e},{:.9e},{:.6},{:.9e},{:.9e},{},{:.1e},{status}\n",
+                "{formulation},{},{:e},{},{},{:e},{f},{:.9e},{:.9},{:.9e},{:.9e},{:.6},{:.9e},{:.9e},{},{:.1e},{status},{branch}\n",
                 c.euler_steps,
                 c.drive,
                 c.load,

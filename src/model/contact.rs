@@ -406,6 +406,11 @@ impl Problem {
         Point { th, w, v, d, normal, loaded, force, mu, mu_s, mu_psi, mu_heat, heat_factor, torque }
     }
 
+    /// Whether nothing holds the slip rate back, so that it jumps to the relative speed at once.
+    fn instant_slip(&self) -> bool {
+        self.cc == 0.0 && !self.rate_element && self.laws.iter().all(|(e, p)| e.friction(p, 0.0, 0.0).is_none())
+    }
+
     fn force_scale(&self) -> f64 {
         (self.kc + self.omega * self.cc) * self.stroke
     }
@@ -664,7 +669,7 @@ impl HybridSystem for Problem {
     }
 
     fn project(&self, forcing: &Forcing, z: &mut [f64]) -> Option<usize> {
-        if self.cc > 0.0 || self.rate_element {
+        if !self.instant_slip() {
             return None;
         }
         // Without damping the bristles' force cannot exceed the friction force even for an instant.
@@ -686,9 +691,9 @@ impl HybridSystem for Problem {
         let limit = p.mu * p.normal;
         let slack = 1e-9 * self.force_scale();
         let sign = p.force.signum();
-        if p.force.abs() > limit + slack || (self.cc == 0.0 && p.force.abs() > limit - slack && sign * p.v > 0.0) {
+        if p.force.abs() > limit + slack || (self.instant_slip() && p.force.abs() > limit - slack && sign * p.v > 0.0) {
             let mode = if sign > 0.0 { Mode::SlipForward } else { Mode::SlipBackward };
-            let s = if self.cc > 0.0 { sign * self.slip_root(forcing, z, sign).unwrap_or(0.0) } else { p.v };
+            let s = if !self.instant_slip() { sign * self.slip_root(forcing, z, sign).unwrap_or(0.0) } else { p.v };
             (mode, s)
         } else {
             (Mode::Stick, 0.0)

@@ -118,6 +118,11 @@ pub fn integrate(
         }
         let mut size = h.min(period - t);
         let mut event = false;
+        let at_start = system.event(&system.forcing(t), &z, s, mode);
+        let at_stages = |stepper: &Stepper| {
+            std::array::from_fn::<f64, 3, _>(|i| system.event(&stepper.forcing[i], &stepper.z[i], stepper.s[i], mode))
+        };
+        let mut e;
         loop {
             if size < 1e-10 * period {
                 return Err(format!(
@@ -129,7 +134,10 @@ pub fn integrate(
                 size *= 0.25;
                 continue;
             }
-            let roughness = stepper.roughness(s) / slip_scale / tolerance.roughness;
+            e = at_stages(&stepper);
+            let roughness = (Stepper::roughness(s, stepper.s) / slip_scale / tolerance.roughness).max(
+                Stepper::roughness(at_start, e) / (EVENT_ROUGHNESS * e.iter().fold(1e-7, |m: f64, e| m.max(e.abs()))),
+            );
             if roughness > 1.0 && size > 1e-6 * period {
                 size *= (0.9 / roughness.cbrt()).clamp(0.2, 0.7);
                 continue;
@@ -137,11 +145,6 @@ pub fn integrate(
             h = (size * (0.9 / roughness.max(1e-9).cbrt()).min(2.0)).min(largest);
             break;
         }
-        let at_start = system.event(&system.forcing(t), &z, s, mode);
-        let at_stages = |stepper: &Stepper| {
-            std::array::from_fn::<f64, 3, _>(|i| system.event(&stepper.forcing[i], &stepper.z[i], stepper.s[i], mode))
-        };
-        let mut e = at_stages(&stepper);
         if crosses(at_start, e) {
             event = true;
             let full = size;
@@ -226,6 +229,10 @@ pub fn integrate(
     cycle.columns = gather.map(|g| ColumnDerivatives { end: g.end, fundamental: g.fundamental });
     Ok(cycle)
 }
+
+/// Largest deviation of the event function from its polynomial over a step, relative to its own size: with more, a crossing
+/// could not be told from a wiggle of the polynomial.
+const EVENT_ROUGHNESS: f64 = 0.03;
 
 /// Event values below this count as crossed.
 const CROSSED: f64 = -1e-11;

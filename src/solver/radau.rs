@@ -194,14 +194,13 @@ impl Stepper {
         sum
     }
 
-    /// Distance of `start` from the parabola through the stage values of the algebraic unknown: the measure by which the
-    /// step size is chosen.
-    pub fn roughness(&self, start: f64) -> f64 {
+    /// Distance of `start` from the parabola through the stage values: the measure by which the step size is chosen.
+    pub fn roughness(start: f64, stages: [f64; 3]) -> f64 {
         const L: [f64; 3] = [
             C[1] * C[2] / ((C[0] - C[1]) * (C[0] - C[2])),
             C[0] * C[2] / ((C[1] - C[0]) * (C[1] - C[2])),
             C[0] * C[1] / ((C[2] - C[0]) * (C[2] - C[1])),
         ];
-        (start - L[0] * self.s[0] - L[1] * self.s[1] - L[2] * self.s[2]).abs()
+        (start - L[0] * stages[0] - L[1] * stages[1] - L[2] * stages[2]).abs()
     }
 }

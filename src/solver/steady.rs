@@ -47,8 +47,8 @@ pub fn solve(
     search(model, at, euler_steps, &with, warm)
 }
 
-/// The steady state where there is a periodic one; where none is found the point fails at once, without the time
-/// integration by which [`solve`] averages it.
+/// The periodic state, marked where it is unstable; where none is found the point fails at once, without the time
+/// integration by which [`solve`] averages either.
 pub fn solve_periodic(model: &Model, at: &Operation, tolerance: &Tolerance, warm: &mut Warm) -> SteadyState {
     search(model, at, 0, &Search { tolerance, derivatives: false, integrate: false }, warm).state
 }
@@ -59,6 +59,13 @@ struct Search<'a> {
     derivatives: bool,
     /// Whether to integrate in time where no periodic state was found.
     integrate: bool,
+}
+
+impl Search<'_> {
+    /// Whether an unstable state is replaced by what a time integration gives; it has derivatives only as it is.
+    fn averages(&self) -> bool {
+        self.integrate && !self.derivatives
+    }
 }
 
 fn search(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_>, warm: &mut Warm) -> Solution {
@@ -92,14 +99,10 @@ fn search(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_>, 
     let (re, im) = (free_re.value + periodic.cycle.fundamental.0, free_im.value + periodic.cycle.fundamental.1);
     let (true_amplitude, true_phase) = (re.hypot(im), im.atan2(re));
     let (amplitude, phase) = reading(lumps, true_amplitude, true_phase);
-    let mut status = if periodic.multiplier > UNSTABLE {
-        Status::SelfExcited(format!(
-            "the periodic state is unstable: a disturbance grows {:.3} times a cycle",
-            periodic.multiplier
-        ))
-    } else {
-        Status::Steady
-    };
+    let mut status = stability(periodic.multiplier);
+    if let (Status::SelfExcited(why), true) = (&status, with.averages()) {
+        return lock_in(&problem, why);
+    }
     let gradient = derivatives.then(|| {
         let columns = shooting::column_derivatives(&problem, &periodic, tolerance)?;
         let mut by_parameter = vec![(0.0, 0.0); MAX_PARAMETERS];
@@ -205,6 +208,10 @@ fn parallel_state(
         Ok(found) => found,
         Err(why) => return without_periodic_state(problem, &why, with),
     };
+    let status = stability(found.multiplier);
+    if let (Status::SelfExcited(why), true) = (&status, with.averages()) {
+        return lock_in(problem, why);
+    }
     let lumps = &problem.lumps;
     let (re, im) = lumps.free_response();
     let (re, im) = (re.value + found.fundamental.0, im.value + found.fundamental.1);
@@ -219,7 +226,7 @@ fn parallel_state(
         force_maximum: found.force.1,
         cycles: found.cycles,
         periodicity_error: found.residual,
-        status: stability(found.multiplier),
+        status,
         method: Method::Shooting,
     };
     let derivatives = with.derivatives.then(|| differences(model, at));

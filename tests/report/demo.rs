@@ -83,6 +83,7 @@ pub fn outcome(scenario: Scenario, status: &Status) -> Outcome {
         },
         frequency: frequency.clone(),
         states: frequency.iter().map(|&f| state(f, index as f64 / 4.0)).collect(),
+        down: Vec::new(),
         orbits: Vec::new(),
     };
     let limit = |case, peak_frequency, peak_amplitude, speed_peak_frequency, speed_peak| LimitCurve {
