@@ -1,9 +1,10 @@
 //! From scenarios to outcomes, drawings and the files beside the report.
 
+use crate::atlas;
 use crate::error::{Error, Result};
 use crate::figures::{self, Drawing, Figure, FigureError};
 use crate::files;
-use crate::report::FigureInput;
+use crate::report::{self, EffectView, FigureInput};
 use crate::scenario::Scenario;
 use crate::sweep::{self, Outcome};
 use rayon::prelude::*;
@@ -80,6 +81,18 @@ pub fn figures(outcomes: &[Outcome], out: &Path) -> Result<Vec<Vec<FigureInput>>
     Ok(outcomes.iter().map(|o| drawn.by_ref().take(chosen(&o.scenario).len()).flatten().collect()).collect())
 }
 
+/// Draws the atlas of effects on the rig of `scenario` and writes it below `out`; the sections of the report.
+pub fn atlas(scenario: &Scenario, out: &Path) -> Result<Vec<EffectView>> {
+    let entries = atlas::run(scenario);
+    let drawn = entries.par_iter().map(|entry| {
+        go_on()?;
+        let drawing = figures::atlas::draw(entry).map_err(|why| Error::Unfinished(why.to_string()))?;
+        Ok(report::effect_view(entry.effect, &write(drawing, "atlas", out)?))
+    });
+    drawn.collect()
+}
+
+/// Writes the three files of a drawing into the folder `id` below `out`.
 fn write(drawing: Drawing, id: &str, out: &Path) -> Result<FigureInput> {
     let png = figures::png(&drawing.svg, PNG_SCALE).map_err(|why| Error::Unfinished(why.to_string()))?;
     let contents = [("svg", drawing.svg.as_bytes()), ("png", &png), ("csv", drawing.csv.as_bytes())];

@@ -152,7 +152,8 @@ fn other_branch(curve: &Curve, of: &dyn Fn(&SteadyState) -> f64) -> Vec<Point> {
     curve.frequency.iter().zip(&curve.down).filter_map(|(f, s)| s.as_ref().map(|s| (*f, of(s)))).collect()
 }
 
-fn phase_axis(phases: impl IntoIterator<Item = f64>) -> Axis {
+/// An axis of phases in degrees with ticks at multiples of 45 or 15.
+pub(super) fn phase_axis(phases: impl IntoIterator<Item = f64>) -> Axis {
     let (low, high) = range(phases);
     let (low, high) = if low.is_finite() { (low, high) } else { (-180.0, 0.0) };
     let step = if high - low > 100.0 { 45.0 } else { 15.0 };
@@ -160,7 +161,8 @@ fn phase_axis(phases: impl IntoIterator<Item = f64>) -> Axis {
     Axis::linear("phase φ [°]", low, high.max(low + step)).step(step)
 }
 
-fn unbroken(points: &[Point]) -> Vec<&[Point]> {
+/// The points in runs without a jump of more than half a turn.
+pub(super) fn unbroken(points: &[Point]) -> Vec<&[Point]> {
     points.chunk_by(|a, b| (a.1 - b.1).abs() <= 180.0 || !a.1.is_finite() || !b.1.is_finite()).collect()
 }
 

@@ -6,7 +6,7 @@ use crate::model::{Model, Operation};
 use crate::scenario::{Formulation, Scenario};
 use crate::solver::analytic::Oscillator;
 use crate::solver::cycle::Tolerance;
-use crate::solver::{Orbit, SteadyState, Warm, orbit, solve};
+use crate::solver::{Orbit, Status, SteadyState, Warm, orbit, solve, solve_periodic};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use std::io::IsTerminal;
@@ -109,6 +109,28 @@ pub fn run(scenario: &Scenario, options: &Options) -> Result<Outcome, Interrupte
     Ok(Outcome { scenario: scenario.clone(), curves, limits, seconds: began.elapsed().as_secs_f64() })
 }
 
+/// The periodic states of one condition on the calling thread, each starting from its neighbour.
+///
+/// Points without one fail, and so do all that follow two of them in a row: the search is long where there is nothing.
+pub fn curve(model: &Model, condition: &Condition, frequency: &[f64]) -> Curve {
+    let model = at_condition(model, condition);
+    let (tolerance, mut warm) = (Tolerance::default(), Warm::default());
+    let mut states: Vec<SteadyState> = Vec::with_capacity(frequency.len());
+    for &f in frequency {
+        let lost = |state: &SteadyState| matches!(state.status, Status::Failed(_));
+        let state = match states.as_slice() {
+            [.., before, last] if lost(before) && lost(last) => last.clone(),
+            _ => solve_periodic(&model, &operation(condition, f), &tolerance, &mut warm),
+        };
+        states.push(state);
+    }
+    Curve { condition: *condition, frequency: frequency.to_vec(), states, down: Vec::new(), orbits: Vec::new() }
+}
+
+fn operation(condition: &Condition, frequency: f64) -> Operation {
+    Operation { speed: condition.speed, load: condition.load, drive: condition.drive, frequency }
+}
+
 /// A stretch of a curve.
 struct Part {
     states: Vec<SteadyState>,
@@ -130,8 +152,7 @@ impl Follow<'_> {
     }
 
     fn at(&self, frequency: f64) -> Operation {
-        let Condition { speed, load, drive, .. } = *self.condition;
-        Operation { speed, load, drive, frequency }
+        operation(self.condition, frequency)
     }
 
     /// The states, or fewer where the run was stopped.
