@@ -263,3 +263,22 @@ fn euler_procedure_reports_divergence() {
     let state = solve(&model, &at(1e-4, 74.0), 6, &Tolerance::default(), false, &mut Warm::default()).state;
     assert!(matches!(state.status, Status::Failed(_) | Status::SelfExcited(_)), "{state:?}");
 }
+
+#[test]
+fn quality_factors_up_to_5000_are_solved_to_1e_5() {
+    let mut model = paper_model(Series);
+    model.rig.spring_damping = 0.0;
+    let stiffness = 1018.8f64;
+    model.rig.torsional_damping = (stiffness * model.rig.inertia).sqrt() / 5000.0;
+    let natural = (stiffness / model.rig.inertia).sqrt() / std::f64::consts::TAU;
+    for (speed, offset) in [(1e-4, -0.5), (5e-4, 0.0), (0.02, 0.0), (2e-5, 2.0), (3e-3, 0.01), (0.0, 0.1)] {
+        let operation = Operation { load: if speed == 0.0 { 0.1 } else { 20.0 }, ..at(speed, natural + offset) };
+        let state = steady(&model, &operation);
+        let tolerance = Tolerance { steps: 600, roughness: 1e-5 };
+        let fine = solve(&model, &operation, 0, &tolerance, false, &mut Warm::default()).state;
+        assert_eq!((&state.status, &fine.status), (&Status::Steady, &Status::Steady), "{operation:?}");
+        assert!(distance(&state, &fine) < 1e-5, "{operation:?}: {:e}", distance(&state, &fine));
+        // The transient would take thousands of cycles.
+        assert!(state.cycles < 150, "{operation:?}: {} cycles", state.cycles);
+    }
+}

@@ -464,6 +464,12 @@ impl HybridSystem for Problem {
         std::f64::consts::TAU / self.omega
     }
 
+    fn damping_ratio(&self) -> f64 {
+        let [_, c, k] = self.support;
+        let support = if self.roller.is_some() { 0.5 * c / k.sqrt() } else { f64::INFINITY };
+        support.min(0.5 * self.c / self.k.abs().sqrt())
+    }
+
     fn scales(&self) -> [f64; MAX_STATES] {
         let mut scales = [1.0; MAX_STATES];
         let angle = self.stroke / self.b;

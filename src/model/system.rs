@@ -83,6 +83,8 @@ pub trait HybridSystem {
     fn states(&self) -> usize;
     /// Period of the forcing \[s\].
     fn period(&self) -> f64;
+    /// Damping ratio of the least damped oscillation without contact: what the numerical damping has to stay below.
+    fn damping_ratio(&self) -> f64;
     /// Magnitude of each state's oscillation, the measure of convergence.
     fn scales(&self) -> [f64; MAX_STATES];
     /// Magnitude of s.

@@ -24,6 +24,8 @@ impl Default for Tolerance {
     }
 }
 
+/// Largest numerical damping relative to the damping of the arm.
+const NUMERICAL_DAMPING: f64 = 2e-6;
 /// Most changes of mode in one period.
 const MAX_EVENTS: usize = 1000;
 /// Most steps in one period.
@@ -89,7 +91,12 @@ pub fn integrate(
 ) -> Result<Cycle, String> {
     let n = system.states();
     let period = system.period();
-    let largest = period / tolerance.steps as f64;
+    // The method damps an oscillation by (w h)^5/7200 a radian; that must be little against its own damping.
+    let ratio = system.damping_ratio().clamp(1e-6, 1.0);
+    let needed = std::f64::consts::TAU / (7200.0 * NUMERICAL_DAMPING * ratio).powf(0.2);
+    let steps = tolerance.steps as f64;
+    // An infinite roughness asks for just these steps, to measure the order of convergence.
+    let largest = period / if tolerance.roughness.is_finite() { needed.max(steps) } else { steps };
     let slip_scale = system.slip_scale();
     let mut stepper = Stepper::default();
     let (mut t, mut z, mut h) = (0.0, *start, largest);

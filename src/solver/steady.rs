@@ -4,7 +4,7 @@ use super::analytic::wrap;
 use super::cycle::{Record, Tolerance};
 use super::paper_euler::{self, PaperContact};
 use super::radau::{State, Stepper};
-use super::{Method, Orbit, Status, SteadyState, parallel, shooting, time};
+use super::{Method, Orbit, Status, SteadyState, parallel, shooting, shooting::Periodic, time};
 use crate::model::contact::{LimitingState, Problem, Sliders};
 use crate::model::dual::{Dual, MAX_PARAMETERS};
 use crate::model::lumps::Lumps;
@@ -17,6 +17,8 @@ const UNSTABLE: f64 = 1.0 + 1e-6;
 
 /// Time integration of points without a stable periodic state.
 pub const LOCK_IN: time::Plan = time::Plan { steps: 1000, cycles: 200, settled: 1e-7, window: 100 };
+/// Factor between the speeds of one step on the way down from full slip.
+const SLOWER: f64 = 0.8;
 /// A motion this many times larger than without contact has no bound.
 const RUNAWAY: f64 = 1e6;
 
@@ -86,7 +88,9 @@ fn search(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_>, 
     if let Some(continuum) = problem.continuum() {
         return parallel_state(model, at, &problem, &continuum, with);
     }
-    let periodic = match shooting::solve(&problem, warm.0.as_ref(), tolerance) {
+    let found = shooting::solve(&problem, warm.0.as_ref(), tolerance)
+        .or_else(|why| from_full_slip(model, at, &problem, tolerance).ok_or(why));
+    let periodic = match found {
         Ok(periodic) => periodic,
         Err(why) => {
             warm.0 = None;
@@ -138,6 +142,23 @@ fn search(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_>, 
         method: Method::Shooting,
     };
     Solution { state, derivatives }
+}
+
+/// The periodic state reached by slowing the roller down from full slip, in steps that each start from the last.
+fn from_full_slip(model: &Model, at: &Operation, problem: &Problem, tolerance: &Tolerance) -> Option<Periodic> {
+    let (re, im) = problem.lumps.free_response();
+    let arm_speed = problem.lumps.arm.value * problem.lumps.omega * re.value.hypot(im.value);
+    let mut speed = 1.02 * arm_speed;
+    if at.speed == 0.0 || speed < at.speed {
+        return None;
+    }
+    let mut last: Option<Periodic> = None;
+    while speed > at.speed {
+        speed = (SLOWER * speed).max(at.speed);
+        let slower = Problem::new(model, &Operation { speed, ..*at });
+        last = Some(shooting::solve(&slower, last.as_ref().map(|p| &p.start), tolerance).ok()?);
+    }
+    last
 }
 
 fn stability(multiplier: f64) -> Status {
