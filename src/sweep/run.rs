@@ -103,7 +103,8 @@ pub fn run(scenario: &Scenario, options: &Options) -> Result<Outcome, Interrupte
     Ok(Outcome { scenario: scenario.clone(), curves, limits, seconds: began.elapsed().as_secs_f64() })
 }
 
-fn at_condition(model: &Model, condition: &Condition) -> Model {
+/// The model of a scenario in one condition.
+pub fn at_condition(model: &Model, condition: &Condition) -> Model {
     let mut model = model.clone();
     model.contact.friction = condition.friction;
     model.contact.formulation = condition.formulation;
