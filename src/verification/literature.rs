@@ -47,7 +47,7 @@ fn den_hartog_peak(r: f64, zeta: f64, beta: f64) -> f64 {
 }
 
 /// Stiffness of the contact over that of the arm in place of a rigid contact.
-const RIGID: f64 = 1e6;
+const RIGID: f64 = 1e5;
 
 /// Stroke over the stretch at which the slider gives way.
 const JENKINS: [f64; 3] = [1.2, 2.0, 5.0];

@@ -59,9 +59,9 @@ pub fn run() -> Vec<Check> {
         linear::rate_and_state,
         linear::lugre,
         linear::critical_stiffness,
-        energy::every_effect,
         convergence::slow_methods,
         convergence::shooting,
+        energy::every_effect,
     ];
     groups.par_iter().flat_map(|group| group()).collect()
 }
