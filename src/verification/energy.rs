@@ -80,8 +80,8 @@ fn works(model: &Model, at: &Operation) -> Option<Works> {
     let lumps = &problem.lumps;
     let mut sum = Works::default();
     let mut add = |r: &Record| {
-        for i in 0..3 {
-            let h = r.size * A[2][i];
+        for (i, weight) in A[2].iter().enumerate() {
+            let h = r.size * weight;
             let (z, s, forcing) = (&r.stepper.z[i], r.stepper.s[i], &r.stepper.forcing[i]);
             let (th, w) = (forcing.angle + z[0], forcing.velocity + z[1]);
             let force = problem.force(forcing, z, s).0;
