@@ -31,7 +31,8 @@ pub fn execute(paths: &[PathBuf], out: &Path, global: &Global) -> Result<()> {
     clock.lap("claims");
     let atlas = if of_paper(&scenarios).is_some() { simulate::atlas(&scenario::paper(), out)? } else { Vec::new() };
     clock.lap("atlas");
-    let checks = verification::run();
+    let mut checks = verification::run();
+    checks.extend(verification::numerical_error(&outcomes));
     clock.lap("verification");
 
     let sections = outcomes.iter().zip(&figures).map(|(o, f)| report::scenario_view(o, f)).collect();
@@ -145,8 +146,8 @@ fn check_view(check: &verification::Check) -> CheckView {
     let show =
         |value: f64| if check.unit == "1" { format!("{value:.6}") } else { format::quantity(value, check.unit, 5) };
     CheckView {
-        name: check.name.into(),
-        compares: check.compares.into(),
+        name: check.name.clone(),
+        compares: check.compares.clone(),
         expected: check.expected.map_or(format::NONE.into(), show),
         computed: check.computed.map_or(format::NONE.into(), show),
         difference: format!("{:.1e}", check.difference),

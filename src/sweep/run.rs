@@ -186,7 +186,8 @@ impl Follow<'_> {
     }
 }
 
-fn at_condition(model: &Model, condition: &Condition) -> Model {
+/// The model of a scenario in one condition.
+pub fn at_condition(model: &Model, condition: &Condition) -> Model {
     let mut model = model.clone();
     model.contact.friction = condition.friction;
     model.contact.formulation = condition.formulation;

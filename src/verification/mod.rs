@@ -1,4 +1,15 @@
-//! Numbers that prove the solvers in every run: closed forms, exact invariants, one method against the other.
+//! Numbers that prove the solvers in every run: closed forms of the literature, exact invariants, one method against the
+//! other.
+
+mod bench;
+mod convergence;
+mod energy;
+mod linear;
+mod literature;
+mod two_solvers;
+
+pub use energy::energy_balance;
+pub use two_solvers::numerical_error;
 
 use crate::model::contact::Problem;
 use crate::model::{Model, Operation};
@@ -6,14 +17,15 @@ use crate::scenario::{self, Formulation};
 use crate::solver::cycle::Tolerance;
 use crate::solver::{SteadyState, Warm, shooting, solve};
 use crate::sweep::{DEFAULT_EULER_STEPS, LimitingCase, limiting_oscillator};
+use rayon::prelude::*;
 
 /// A comparison with its bound.
 #[derive(Debug, Clone)]
 pub struct Check {
     /// Name.
-    pub name: &'static str,
+    pub name: String,
     /// What is compared with what.
-    pub compares: &'static str,
+    pub compares: String,
     /// SI unit of the values.
     pub unit: &'static str,
     /// Value known from elsewhere, where the check is of one value.
@@ -33,8 +45,29 @@ impl Check {
     }
 }
 
-/// Runs all checks on the paper's rig.
+/// Runs all checks, on all threads and in a fixed order.
 pub fn run() -> Vec<Check> {
+    let groups: [fn() -> Vec<Check>; 14] = [
+        limits_and_invariants,
+        literature::den_hartog,
+        literature::jenkins,
+        literature::masing,
+        literature::mindlin,
+        literature::duffing,
+        linear::maxwell_branch,
+        linear::rate_strengthening,
+        linear::rate_and_state,
+        linear::lugre,
+        linear::critical_stiffness,
+        convergence::slow_methods,
+        convergence::shooting,
+        energy::every_effect,
+    ];
+    groups.par_iter().flat_map(|group| group()).collect()
+}
+
+/// The paper's rig: limiting cases, exact properties, the two formulations.
+fn limits_and_invariants() -> Vec<Check> {
     let model = Model::new(&scenario::paper());
     let mut checks = peaks(&model);
     checks.extend([
@@ -47,25 +80,30 @@ pub fn run() -> Vec<Check> {
     checks
 }
 
+/// A check of one value.
 fn value(
-    name: &'static str,
-    compares: &'static str,
+    name: impl Into<String>,
+    compares: &str,
     unit: &'static str,
     expected: f64,
     computed: f64,
     tolerance: f64,
 ) -> Check {
     let difference = (computed / expected - 1.0).abs();
+    let (name, compares) = (name.into(), compares.into());
     Check { name, compares, unit, expected: Some(expected), computed: Some(computed), difference, tolerance }
 }
 
+/// A check of the largest of several differences; no difference at all is NaN, like a difference that is NaN.
 fn largest(
-    name: &'static str,
-    compares: &'static str,
-    differences: impl Iterator<Item = f64>,
+    name: impl Into<String>,
+    compares: &str,
+    differences: impl IntoIterator<Item = f64>,
     tolerance: f64,
 ) -> Check {
-    let difference = differences.fold(0.0, |m: f64, d| if d.is_nan() { d } else { m.max(d) });
+    let worse = |m: f64, d: f64| if m.is_nan() || d.is_nan() { f64::NAN } else { m.max(d) };
+    let difference = differences.into_iter().reduce(worse).unwrap_or(f64::NAN);
+    let (name, compares) = (name.into(), compares.into());
     Check { name, compares, unit: "1", expected: None, computed: None, difference, tolerance }
 }
 

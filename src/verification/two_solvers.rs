@@ -1,0 +1,101 @@
+//! The periodic solver against plain time integration, over the points of a report.
+
+use super::{Check, largest};
+use crate::model::contact::Problem;
+use crate::model::{Model, Operation};
+use crate::scenario::Formulation;
+use crate::solver::analytic::wrap;
+use crate::solver::time::{Plan, integrate};
+use crate::solver::{Method, Status, SteadyState};
+use crate::sweep::{Outcome, at_condition};
+use rayon::prelude::*;
+
+/// Most points compared of one scenario.
+const POINTS: usize = 6;
+/// Error of the time integration at these steps is of the order of 1e-6.
+const PLAN: Plan = Plan { steps: 4000, cycles: 400, settled: 1e-8, window: 1 };
+
+/// A point solved both ways.
+struct Compared {
+    place: String,
+    continuum: bool,
+    /// Relative difference in amplitude or difference in phase \[rad\], whichever is larger; `None` where the time
+    /// integration did not settle.
+    difference: Option<f64>,
+}
+
+/// The numerical part of the error budget: the largest difference of the two solvers over a sample of the points of all
+/// scenarios, a check for contacts of one slider and one for those of a continuum, each where there are such points.
+/// The time integration shares only the statement of the laws with the periodic solver.
+pub fn numerical_error(outcomes: &[Outcome]) -> Vec<Check> {
+    let sample: Vec<_> = outcomes.iter().flat_map(|o| sample(o).into_iter().map(move |(c, f)| (o, c, f))).collect();
+    let compared: Vec<Compared> = sample.par_iter().map(|&(outcome, c, f)| compare(outcome, c, f)).collect();
+    let (continua, single): (Vec<_>, Vec<_>) = compared.into_iter().partition(|point| point.continuum);
+    // The fixed steps of the time integration do not stop at the events of the many sliders of a continuum.
+    let checks = [("Two solvers", single, 1e-5), ("Two solvers, continua of sliders", continua, 1e-4)];
+    checks.into_iter().filter_map(|(name, points, tolerance)| check(name, &points, tolerance)).collect()
+}
+
+fn check(name: &str, points: &[Compared], tolerance: f64) -> Option<Check> {
+    let settled = points.iter().filter_map(|point| Some((point.difference?, &point.place)));
+    // NaN, which never holds, is the largest of all.
+    let (_, place) = settled.clone().max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))?;
+    let count = settled.clone().count();
+    let unsettled = match points.len() - count {
+        0 => String::new(),
+        n => format!("; {n} more did not settle in {} cycles of it", PLAN.cycles),
+    };
+    let compares = format!(
+        "periodic solver against time integration in {} steps a cycle, alpha and phi at {count} points, up to {POINTS} \
+         of each scenario{unsettled}; the largest difference is at {place}",
+        PLAN.steps
+    );
+    Some(largest(name, &compares, settled.map(|(difference, _)| difference), tolerance))
+}
+
+/// Indices (curve, frequency) of points spread over the steady states of the periodic solver.
+fn sample(outcome: &Outcome) -> Vec<(usize, usize)> {
+    let of_solver = |state: &SteadyState| state.status == Status::Steady && state.method != Method::TimeIntegration;
+    let curves = outcome
+        .curves
+        .iter()
+        .enumerate()
+        .filter(|(_, curve)| curve.condition.formulation == Formulation::Series && curve.condition.load > 0.0);
+    let points: Vec<(usize, usize)> = curves
+        .flat_map(|(c, curve)| (0..curve.states.len()).filter(|&f| of_solver(&curve.states[f])).map(move |f| (c, f)))
+        .collect();
+    // One in each of as many equal parts, at shares of the part that do not repeat, so that curves of one length are not
+    // always met at the same frequencies.
+    let count = points.len().min(POINTS);
+    let share = |i: usize| (i as f64 + (0.5 + 0.618 * i as f64).fract()) / count as f64;
+    let mut sample: Vec<_> = (0..count).map(|i| points[(share(i) * points.len() as f64) as usize]).collect();
+    sample.dedup();
+    sample
+}
+
+fn compare(outcome: &Outcome, c: usize, f: usize) -> Compared {
+    let curve = &outcome.curves[c];
+    let (condition, frequency, state) = (&curve.condition, curve.frequency[f], &curve.states[f]);
+    let at = Operation { speed: condition.speed, load: condition.load, drive: condition.drive, frequency };
+    let problem = Problem::new(&at_condition(&Model::new(&outcome.scenario), condition), &at);
+    let sliders = problem.sliders();
+    let found = integrate(&sliders, &PLAN);
+    let lumps = &problem.lumps;
+    let (re, im) = lumps.free_response();
+    let (re, im) = (re.value + found.fundamental.0, im.value + found.fundamental.1);
+    let amplitude = re.hypot(im) * lumps.amplitude_gain.value / state.amplitude - 1.0;
+    let phase = wrap(im.atan2(re) + lumps.phase_offset.value - state.phase);
+    let difference = if amplitude.is_nan() { amplitude } else { amplitude.abs().max(phase.abs()) };
+    Compared {
+        place: format!(
+            "{}, V = {:.4} mm/s, W = {} N, u0 = {:.3} µm, mu = {}, f = {frequency:.2} Hz",
+            outcome.scenario.id,
+            at.speed * 1e3,
+            at.load,
+            at.drive * 1e6,
+            condition.friction
+        ),
+        continuum: problem.continuum().is_some(),
+        difference: found.periodic.then_some(difference),
+    }
+}
