@@ -9,10 +9,12 @@
 //! * [`model`] - rig, contact and effects assembled; no numerics.
 //! * [`solver`] - knows no physics: closed forms, Euler procedure, shooting.
 //! * [`sweep`] - rayon over cases, input order preserved, progress.
+//! * [`atlas`] - what each effect of the registry does to resonance curves, by strength.
 //! * [`verification`] - numbers that prove the solvers in every run.
 //! * [`claims`] - the ledger of published statements, each computed and judged.
 //! * [`figures`] - outcome in, SVG, PNG and CSV out; never simulates.
 //! * [`report`] - serialisable views, rendered as HTML and written as JSON.
+pub mod atlas;
 pub mod claims;
 pub mod cli;
 pub mod effects;

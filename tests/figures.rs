@@ -1,9 +1,11 @@
 //! Structure of the figures, on synthetic outcomes: everything draws, nothing overlaps, the numbers are right.
 
+#[path = "figures/layout.rs"]
+mod layout;
 #[path = "figures/synthetic.rs"]
 mod synthetic;
 
-use resvg::usvg::{Group, Node, Rect, Tree};
+use layout::check_layout;
 use stickslip::figures::{self, Drawing, FigureError, data};
 use stickslip::scenario::Formulation;
 use stickslip::solver::Status;
@@ -12,39 +14,6 @@ use synthetic::{Axes, DRIVE, RIG, closed, outcome, suited};
 
 fn draw(name: &str, outcome: &Outcome) -> Drawing {
     figures::find(name).unwrap().draw(outcome).unwrap_or_else(|error| panic!("{name}: {error}"))
-}
-
-fn texts(group: &Group, found: &mut Vec<(String, Rect)>) {
-    for node in group.children() {
-        match node {
-            Node::Group(group) => texts(group, found),
-            Node::Text(text) => {
-                let words = text.chunks().iter().map(|chunk| chunk.text()).collect();
-                found.push((words, text.abs_bounding_box()));
-            }
-            _ => {}
-        }
-    }
-}
-
-/// Every text lies on the canvas and none touches another.
-fn check_layout(drawing: &Drawing) {
-    let tree = Tree::from_str(&drawing.svg, &figures::style::options()).unwrap();
-    let mut found = Vec::new();
-    texts(tree.root(), &mut found);
-    assert!(found.len() > 5, "{}: only {} texts", drawing.name, found.len());
-    for (i, (text, a)) in found.iter().enumerate() {
-        let inside =
-            a.left() >= 0.0 && a.top() >= 0.0 && a.right() <= tree.size().width() && a.bottom() <= tree.size().height();
-        assert!(inside, "{}: `{text}` leaves the canvas: {a:?}", drawing.name);
-        for (other, b) in &found[i + 1..] {
-            let apart = a.right() < b.left() + 0.5
-                || b.right() < a.left() + 0.5
-                || a.bottom() < b.top() + 2.5
-                || b.bottom() < a.top() + 2.5;
-            assert!(apart, "{}: `{text}` {a:?} overlaps `{other}` {b:?}", drawing.name);
-        }
-    }
 }
 
 fn rows(drawing: &Drawing) -> Vec<Vec<String>> {

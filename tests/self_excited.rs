@@ -80,3 +80,38 @@ fn every_point_over_the_catalogue_ends_in_a_number_or_in_words() {
     assert!(integrated * 50 < steady_points, "{integrated} of {steady_points} needed the time integration");
     assert!(failed <= 2, "{failed} points have no answer");
 }
+
+#[test]
+fn a_hardening_arm_has_two_states_between_its_folds_and_both_are_found() {
+    use stickslip::scenario::{EffectSetting, Sweep};
+    let mut scenario = stickslip::scenario::paper();
+    // A lightly damped arm in full slip under hardly any load.
+    scenario.rig.torsional_damping = 0.02;
+    scenario.rig.spring_damping = 0.0;
+    scenario.effects = vec![EffectSetting { name: "cubic-stiffness".into(), parameters: vec![2e10] }];
+    scenario.sweep = Some(Sweep {
+        frequency: (0..=60).map(|i| 70.0 + 0.1 * i as f64).collect(),
+        speed: vec![0.5],
+        load: vec![1e-9],
+        drive: vec![2.5e-6],
+        friction: vec![0.5],
+        formulation: vec![Series],
+        euler_steps: vec![1000],
+    });
+    let outcome = stickslip::sweep::run(&scenario, &stickslip::sweep::Options::default()).unwrap();
+    let curve = &outcome.curves[0];
+    let two: Vec<usize> = (0..curve.frequency.len()).filter(|&i| curve.down[i].is_some()).collect();
+    assert!(two.len() > 3, "{two:?}");
+    // One stretch without gaps, in which the upward sweep rides on the higher branch and both are stable.
+    assert_eq!(two.last().unwrap() - two[0] + 1, two.len());
+    for &i in &two {
+        let down = curve.down[i].as_ref().unwrap();
+        assert!(curve.states[i].amplitude > 1.2 * down.amplitude);
+        assert_eq!((&curve.states[i].status, &down.status), (&Status::Steady, &Status::Steady));
+    }
+    // The upper branch ends near the backbone w^2 = (K + 3/4 K3 alpha^2)/J.
+    let last = *two.last().unwrap();
+    let alpha = curve.states[last].amplitude;
+    let backbone = ((1018.8 + 0.75 * 2e10 * alpha * alpha) / 0.005f64).sqrt() / std::f64::consts::TAU;
+    assert!((curve.frequency[last] - backbone).abs() < 0.4, "{} {backbone}", curve.frequency[last]);
+}

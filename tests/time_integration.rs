@@ -55,7 +55,7 @@ fn every_effect_agrees_to_1e_5_where_it_matters() {
         }
         let at = Operation { speed: v[0], load: v[1], drive: v[2], frequency: v[3] };
         // The fixed steps of the parallel elements do not stop at their events, and 25 elements take their time.
-        let (steps, allowed) = if c[0] == "partial-slip" { (1500, 1e-4) } else { (4000, 1e-5) };
+        let (steps, allowed) = if c[0] == "partial-slip" { (1000, 1e-4) } else { (4000, 1e-5) };
         let plan = Plan { steps, cycles: 4000, ..Plan::default() };
         let found = difference(&model_of(c[0], c[1]), &at, &plan);
         assert!(found < allowed, "{line}: {found:e}");
@@ -87,7 +87,7 @@ fn pairs_of_effects_agree() {
                 continue;
             }
             let at = Operation { speed, load, drive, frequency: 74.0 };
-            let (steps, allowed) = if one.0 == "partial-slip" { (1500, 2e-4) } else { (4000, 2e-5) };
+            let (steps, allowed) = if one.0 == "partial-slip" { (1000, 2e-4) } else { (4000, 2e-5) };
             let found = difference(&model, &at, &Plan { steps, cycles: 4000, ..Plan::default() });
             assert!(found < allowed, "{} + {} at {at:?}: {found:e}", one.0, other.0);
         }

@@ -29,6 +29,8 @@ pub fn execute(paths: &[PathBuf], out: &Path, global: &Global) -> Result<()> {
     clock.lap("figures");
     let claims = judge(&scenarios)?;
     clock.lap("claims");
+    let atlas = if of_paper(&scenarios).is_some() { simulate::atlas(&scenario::paper(), out)? } else { Vec::new() };
+    clock.lap("atlas");
     let mut checks = verification::run();
     checks.extend(verification::numerical_error(&outcomes));
     clock.lap("verification");
@@ -38,7 +40,7 @@ pub fn execute(paths: &[PathBuf], out: &Path, global: &Global) -> Result<()> {
     provenance.timings = clock.laps;
     let claims = claims.iter().map(claim_view).collect();
     let checks = checks.iter().map(check_view).collect();
-    let view = ReportView::assemble("stickslip report", claims, sections, checks, &provenance);
+    let view = ReportView::assemble("stickslip report", claims, sections, atlas, checks, &provenance);
     let page = report::render(&view).map_err(|why| Error::Unfinished(why.to_string()))?;
     let json = report::json(&view).map_err(|why| Error::Unfinished(why.to_string()))?;
     files::replace(&out.join("report.json"), json.as_bytes())?;
@@ -74,9 +76,14 @@ fn command(paths: &[PathBuf]) -> String {
     words.join(" ")
 }
 
+/// A scenario of the paper, where there is one: claims and atlas are for these.
+fn of_paper(scenarios: &[Scenario]) -> Option<&Scenario> {
+    scenarios.iter().find(|scenario| scenario.id.starts_with("paper/"))
+}
+
 /// The claims, where scenarios of the paper are among those reported.
 fn judge(scenarios: &[Scenario]) -> Result<Vec<Judged>> {
-    let Some(one) = scenarios.iter().find(|scenario| scenario.id.starts_with("paper/")) else { return Ok(Vec::new()) };
+    let Some(one) = of_paper(scenarios) else { return Ok(Vec::new()) };
     // The folder of the scenarios has its own ledger and rig, unless they are the ones in the binary.
     let beside =
         |name: &str| one.path.parent().and_then(Path::parent).map(|root| root.join(name)).filter(|p| p.is_file());

@@ -1,9 +1,10 @@
 //! From scenarios to outcomes, drawings and the files beside the report.
 
+use crate::atlas;
 use crate::error::{Error, Result};
 use crate::figures::{self, Drawing, Figure, FigureError};
 use crate::files;
-use crate::report::FigureInput;
+use crate::report::{self, EffectView, FigureInput};
 use crate::scenario::Scenario;
 use crate::sweep::{self, Outcome};
 use rayon::prelude::*;
@@ -80,6 +81,18 @@ pub fn figures(outcomes: &[Outcome], out: &Path) -> Result<Vec<Vec<FigureInput>>
     Ok(outcomes.iter().map(|o| drawn.by_ref().take(chosen(&o.scenario).len()).flatten().collect()).collect())
 }
 
+/// Draws the atlas of effects on the rig of `scenario` and writes it below `out`; the sections of the report.
+pub fn atlas(scenario: &Scenario, out: &Path) -> Result<Vec<EffectView>> {
+    let entries = atlas::run(scenario);
+    let drawn = entries.par_iter().map(|entry| {
+        go_on()?;
+        let drawing = figures::atlas::draw(entry).map_err(|why| Error::Unfinished(why.to_string()))?;
+        Ok(report::effect_view(entry.effect, &write(drawing, "atlas", out)?))
+    });
+    drawn.collect()
+}
+
+/// Writes the three files of a drawing into the folder `id` below `out`.
 fn write(drawing: Drawing, id: &str, out: &Path) -> Result<FigureInput> {
     let png = figures::png(&drawing.svg, PNG_SCALE).map_err(|why| Error::Unfinished(why.to_string()))?;
     let contents = [("svg", drawing.svg.as_bytes()), ("png", &png), ("csv", drawing.csv.as_bytes())];
@@ -97,15 +110,19 @@ fn write(drawing: Drawing, id: &str, out: &Path) -> Result<FigureInput> {
 fn curves(outcome: &Outcome) -> String {
     let mut text = String::from(
         "formulation,euler_steps,drive_m,load_n,friction,speed_m_s,frequency_hz,amplitude_rad,phase_rad,mean_rad,\
-         speed_amplitude_m_s,stick_fraction,force_minimum_n,force_maximum_n,cycles,periodicity_error,status\n",
+         speed_amplitude_m_s,stick_fraction,force_minimum_n,force_maximum_n,cycles,periodicity_error,status,branch\n",
     );
     for curve in &outcome.curves {
         let c = &curve.condition;
         let formulation = crate::report::formulation(c.formulation);
-        for (f, s) in curve.frequency.iter().zip(&curve.states) {
+        let up = curve.frequency.iter().zip(&curve.states).map(|(f, s)| (f, s, "up"));
+        let down = curve.frequency.iter().zip(&curve.down).filter_map(|(f, s)| s.as_ref().map(|s| (f, s, "down")));
+        for (f, s, branch) in up.chain(down) {
+            // A curve without a second branch has none to name.
+            let branch = if curve.down.is_empty() { "" } else { branch };
             let status = s.status.word();
             text += &format!(
-                "{formulation},{},{:e},{},{},{:e},{f},{:.9e},{:.9},{:.9e},{:.9e},{:.6},{:.9e},{:.9e},{},{:.1e},{status}\n",
+                "{formulation},{},{:e},{},{},{:e},{f},{:.9e},{:.9},{:.9e},{:.9e},{:.6},{:.9e},{:.9e},{},{:.1e},{status},{branch}\n",
                 c.euler_steps,
                 c.drive,
                 c.load,

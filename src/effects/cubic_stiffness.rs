@@ -29,7 +29,7 @@ impl Effect for CubicStiffness {
     fn fingerprint(&self) -> &'static str {
         "V = 0: nothing, since there is no mean deflection. Partial stick and full slip: the resonance moves by \
          about 3K₃θ₀²/K of the stiffness, up for K₃ > 0, in proportion to the square of load and friction and \
-         equally at every V; the height changes little."
+         equally at every V; the height falls a little as the peak moves up."
     }
     fn zero(&self) -> &'static [Zero] {
         &[Zero { parameter: 0, value: 0.0 }]

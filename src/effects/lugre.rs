@@ -30,10 +30,11 @@ impl Effect for LuGre {
          TOR-0158 (1968)."
     }
     fn fingerprint(&self) -> &'static str {
-        "V = 0: like static contact, with the damping σ₂ added, softer at low loads. Partial stick: the \
-         transition happens over a travel instead of at a force, and the arm may slide where the base would \
-         stick. Full slip: only σ₂ b² is left of it, a lower peak at the same frequency and a mean angle that \
-         grows with V."
+        "V = 0: like static contact, with the damping σ₂ added; at low loads more damped, with a phase that lags \
+         earlier. Partial stick: the transition happens over a travel instead of at a force, and the arm may \
+         slide where the base would stick; with the published rig the peak is taller and nearer to static contact \
+         even at σ₂ = 0. Full slip: only σ₂ b² is left of it, a lower peak at the same frequency and a mean angle \
+         that grows with V."
     }
     fn zero(&self) -> &'static [Zero] {
         &[]

@@ -28,10 +28,10 @@ impl Effect for NormalCoupling {
         "Specification: the linear law of a contact whose geometry ties the load to the displacement."
     }
     fn fingerprint(&self) -> &'static str {
-        "V = 0: shifts the threshold of slip in the two directions, visible at low loads only. Partial stick: the \
-         peak moves a little, in the same direction as in full slip. Full slip: the friction force follows the \
-         angle like a spring of μ kₙ b², so the peak moves down (kₙ > 0) or up (kₙ < 0) as a whole, without \
-         damping, and equally at every speed and load."
+        "V = 0: shifts the threshold of slip in the two directions, of which little is left over a cycle even at low \
+         loads. Partial stick: the peak changes in height rather than in place, lower for kₙ > 0, taller for \
+         kₙ < 0. Full slip: the friction force follows the angle like a spring of μ kₙ b², so the peak moves down \
+         (kₙ > 0) or up (kₙ < 0) as a whole, without damping, and equally at every speed and load."
     }
     fn zero(&self) -> &'static [Zero] {
         &[Zero { parameter: 0, value: 0.0 }]

@@ -30,7 +30,8 @@ impl Effect for PartialSlip {
          Contact Mechanics and Friction (2015)."
     }
     fn fingerprint(&self) -> &'static str {
-        "V = 0: softer and more damped, the more the stroke approaches xₘ; with the published rig that takes \
+        "V = 0: softer, the more the stroke approaches xₘ, and more damped as long as the base still sticks; \
+         where the base slips already, a taller peak at a lower frequency. With the published rig that takes \
          loads near 0.1 N. Partial stick: a rounder transition, visible only where the stroke is comparable with \
          xₘ. Full slip: nothing."
     }

@@ -3,6 +3,7 @@
 //! One file per figure: a pure function extracts what is shown, another draws it. [`style`] holds everything they look
 //! alike in, [`canvas`] a thin layer over plotters, [`axes`] panels and ticks on its coordinates, [`data`] selections.
 
+pub mod atlas;
 pub mod axes;
 pub mod canvas;
 pub mod clip;

@@ -64,6 +64,9 @@ impl<'a> Data<'a> {
         if states.any(|state| data::status_word(&state.status) == "self-excited") {
             entries.push((Key::Mark(Mark::Circle, INK, false), "self-excited".into()));
         }
+        if self.scheme.curves.iter().any(|styled| styled.curve.down.iter().any(Option::is_some)) {
+            entries.push((Key::Mark(Mark::Triangle, INK, false), "sweeping down".into()));
+        }
         entries
     }
 
@@ -106,6 +109,10 @@ impl<'a> Data<'a> {
                 draw_curve(&lower, canvas, styled.curve, styled.stroke, dots);
                 let open = data::self_excited(styled.curve, |s| self.phase(s.phase));
                 lower.marks(canvas, &open, Mark::Circle, 4.0, styled.stroke.color, false);
+                let down = |of: &dyn Fn(&SteadyState) -> f64| -> Vec<Point> { other_branch(styled.curve, of) };
+                let (a, p) = (down(&|s| self.unit.of(s.amplitude)), down(&|s| self.phase(s.phase)));
+                upper.marks(canvas, &a, Mark::Triangle, 4.0, styled.stroke.color, false);
+                lower.marks(canvas, &p, Mark::Triangle, 4.0, styled.stroke.color, false);
             }
             legend(canvas, upper.right() + 30.0, 20.0, &entries);
         })
@@ -120,6 +127,13 @@ impl<'a> Data<'a> {
                 let [f, a, p] = numbers;
                 table.row([styled.label.clone(), f, a, p, data::status_word(&s.status).into()]);
             }
+            for (f, s) in styled.curve.frequency.iter().zip(&styled.curve.down) {
+                if let Some(s) = s {
+                    let [a, p] = [cell(self.unit.of(s.amplitude)), cell(self.phase(s.phase))];
+                    let status = format!("{}, sweeping down", data::status_word(&s.status));
+                    table.row([styled.label.clone(), cell(*f), a, p, status]);
+                }
+            }
         }
         for (limit, _) in &self.limits {
             let inside = |f: f64| (self.span.0 - 1e-9..=self.span.1 + 1e-9).contains(&f);
@@ -133,7 +147,13 @@ impl<'a> Data<'a> {
     }
 }
 
-fn phase_axis(phases: impl IntoIterator<Item = f64>) -> Axis {
+/// States that only a downward sweep finds.
+fn other_branch(curve: &Curve, of: &dyn Fn(&SteadyState) -> f64) -> Vec<Point> {
+    curve.frequency.iter().zip(&curve.down).filter_map(|(f, s)| s.as_ref().map(|s| (*f, of(s)))).collect()
+}
+
+/// An axis of phases in degrees with ticks at multiples of 45 or 15.
+pub(super) fn phase_axis(phases: impl IntoIterator<Item = f64>) -> Axis {
     let (low, high) = range(phases);
     let (low, high) = if low.is_finite() { (low, high) } else { (-180.0, 0.0) };
     let step = if high - low > 100.0 { 45.0 } else { 15.0 };
@@ -141,7 +161,8 @@ fn phase_axis(phases: impl IntoIterator<Item = f64>) -> Axis {
     Axis::linear("phase φ [°]", low, high.max(low + step)).step(step)
 }
 
-fn unbroken(points: &[Point]) -> Vec<&[Point]> {
+/// The points in runs without a jump of more than half a turn.
+pub(super) fn unbroken(points: &[Point]) -> Vec<&[Point]> {
     points.chunk_by(|a, b| (a.1 - b.1).abs() <= 180.0 || !a.1.is_finite() || !b.1.is_finite()).collect()
 }
 
@@ -184,11 +205,12 @@ impl Figure for Resonance {
         let count = data.scheme.curves.len();
         let (from, to) = range(curves.iter().flat_map(|curve| curve.frequency.iter().copied()));
         let caption = format!(
-            "Amplitude α and phase φ of the arm at the drive frequency, {count} computed curve{} from {} to {} Hz; wide and pale, the limiting cases.{peaks}{}{}",
+            "Amplitude α and phase φ of the arm at the drive frequency, {count} computed curve{} from {} to {} Hz; wide and pale, the limiting cases.{peaks}{}{}{}",
             if count == 1 { "" } else { "s" },
             cell(from),
             cell(to),
             coincidence(&curves, data.scheme.nested),
+            branches(&curves),
             health(&curves)
         );
         let alt = format!(
@@ -196,6 +218,14 @@ impl Figure for Resonance {
         );
         let svg = data.draw(self.title(), &alt)?;
         Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
+    }
+}
+
+/// What the caption says about frequencies with two steady states.
+fn branches(curves: &[&Curve]) -> String {
+    match curves.iter().flat_map(|curve| &curve.down).filter(|s| s.is_some()).count() {
+        0 => String::new(),
+        n => format!(" At {n} points a downward sweep ends in another state than an upward one (triangles)."),
     }
 }
 

@@ -73,4 +73,9 @@ impl Model {
             _ => return self.effects.iter_mut().flat_map(|(_, p)| p).nth(index - lumps::FIRST_EFFECT_PARAMETER),
         })
     }
+
+    /// Whether a torque of the arm itself is nonlinear, so that it may have several steady states.
+    pub fn may_fold(&self) -> bool {
+        self.effects.iter().any(|(effect, p)| effect.torque(p, 0.0, 0.0).is_some())
+    }
 }

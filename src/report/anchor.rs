@@ -26,6 +26,11 @@ pub fn figure(scenario_id: &str, name: &str) -> String {
     format!("figure-{}-{}", slug(scenario_id), slug(name))
 }
 
+/// Anchor of an effect of the atlas.
+pub fn effect(name: &str) -> String {
+    format!("effect-{}", slug(name))
+}
+
 /// Anchor of a claim.
 pub fn claim(id: &str) -> String {
     format!("claim-{}", slug(id))

@@ -6,6 +6,7 @@
 //! the program go in as they are, after [`svg::inline`] has found nothing but drawing in them.
 
 pub mod anchor;
+mod atlas;
 pub mod format;
 mod glossary;
 mod parameters;
@@ -18,6 +19,7 @@ pub mod svg;
 mod verdict;
 mod view;
 
+pub use atlas::effect_view;
 pub use glossary::glossary;
 pub use parameters::formulation;
 pub use provenance::{Provenance, SECTION as PROVENANCE_SECTION};
@@ -25,7 +27,7 @@ pub use render::{RenderError, json, render};
 pub use scenario::{FigureInput, scenario_view};
 pub use verdict::{Agreement, Completeness, Tone, Verdict};
 pub use view::{
-    AxisView, CheckView, ClaimView, CurveView, FigureView, FileView, Headline, InputView, LimitView, NoteView,
-    ParameterView, ProvenanceView, Quantity, ReportView, SCHEMA, ScenarioView, SummaryView, SymbolView, TallyView,
-    TimingView,
+    AxisView, CheckView, ClaimView, CurveView, EffectParameterView, EffectView, FigureView, FileView, Headline,
+    InputView, LimitView, NoteView, ParameterView, ProvenanceView, Quantity, ReportView, SCHEMA, ScenarioView,
+    SummaryView, SymbolView, TallyView, TimingView,
 };

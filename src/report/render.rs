@@ -19,6 +19,8 @@ const TEMPLATES: &[(&str, &str)] = &[
     ("summary.html.j2", include_str!("../../templates/partials/summary.html.j2")),
     ("claims.html.j2", include_str!("../../templates/partials/claims.html.j2")),
     ("scenario.html.j2", include_str!("../../templates/partials/scenario.html.j2")),
+    ("figure.html.j2", include_str!("../../templates/partials/figure.html.j2")),
+    ("atlas.html.j2", include_str!("../../templates/partials/atlas.html.j2")),
     ("verification.html.j2", include_str!("../../templates/partials/verification.html.j2")),
     ("symbols.html.j2", include_str!("../../templates/partials/symbols.html.j2")),
     ("provenance.html.j2", include_str!("../../templates/partials/provenance.html.j2")),
@@ -41,8 +43,9 @@ pub fn render(view: &ReportView) -> Result<String, RenderError> {
         let svg = svg::inline(&figure.svg, &format!("{}--", figure.anchor)).unwrap_or_default();
         (figure.anchor.clone(), Value::from_safe_string(svg))
     };
-    let drawings: BTreeMap<String, Value> =
-        view.scenarios.iter().flat_map(|scenario| &scenario.figures).map(drawing).collect();
+    let of_scenarios = view.scenarios.iter().flat_map(|scenario| &scenario.figures);
+    let of_effects = view.atlas.iter().map(|effect| &effect.figure);
+    let drawings: BTreeMap<String, Value> = of_scenarios.chain(of_effects).map(drawing).collect();
     let environment = environment()?;
     let page = environment.get_template("report.html.j2")?;
     Ok(page.render(context! { report => Value::from(Serde(view)), drawings => drawings })?)

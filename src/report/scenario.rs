@@ -67,7 +67,8 @@ pub fn scenario_view(outcome: &Outcome, figures: &[FigureInput]) -> ScenarioView
     }
 }
 
-fn figure(scenario_id: &str, input: &FigureInput) -> FigureView {
+/// A figure of the section `scenario_id`.
+pub(super) fn figure(scenario_id: &str, input: &FigureInput) -> FigureView {
     let anchor = anchor::figure(scenario_id, &input.name);
     let file = |name: &String| FileView {
         name: name.clone(),

@@ -4,10 +4,12 @@ use super::anchor::{self, Anchors};
 use super::glossary::glossary;
 use super::provenance::{Provenance, SECTION};
 use super::verdict::{Agreement, Completeness, Tone, Verdict};
-use super::view::{CheckView, ClaimView, Headline, ReportView, SCHEMA, ScenarioView, SummaryView, TallyView};
+use super::view::{
+    CheckView, ClaimView, EffectView, Headline, ReportView, SCHEMA, ScenarioView, SummaryView, TallyView,
+};
 
 /// Ids of the page's own sections.
-pub const SECTIONS: [&str; 7] = ["top", "content", "summary", "claims", "verification", "symbols", SECTION];
+pub const SECTIONS: [&str; 8] = ["top", "content", "summary", "claims", "atlas", "verification", "symbols", SECTION];
 
 const PAPER: &str = "The experiment of Nakano and others on the dynamic response of rubber in frictional contact (Frontiers in \
     Mechanical Engineering 5:9, 2019), simulated from its printed values. This page states what each published claim comes to when \
@@ -23,6 +25,7 @@ impl ReportView {
         title: &str,
         mut claims: Vec<ClaimView>,
         mut scenarios: Vec<ScenarioView>,
+        mut atlas: Vec<EffectView>,
         mut verification: Vec<CheckView>,
         provenance: &Provenance,
     ) -> Self {
@@ -35,6 +38,10 @@ impl ReportView {
             for figure in &mut scenario.figures {
                 figure.anchor = anchors.claim(&figure.anchor);
             }
+        }
+        for effect in &mut atlas {
+            effect.anchor = anchors.claim(&effect.anchor);
+            effect.figure.anchor = anchors.claim(&effect.figure.anchor);
         }
         for claim in &mut claims {
             claim.figure = claim.figure.take().filter(|figure| anchors.has(figure));
@@ -51,6 +58,7 @@ impl ReportView {
             provenance: provenance.view(&scenarios),
             claims,
             scenarios,
+            atlas,
             verification,
             glossary: glossary(),
         }

@@ -31,6 +31,8 @@ pub struct ReportView {
     pub claims: Vec<ClaimView>,
     /// One section per scenario.
     pub scenarios: Vec<ScenarioView>,
+    /// The atlas of effects, in the order of the catalogue; empty where it was not drawn.
+    pub atlas: Vec<EffectView>,
     /// The numbers that prove the solvers.
     pub verification: Vec<CheckView>,
     /// Symbols.
@@ -183,6 +185,46 @@ pub struct FigureView {
     /// The drawing, checked when the page is made. Not part of the JSON: it is among the files.
     #[serde(skip)]
     pub svg: String,
+}
+
+/// An effect of the catalogue and what it does to resonance curves.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EffectView {
+    /// Name in the registry.
+    pub name: String,
+    /// Stable id in the page.
+    pub anchor: String,
+    /// What it is called.
+    pub title: String,
+    /// Part of the experiment that it belongs to.
+    pub group: String,
+    /// The law.
+    pub equation: String,
+    /// What it is physically.
+    pub meaning: String,
+    /// Its parameters.
+    pub parameters: Vec<EffectParameterView>,
+    /// Where the base returns.
+    pub zero: String,
+    /// Where the law comes from.
+    pub source: String,
+    /// Curves against strength.
+    pub figure: FigureView,
+}
+
+/// A parameter of an effect.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EffectParameterView {
+    /// Key in a scenario file.
+    pub key: String,
+    /// Symbol.
+    pub symbol: String,
+    /// Meaning.
+    pub meaning: String,
+    /// SI unit in the notation of scenario files; `1` for pure numbers.
+    pub unit: String,
+    /// Magnitudes that a search covers.
+    pub range: String,
 }
 
 /// A labelled remark under a figure.

@@ -183,7 +183,9 @@ pub fn integrate(
         let weight = 2.0 * size / period;
         let mut through = [[[0.0; MAX_STATES]; MAX_STATES]; 3];
         for i in 0..3 {
-            multiply(n, &tangents[i], &cycle.monodromy, &mut through[i]);
+            // Of the inner stages only the first state is read.
+            let rows = if i == 2 { n } else { 1 };
+            multiply(rows, n, &tangents[i], &cycle.monodromy, &mut through[i]);
             // A = (2i/T) integral of z0 e^{-iwt}
             let (sine, cosine) = (stepper.forcing[i].sine, stepper.forcing[i].cosine);
             let w = weight * A[2][i];
@@ -261,8 +263,8 @@ fn identity() -> Matrix {
     std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }))
 }
 
-fn multiply(n: usize, a: &Matrix, b: &Matrix, out: &mut Matrix) {
-    for i in 0..n {
+fn multiply(rows: usize, n: usize, a: &Matrix, b: &Matrix, out: &mut Matrix) {
+    for i in 0..rows {
         for j in 0..n {
             out[i][j] = (0..n).map(|k| a[i][k] * b[k][j]).sum();
         }

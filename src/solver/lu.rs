@@ -10,12 +10,21 @@ pub const MAX_ORDER: usize = 3 * (crate::model::system::MAX_STATES + 1);
 pub struct Lu {
     order: usize,
     rows: Box<[[f64; MAX_ORDER]; MAX_ORDER]>,
+    columns: Box<[[f64; MAX_ORDER]; MAX_ORDER]>,
+    inverse: [f64; MAX_ORDER],
     pivots: [usize; MAX_ORDER],
 }
 
 impl Default for Lu {
     fn default() -> Self {
-        Self { order: 0, rows: Box::new([[0.0; MAX_ORDER]; MAX_ORDER]), pivots: [0; MAX_ORDER] }
+        let zero = [[0.0; MAX_ORDER]; MAX_ORDER];
+        Self {
+            order: 0,
+            rows: Box::new(zero),
+            columns: Box::new(zero),
+            inverse: [0.0; MAX_ORDER],
+            pivots: [0; MAX_ORDER],
+        }
     }
 }
 
@@ -37,12 +46,16 @@ impl Lu {
                 }
             }
             self.pivots[k] = best;
-            self.rows.swap(k, best);
+            if best != k {
+                let (upper, lower) = self.rows.split_at_mut(best);
+                upper[k][..n].swap_with_slice(&mut lower[0][..n]);
+            }
             let pivot = self.rows[k][k];
             if pivot.abs() < 1e-280 || !pivot.is_finite() {
                 return false;
             }
             let inverse = 1.0 / pivot;
+            self.inverse[k] = inverse;
             let (upper, lower) = self.rows.split_at_mut(k + 1);
             let top = &upper[k][k + 1..n];
             for row in lower[..n - k - 1].iter_mut() {
@@ -55,23 +68,63 @@ impl Lu {
                 }
             }
         }
+        // Columns side by side, for substitutions that update a whole column at once.
+        for k in 0..n {
+            for i in 0..n {
+                self.columns[k][i] = self.rows[i][k];
+            }
+        }
         true
     }
 
-    /// Solves in place.
+    /// Solves in place for one right side.
     pub fn solve(&self, b: &mut [f64]) {
         let n = self.order;
         let b = &mut b[..n];
         for k in 0..n {
             b.swap(k, self.pivots[k]);
         }
-        for k in 1..n {
-            let sum: f64 = self.rows[k][..k].iter().zip(b.iter()).map(|(l, x)| l * x).sum();
-            b[k] -= sum;
+        for k in 0..n {
+            let (done, rest) = b.split_at_mut(k + 1);
+            let x = done[k];
+            for (r, l) in rest.iter_mut().zip(&self.columns[k][k + 1..n]) {
+                *r -= x * l;
+            }
         }
         for k in (0..n).rev() {
-            let sum: f64 = self.rows[k][k + 1..n].iter().zip(&b[k + 1..]).map(|(u, x)| u * x).sum();
-            b[k] = (b[k] - sum) / self.rows[k][k];
+            let x = b[k] * self.inverse[k];
+            b[k] = x;
+            for (r, u) in b[..k].iter_mut().zip(&self.columns[k][..k]) {
+                *r -= x * u;
+            }
+        }
+    }
+
+    /// Solves in place for `W` right sides, the columns of `b`.
+    pub fn solve_block<const W: usize>(&self, b: &mut [[f64; W]]) {
+        let n = self.order;
+        for k in 0..n {
+            b.swap(k, self.pivots[k]);
+        }
+        for k in 1..n {
+            let (done, rest) = b.split_at_mut(k);
+            for (x, l) in done.iter().zip(&self.rows[k][..k]) {
+                for (r, x) in rest[0].iter_mut().zip(x) {
+                    *r -= l * x;
+                }
+            }
+        }
+        for k in (0..n).rev() {
+            let (rest, done) = b.split_at_mut(k + 1);
+            let row = &mut rest[k];
+            for (x, u) in done.iter().zip(&self.rows[k][k + 1..n]) {
+                for (r, x) in row.iter_mut().zip(x) {
+                    *r -= u * x;
+                }
+            }
+            for r in row {
+                *r *= self.inverse[k];
+            }
         }
     }
 }
@@ -93,6 +146,16 @@ mod tests {
         let mut b: Vec<f64> = a.iter().map(|row| row.iter().zip(&x).map(|(a, x)| a * x).sum()).collect();
         lu.solve(&mut b);
         assert!(b.iter().zip(&x).all(|(b, x)| (b - x).abs() < 1e-14));
+        let mut block: Vec<[f64; 2]> =
+            a.iter().map(|row| [row.iter().zip(&x).map(|(a, x)| a * x).sum(), row[1]]).collect();
+        lu.solve_block(&mut block);
+        assert!(
+            block
+                .iter()
+                .zip(x)
+                .zip([0.0, 1.0, 0.0])
+                .all(|((b, x), e)| (b[0] - x).abs() < 1e-14 && (b[1] - e).abs() < 1e-14)
+        );
         let matrix = lu.matrix(2);
         matrix[0][..2].copy_from_slice(&[1.0, 2.0]);
         matrix[1][..2].copy_from_slice(&[2.0, 4.0]);

@@ -10,7 +10,7 @@ pub mod shooting;
 mod steady;
 pub mod time;
 
-pub use steady::{Solution, Warm, orbit, solve};
+pub use steady::{Solution, Warm, orbit, solve, solve_periodic};
 
 /// Whether the point is a steady state, and if not, why.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]

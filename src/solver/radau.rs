@@ -5,7 +5,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::lu::{Lu, MAX_ORDER};
-use crate::model::system::{Evaluation, Forcing, HybridSystem, MAX_STATES, Mode, ParameterColumns};
+use crate::model::system::{Evaluation, Forcing, HybridSystem, MAX_COLUMNS, MAX_STATES, Mode, ParameterColumns};
 
 const SQRT6: f64 = 2.449_489_742_783_178;
 /// Nodes.
@@ -130,15 +130,17 @@ impl Stepper {
     pub fn tangent(&self, system: &dyn HybridSystem, out: &mut [[State; MAX_STATES]; 3]) {
         let n = system.states();
         let scales = system.scales();
-        for column in 0..n {
-            let mut rhs = [0.0; MAX_ORDER];
-            for i in 0..3 {
-                rhs[i * (n + 1) + column] = 1.0;
+        let mut rhs = [[0.0; MAX_STATES]; MAX_ORDER];
+        for i in 0..3 {
+            for column in 0..n {
+                rhs[i * (n + 1) + column][column] = 1.0;
             }
-            self.lu.solve(&mut rhs);
-            for i in 0..3 {
-                for row in 0..n {
-                    out[i][row][column] = rhs[i * (n + 1) + row] * scales[row] / scales[column];
+        }
+        self.lu.solve_block(&mut rhs);
+        for i in 0..3 {
+            for row in 0..n {
+                for column in 0..n {
+                    out[i][row][column] = rhs[i * (n + 1) + row][column] * scales[row] / scales[column];
                 }
             }
         }
@@ -159,19 +161,21 @@ impl Stepper {
         for i in 0..3 {
             system.parameter_columns(&self.forcing[i], &self.z[i], self.s[i], mode, &mut columns[i]);
         }
+        let mut rhs = [[0.0; MAX_COLUMNS]; MAX_ORDER];
         for column in 0..system.columns() {
-            let mut rhs = [0.0; MAX_ORDER];
             for i in 0..3 {
                 for j in 0..n {
                     let sum: f64 = (0..3).map(|k| A[i][k] * columns[k].f[column][j]).sum();
-                    rhs[i * (n + 1) + j] = h * sum / scales[j];
+                    rhs[i * (n + 1) + j][column] = h * sum / scales[j];
                 }
-                rhs[i * (n + 1) + n] = -columns[i].g[column];
+                rhs[i * (n + 1) + n][column] = -columns[i].g[column];
             }
-            self.lu.solve(&mut rhs);
+        }
+        self.lu.solve_block(&mut rhs);
+        for column in 0..system.columns() {
             for i in 0..3 {
                 for j in 0..n {
-                    out[i][column][j] = rhs[i * (n + 1) + j] * scales[j];
+                    out[i][column][j] = rhs[i * (n + 1) + j][column] * scales[j];
                 }
             }
         }

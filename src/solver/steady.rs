@@ -43,6 +43,33 @@ pub fn solve(
     derivatives: bool,
     warm: &mut Warm,
 ) -> Solution {
+    let with = Search { tolerance, derivatives, integrate: true };
+    search(model, at, euler_steps, &with, warm)
+}
+
+/// The periodic state, marked where it is unstable; where none is found the point fails at once, without the time
+/// integration by which [`solve`] averages either.
+pub fn solve_periodic(model: &Model, at: &Operation, tolerance: &Tolerance, warm: &mut Warm) -> SteadyState {
+    search(model, at, 0, &Search { tolerance, derivatives: false, integrate: false }, warm).state
+}
+
+/// How to look for a steady state.
+struct Search<'a> {
+    tolerance: &'a Tolerance,
+    derivatives: bool,
+    /// Whether to integrate in time where no periodic state was found.
+    integrate: bool,
+}
+
+impl Search<'_> {
+    /// Whether an unstable state is replaced by what a time integration gives; it has derivatives only as it is.
+    fn averages(&self) -> bool {
+        self.integrate && !self.derivatives
+    }
+}
+
+fn search(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_>, warm: &mut Warm) -> Solution {
+    let &Search { tolerance, derivatives, .. } = with;
     if at.load == 0.0 {
         return free(model, at, derivatives);
     }
@@ -57,13 +84,13 @@ pub fn solve(
         return closed_form(&problem.lumps, limit, derivatives);
     }
     if let Some(continuum) = problem.continuum() {
-        return parallel_state(model, at, &problem, &continuum, derivatives);
+        return parallel_state(model, at, &problem, &continuum, with);
     }
     let periodic = match shooting::solve(&problem, warm.0.as_ref(), tolerance) {
         Ok(periodic) => periodic,
         Err(why) => {
             warm.0 = None;
-            return without_periodic_state(&problem, &why, derivatives);
+            return without_periodic_state(&problem, &why, with);
         }
     };
     warm.0 = Some(periodic.start);
@@ -73,7 +100,7 @@ pub fn solve(
     let (true_amplitude, true_phase) = (re.hypot(im), im.atan2(re));
     let (amplitude, phase) = reading(lumps, true_amplitude, true_phase);
     let mut status = stability(periodic.multiplier);
-    if let (Status::SelfExcited(why), false) = (&status, derivatives) {
+    if let (Status::SelfExcited(why), true) = (&status, with.averages()) {
         return lock_in(&problem, why);
     }
     let gradient = derivatives.then(|| {
@@ -125,11 +152,11 @@ fn stability(multiplier: f64) -> Status {
 
 /// What there is where no periodic state was found: the contact that rests for ever, if its interface grows the stronger
 /// the longer it rests; otherwise what a time integration settles in, or its lock-in average. Without derivatives.
-fn without_periodic_state(problem: &Problem, why: &str, derivatives: bool) -> Solution {
+fn without_periodic_state(problem: &Problem, why: &str, with: &Search<'_>) -> Solution {
     if let Some(limit) = problem.locked_state() {
-        return closed_form(&problem.lumps, limit, derivatives);
+        return closed_form(&problem.lumps, limit, with.derivatives);
     }
-    lock_in(problem, why)
+    if with.integrate { lock_in(problem, why) } else { failed(why.into()) }
 }
 
 /// Time integration from the first guess: settled motion is a steady state, any other is averaged as a lock-in amplifier
@@ -175,14 +202,14 @@ fn parallel_state(
     at: &Operation,
     problem: &Problem,
     continuum: &Sliders,
-    derivatives: bool,
+    with: &Search<'_>,
 ) -> Solution {
     let found = match parallel::solve(continuum) {
         Ok(found) => found,
-        Err(why) => return without_periodic_state(problem, &why, derivatives),
+        Err(why) => return without_periodic_state(problem, &why, with),
     };
     let status = stability(found.multiplier);
-    if let (Status::SelfExcited(why), false) = (&status, derivatives) {
+    if let (Status::SelfExcited(why), true) = (&status, with.averages()) {
         return lock_in(problem, why);
     }
     let lumps = &problem.lumps;
@@ -202,7 +229,7 @@ fn parallel_state(
         status,
         method: Method::Shooting,
     };
-    let derivatives = derivatives.then(|| differences(model, at));
+    let derivatives = with.derivatives.then(|| differences(model, at));
     Solution { state, derivatives }
 }
 

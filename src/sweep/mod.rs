@@ -2,7 +2,7 @@
 
 mod run;
 
-pub use run::{Interrupted, Options, at_condition, conditions, limiting_oscillator, run};
+pub use run::{Interrupted, Options, at_condition, conditions, curve, limiting_oscillator, run};
 
 use crate::scenario::{Formulation, Scenario};
 use crate::solver::{Orbit, SteadyState};
@@ -33,6 +33,9 @@ pub struct Curve {
     pub frequency: Vec<f64>,
     /// One steady state per frequency.
     pub states: Vec<SteadyState>,
+    /// Where the arm has more than one steady state: what sweeping the frequency downwards finds, one entry per frequency,
+    /// `None` where it is the state in `states`, which were found sweeping upwards. Empty for arms that have but one.
+    pub down: Vec<Option<SteadyState>>,
     /// One orbit per frequency where orbits were asked for, otherwise empty.
     #[serde(skip)]
     pub orbits: Vec<Orbit>,

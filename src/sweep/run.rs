@@ -6,7 +6,7 @@ use crate::model::{Model, Operation};
 use crate::scenario::{Formulation, Scenario};
 use crate::solver::analytic::Oscillator;
 use crate::solver::cycle::Tolerance;
-use crate::solver::{Orbit, SteadyState, Warm, orbit, solve};
+use crate::solver::{Orbit, Status, SteadyState, Warm, orbit, solve, solve_periodic};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use std::io::IsTerminal;
@@ -17,6 +17,8 @@ use std::time::Instant;
 const CHUNK: usize = 26;
 /// Samples of an orbit.
 const ORBIT_SAMPLES: usize = 2000;
+/// Relative difference in amplitude from which on two states at one frequency are two.
+const DIFFERENT: f64 = 1e-4;
 /// Points of a closed-form curve.
 const LIMIT_POINTS: usize = 401;
 
@@ -64,43 +66,124 @@ pub fn run(scenario: &Scenario, options: &Options) -> Result<Outcome, Interrupte
     let conditions = conditions(scenario);
     let frequency = scenario.sweep.as_ref().map_or(&[][..], |sweep| &sweep.frequency);
     let bar = progress_bar(options, conditions.len() * frequency.len(), &scenario.id);
+    // An arm with several steady states is followed through the whole range, up and down.
+    let folds = model.may_fold();
+    let chunk = if folds { frequency.len().max(1) } else { CHUNK };
     let tasks: Vec<(&Condition, &[f64])> =
-        conditions.iter().flat_map(|c| frequency.chunks(CHUNK).map(move |chunk| (c, chunk))).collect();
-    let solved: Vec<Vec<(SteadyState, Option<Orbit>)>> = tasks
+        conditions.iter().flat_map(|c| frequency.chunks(chunk).map(move |part| (c, part))).collect();
+    let solved: Vec<Part> = tasks
         .par_iter()
-        .map(|(condition, chunk)| {
-            let model = at_condition(&model, condition);
-            let mut warm = Warm::default();
-            let mut out = Vec::with_capacity(chunk.len());
-            for &f in *chunk {
-                if options.cancel.is_some_and(|c| c.load(Ordering::Relaxed)) {
-                    return out;
-                }
-                let at =
-                    Operation { speed: condition.speed, load: condition.load, drive: condition.drive, frequency: f };
-                let tolerance = Tolerance::default();
-                let state = solve(&model, &at, condition.euler_steps, &tolerance, false, &mut warm).state;
-                let path = options.orbits.then(|| orbit(&model, &at, condition.euler_steps, &tolerance, ORBIT_SAMPLES));
-                out.push((state, path));
-                bar.inc(1);
-            }
-            out
+        .map(|(condition, frequencies)| {
+            let follow = Follow { model: at_condition(&model, condition), condition, options, bar: &bar };
+            let states = follow.solve(frequencies.iter().copied());
+            let down = if folds { follow.other_branch(frequencies, &states) } else { Vec::new() };
+            let orbits = if options.orbits { follow.orbits(frequencies) } else { Vec::new() };
+            Part { states, down, orbits }
         })
         .collect();
     bar.finish_and_clear();
     if options.cancel.is_some_and(|c| c.load(Ordering::Relaxed)) {
         return Err(Interrupted);
     }
-    let mut points = solved.into_iter().flatten();
+    let mut parts = solved.into_iter();
+    let per_curve = frequency.len().div_ceil(chunk);
     let curves = conditions
         .iter()
         .map(|&condition| {
-            let (states, orbits): (Vec<_>, Vec<_>) = points.by_ref().take(frequency.len()).unzip();
-            Curve { condition, frequency: frequency.to_vec(), states, orbits: orbits.into_iter().flatten().collect() }
+            let mut curve = Curve {
+                condition,
+                frequency: frequency.to_vec(),
+                states: Vec::new(),
+                down: Vec::new(),
+                orbits: Vec::new(),
+            };
+            for part in parts.by_ref().take(per_curve) {
+                curve.states.extend(part.states);
+                curve.down.extend(part.down);
+                curve.orbits.extend(part.orbits);
+            }
+            curve
         })
         .collect();
     let limits = limits(&model, scenario);
     Ok(Outcome { scenario: scenario.clone(), curves, limits, seconds: began.elapsed().as_secs_f64() })
+}
+
+/// The periodic states of one condition on the calling thread, each starting from its neighbour.
+///
+/// Points without one fail, and so do all that follow two of them in a row: the search is long where there is nothing.
+pub fn curve(model: &Model, condition: &Condition, frequency: &[f64]) -> Curve {
+    let model = at_condition(model, condition);
+    let (tolerance, mut warm) = (Tolerance::default(), Warm::default());
+    let mut states: Vec<SteadyState> = Vec::with_capacity(frequency.len());
+    for &f in frequency {
+        let lost = |state: &SteadyState| matches!(state.status, Status::Failed(_));
+        let state = match states.as_slice() {
+            [.., before, last] if lost(before) && lost(last) => last.clone(),
+            _ => solve_periodic(&model, &operation(condition, f), &tolerance, &mut warm),
+        };
+        states.push(state);
+    }
+    Curve { condition: *condition, frequency: frequency.to_vec(), states, down: Vec::new(), orbits: Vec::new() }
+}
+
+fn operation(condition: &Condition, frequency: f64) -> Operation {
+    Operation { speed: condition.speed, load: condition.load, drive: condition.drive, frequency }
+}
+
+/// A stretch of a curve.
+struct Part {
+    states: Vec<SteadyState>,
+    down: Vec<Option<SteadyState>>,
+    orbits: Vec<Orbit>,
+}
+
+/// Solves frequencies one after the other, each starting from its neighbour.
+struct Follow<'a> {
+    model: Model,
+    condition: &'a Condition,
+    options: &'a Options<'a>,
+    bar: &'a ProgressBar,
+}
+
+impl Follow<'_> {
+    fn stopped(&self) -> bool {
+        self.options.cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed))
+    }
+
+    fn at(&self, frequency: f64) -> Operation {
+        operation(self.condition, frequency)
+    }
+
+    /// The states, or fewer where the run was stopped.
+    fn solve(&self, frequencies: impl Iterator<Item = f64>) -> Vec<SteadyState> {
+        let mut warm = Warm::default();
+        let mut states = Vec::new();
+        for f in frequencies {
+            if self.stopped() {
+                break;
+            }
+            let (steps, tolerance) = (self.condition.euler_steps, Tolerance::default());
+            states.push(solve(&self.model, &self.at(f), steps, &tolerance, false, &mut warm).state);
+            self.bar.inc(1);
+        }
+        states
+    }
+
+    /// What sweeping downwards finds where it differs.
+    fn other_branch(&self, frequencies: &[f64], up: &[SteadyState]) -> Vec<Option<SteadyState>> {
+        self.bar.inc_length(frequencies.len() as u64);
+        let mut down = self.solve(frequencies.iter().rev().copied());
+        down.reverse();
+        let differs = |a: &SteadyState, b: &SteadyState| (a.amplitude / b.amplitude - 1.0).abs() > DIFFERENT;
+        down.into_iter().zip(up).map(|(down, up)| differs(&down, up).then_some(down)).collect()
+    }
+
+    fn orbits(&self, frequencies: &[f64]) -> Vec<Orbit> {
+        let (steps, tolerance) = (self.condition.euler_steps, Tolerance::default());
+        let wanted = frequencies.iter().take_while(|_| !self.stopped());
+        wanted.map(|&f| orbit(&self.model, &self.at(f), steps, &tolerance, ORBIT_SAMPLES)).collect()
+    }
 }
 
 /// The model of a scenario in one condition.

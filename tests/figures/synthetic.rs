@@ -151,7 +151,13 @@ pub fn outcome(axes: &Axes) -> Outcome {
                                 axes.frequency.iter().map(|f| state(&condition, *f)).collect();
                             let points = axes.frequency.iter().zip(&states).filter(|_| axes.orbits);
                             let orbits = points.map(|(f, s)| orbit(&condition, *f, s)).collect();
-                            curves.push(Curve { condition, frequency: axes.frequency.clone(), states, orbits });
+                            curves.push(Curve {
+                                condition,
+                                frequency: axes.frequency.clone(),
+                                states,
+                                down: Vec::new(),
+                                orbits,
+                            });
                         }
                     }
                 }

@@ -1,7 +1,7 @@
 //! A report with plausible content, built as the program builds it.
 
 use stickslip::report::{
-    Agreement, CheckView, ClaimView, FigureInput, Provenance, ReportView, Verdict, anchor, scenario_view,
+    Agreement, CheckView, ClaimView, FigureInput, Provenance, ReportView, Verdict, anchor, effect_view, scenario_view,
 };
 use stickslip::scenario::{Contact, EffectSetting, Formulation, Instrument, Rig, Scenario, Sweep};
 use stickslip::solver::{Method, Status, SteadyState};
@@ -83,6 +83,7 @@ pub fn outcome(scenario: Scenario, status: &Status) -> Outcome {
         },
         frequency: frequency.clone(),
         states: frequency.iter().map(|&f| state(f, index as f64 / 4.0)).collect(),
+        down: Vec::new(),
         orbits: Vec::new(),
     };
     let limit = |case, peak_frequency, peak_amplitude, speed_peak_frequency, speed_peak| LimitCurve {
@@ -256,5 +257,9 @@ pub fn report(title: &str) -> ReportView {
     ];
     let mut provenance = Provenance::fixed("stickslip report scenarios/paper");
     provenance.timings = vec![("paper/figure-6: sweep".into(), 0.42), ("figures".into(), 0.31)];
-    ReportView::assemble(title, claims(), scenarios, checks, &provenance)
+    let effect = |effect: &&'static dyn stickslip::effects::Effect| {
+        effect_view(*effect, &figure("atlas", effect.name(), effect.title()))
+    };
+    let atlas = stickslip::effects::REGISTRY.iter().map(effect).collect();
+    ReportView::assemble(title, claims(), scenarios, atlas, checks, &provenance)
 }

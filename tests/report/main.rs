@@ -103,7 +103,7 @@ fn things_of_the_same_name_keep_apart() {
     };
     let provenance = stickslip::report::Provenance::fixed("stickslip");
     let claims = [demo::claims(), demo::claims()].concat();
-    let view = ReportView::assemble(TITLE, claims, twice(view.scenarios), view.verification, &provenance);
+    let view = ReportView::assemble(TITLE, claims, twice(view.scenarios), view.atlas, view.verification, &provenance);
     let page = render(&view).unwrap();
     let ids = attributes(&page, "id");
     assert_eq!(ids.len(), ids.iter().collect::<BTreeSet<_>>().len());
@@ -164,6 +164,7 @@ fn the_json_can_be_read_back() {
     let mut view = demo::report(TITLE);
     let read: ReportView = serde_json::from_str(&json(&view).unwrap()).unwrap();
     view.scenarios.iter_mut().flat_map(|s| &mut s.figures).for_each(|figure| figure.svg.clear());
+    view.atlas.iter_mut().for_each(|effect| effect.figure.svg.clear());
     assert_eq!(read, view);
 }
 
@@ -191,8 +192,22 @@ fn failures_come_first() {
 #[test]
 fn a_view_of_nothing_is_still_a_page() {
     let provenance = stickslip::report::Provenance::fixed("stickslip");
-    let page = render(&ReportView::assemble("Nothing", vec![], vec![], vec![], &provenance)).unwrap();
+    let page = render(&ReportView::assemble("Nothing", vec![], vec![], vec![], vec![], &provenance)).unwrap();
     assert!(page.contains("Nothing was computed.") && !page.contains("href=\"#claims\""));
+}
+
+#[test]
+fn the_atlas_has_a_section_per_effect() {
+    let view = demo::report(TITLE);
+    let page = unescape(&render(&view).unwrap());
+    let at = |text: &str| page.find(text).unwrap_or_else(|| panic!("{text} is not in the page"));
+    assert!(at("<section id=\"atlas\"") < at("<section id=\"verification\""));
+    assert!(at("href=\"#atlas\"") < at("href=\"#verification\""));
+    assert_eq!(view.atlas.len(), stickslip::effects::REGISTRY.len());
+    for effect in &view.atlas {
+        assert!(at(&format!("href=\"#{}\"", effect.anchor)) < at(&format!("<div id=\"{}\"", effect.anchor)));
+        assert!(page.contains(&format!("href=\"atlas/{}.csv\"", effect.name)), "{}", effect.name);
+    }
 }
 
 /// Writes the page to look at: `REPORT_DEMO=/tmp/report-demo cargo test --test report demo_page`.
