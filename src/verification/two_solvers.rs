@@ -7,7 +7,7 @@ use crate::scenario::Formulation;
 use crate::solver::analytic::wrap;
 use crate::solver::time::{Plan, integrate};
 use crate::solver::{Method, Status, SteadyState};
-use crate::sweep::{Outcome, at_condition};
+use crate::sweep::{Curve, Outcome, at_condition};
 use rayon::prelude::*;
 
 /// Most points compared of one scenario.
@@ -53,8 +53,10 @@ fn check(name: &str, points: &[Compared], tolerance: f64) -> Option<Check> {
     Some(largest(name, &compares, settled.map(|(difference, _)| difference), tolerance))
 }
 
-/// Indices (curve, frequency) of points spread over the steady states of the periodic solver.
+/// Indices (curve, frequency) of points spread over the steady states of the periodic solver, those left out that have
+/// another branch on which the time integration may end.
 fn sample(outcome: &Outcome) -> Vec<(usize, usize)> {
+    let branches = |curve: &Curve, f: usize| matches!(curve.down.get(f), Some(Some(_)));
     let of_solver = |state: &SteadyState| state.status == Status::Steady && state.method != Method::TimeIntegration;
     let curves = outcome
         .curves
@@ -62,7 +64,9 @@ fn sample(outcome: &Outcome) -> Vec<(usize, usize)> {
         .enumerate()
         .filter(|(_, curve)| curve.condition.formulation == Formulation::Series && curve.condition.load > 0.0);
     let points: Vec<(usize, usize)> = curves
-        .flat_map(|(c, curve)| (0..curve.states.len()).filter(|&f| of_solver(&curve.states[f])).map(move |f| (c, f)))
+        .flat_map(|(c, curve)| {
+            (0..curve.states.len()).filter(|&f| of_solver(&curve.states[f]) && !branches(curve, f)).map(move |f| (c, f))
+        })
         .collect();
     // One in each of as many equal parts, at shares of the part that do not repeat, so that curves of one length are not
     // always met at the same frequencies.
