@@ -9,6 +9,8 @@ use crate::{files, verification};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+/// Title of the page.
+const TITLE: &str = "Rubber in frictional contact: model and experiment";
 /// Ledger and rig of the claims, below a scenarios folder.
 const LEDGER: &str = "paper/claims.toml";
 const RIG: &str = "paper/rig.toml";
@@ -40,7 +42,7 @@ pub fn execute(paths: &[PathBuf], out: &Path, global: &Global) -> Result<()> {
     provenance.timings = clock.laps;
     let claims = claims.iter().map(claim_view).collect();
     let checks = checks.iter().map(check_view).collect();
-    let view = ReportView::assemble("stickslip report", claims, sections, atlas, checks, &provenance);
+    let view = ReportView::assemble(TITLE, claims, sections, atlas, checks, &provenance);
     let page = report::render(&view).map_err(|why| Error::Unfinished(why.to_string()))?;
     let json = report::json(&view).map_err(|why| Error::Unfinished(why.to_string()))?;
     files::replace(&out.join("report.json"), json.as_bytes())?;
