@@ -33,7 +33,7 @@ pub const SHADE: Color = Color(0xdc, 0xe9, 0xf5);
 /// Static contact (Okabe and Ito's blue).
 pub const STATIC: Color = Color(0x00, 0x72, 0xb2);
 /// Full slip (Okabe and Ito's vermilion).
-pub const SLIP: Color = Color(0xd5, 0x5e, 0x00);
+pub const SLIP: Color = Color(0xcc, 0x2b, 0x1d);
 /// Roller and computed curve (Okabe and Ito's bluish green).
 pub const ROLLER: Color = Color(0x00, 0x8a, 0x63);
 
@@ -47,9 +47,9 @@ pub const DASH_BAND: Dash = Dash::Dashes(16.0, 5.0);
 /// Dash of the static-contact limit.
 pub const DASH_STATIC: Dash = Dash::Dashes(9.0, 5.0);
 /// Dash of the no-contact and full-slip limit.
-pub const DASH_SLIP: Dash = Dash::Dashes(3.0, 3.5);
+pub const DASH_SLIP: Dash = Dash::Dashes(6.0, 4.0);
 /// Dash of the roller's speed.
-pub const DASH_ROLLER: Dash = Dash::DashDots(14.0, 11.0);
+pub const DASH_ROLLER: Dash = Dash::Dashes(14.0, 5.0);
 /// Dots of guides and thresholds.
 pub const DOTS: Dash = Dash::Dashes(2.0, 3.0);
 /// Dashes of groups of curves, in the order in which they are given out.
