@@ -133,7 +133,7 @@ fn work_of_drive_and_roller_is_what_damping_bristles_and_slip_dissipate() {
                     dissipated += h * (lumps.damping.value * w * w + 26.0 * stretching * stretching + force * s);
                 }
             };
-            shooting::trace(&problem, &periodic.start, &tolerance, &mut add).unwrap();
+            shooting::trace(&problem, &periodic, &tolerance, &mut add).unwrap();
             assert!((supplied / dissipated - 1.0).abs() < 2e-6, "{operation:?}: {supplied:e} {dissipated:e}");
         }
     }

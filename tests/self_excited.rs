@@ -115,3 +115,25 @@ fn a_hardening_arm_has_two_states_between_its_folds_and_both_are_found() {
     let backbone = ((1018.8 + 0.75 * 2e10 * alpha * alpha) / 0.005f64).sqrt() / std::f64::consts::TAU;
     assert!((curve.frequency[last] - backbone).abs() < 0.4, "{} {backbone}", curve.frequency[last]);
 }
+
+#[test]
+fn steep_weakening_does_not_stick_where_the_slip_goes_on() {
+    // Both stick and slip are consistent with the states wherever N |dmu/ds| > cc: a cycle must go on as the last one ended.
+    for v_s in [5e-5, 1e-4, 3e-4, 5e-4] {
+        let state = steady(&with("stribeck", &[0.2, v_s]), &at(0.02, 71.0));
+        let free = steady(&paper_model(Series), &at(0.02, 71.0));
+        assert_eq!(state.status, Status::Steady, "{v_s}");
+        assert!((state.amplitude / free.amplitude - 1.0).abs() < 1e-6, "{v_s}: {:e}", state.amplitude);
+        assert_eq!(state.stick_fraction, 0.0);
+    }
+}
+
+#[test]
+fn no_steady_state_sticks_throughout_on_a_turning_roller() {
+    for (name, parameters) in [("stribeck", vec![0.2, 1e-4]), ("stribeck", vec![0.4, 1e-3]), ("grosch", vec![1.0, 1e-4, 0.5])] {
+        for speed in [2e-5, 5e-5, 1e-4] {
+            let state = steady(&with(name, &parameters), &at(speed, 71.0));
+            assert!(state.status != Status::Steady || state.stick_fraction < 0.999, "{name} {speed}: {state:?}");
+        }
+    }
+}

@@ -422,29 +422,50 @@ impl Problem {
         }
     }
 
+    /// By how much the bristles pull harder in direction `sign` than friction holds, at the slip rate `s >= 0`.
+    fn excess(&self, forcing: &Forcing, z: &[f64], sign: f64, s: f64) -> f64 {
+        let p = self.point(forcing, z, sign * s);
+        let (mu, ..) = self.friction(s, self.state(self.psi, z), self.state(self.heat, z));
+        sign * p.force - mu * p.normal
+    }
+
     /// Slip rate on the stable branch nearest to zero in direction `sign`, or None where the interface can stick.
     fn slip_root(&self, forcing: &Forcing, z: &[f64], sign: f64) -> Option<f64> {
-        // g(s) = sign (F - sign mu N): positive while the bristles pull harder than friction holds.
-        let excess = |s: f64| {
-            let p = self.point(forcing, z, sign * s);
-            let (mu, ..) = self.friction(s, self.state(self.psi, z), self.state(self.heat, z));
-            sign * p.force - mu * p.normal
-        };
-        if excess(0.0) < 0.0 {
+        if self.excess(forcing, z, sign, 0.0) < 0.0 {
             return None;
         }
-        let top = 1e3 * (self.slip_scale() + self.speed);
-        let (mut low, mut high) = (0.0, 1e-9 * self.slip_scale());
-        while excess(high) > 0.0 {
-            low = high;
-            high *= 1.5;
+        self.slip_root_above(forcing, z, sign, (0.0, 1e-9 * self.slip_scale()))
+    }
+
+    /// Slip rate on the stable branch nearest to `last` in direction `sign`, or None where there is none.
+    fn slip_root_near(&self, forcing: &Forcing, z: &[f64], sign: f64, last: f64) -> Option<f64> {
+        let last = last.max(1e-9 * self.slip_scale());
+        if self.excess(forcing, z, sign, last) > 0.0 {
+            return self.slip_root_above(forcing, z, sign, (last, 1.1 * last));
+        }
+        let (mut low, mut high) = (0.9 * last, last);
+        while self.excess(forcing, z, sign, low) <= 0.0 {
+            (low, high) = (0.9 * low, low);
+            if low < 1e-9 * self.slip_scale() {
+                return None;
+            }
+        }
+        self.slip_root_above(forcing, z, sign, (low, high))
+    }
+
+    /// Where the excess, positive at the lower end of the bracket, first vanishes at or above it.
+    fn slip_root_above(&self, forcing: &Forcing, z: &[f64], sign: f64, bracket: (f64, f64)) -> Option<f64> {
+        let (mut low, mut high) = bracket;
+        let top = 1e3 * (self.slip_scale() + self.speed) + high;
+        while self.excess(forcing, z, sign, high) > 0.0 {
+            (low, high) = (high, 1.5 * high);
             if high > top {
                 return Some(top);
             }
         }
-        for _ in 0..80 {
+        for _ in 0..60 {
             let middle = 0.5 * (low + high);
-            if excess(middle) > 0.0 { low = middle } else { high = middle }
+            if self.excess(forcing, z, sign, middle) > 0.0 { low = middle } else { high = middle }
         }
         Some(0.5 * (low + high))
     }
@@ -687,20 +708,35 @@ impl HybridSystem for Problem {
         })
     }
 
-    fn initial_mode(&self, forcing: &Forcing, z: &[f64]) -> (Mode, f64) {
+    fn enter(&self, forcing: &Forcing, z: &[f64], last: Option<(Mode, f64)>) -> (Mode, f64) {
         let p = self.point(forcing, z, 0.0);
         if self.rate_element {
             let flow = self.kc * z[self.x] / (p.mu * p.normal).max(1e-12 * self.force_scale());
             let mode = if p.v >= 0.0 { Mode::RateForward } else { Mode::RateBackward };
             return (mode, flow * p.v.abs());
         }
+        let slip = |sign: f64, s: f64| (if sign > 0.0 { Mode::SlipForward } else { Mode::SlipBackward }, sign * s);
         let limit = p.mu * p.normal;
         let slack = 1e-9 * self.force_scale();
-        let sign = p.force.signum();
-        if p.force.abs() > limit + slack || (self.instant_slip() && p.force.abs() > limit - slack && sign * p.v > 0.0) {
-            let mode = if sign > 0.0 { Mode::SlipForward } else { Mode::SlipBackward };
-            let s = if !self.instant_slip() { sign * self.slip_root(forcing, z, sign).unwrap_or(0.0) } else { p.v };
-            (mode, s)
+        let pull = p.force.signum();
+        if self.instant_slip() {
+            let slips = p.force.abs() > limit + slack || (p.force.abs() > limit - slack && pull * p.v > 0.0);
+            return if slips { (slip(pull, 0.0).0, p.v) } else { (Mode::Stick, 0.0) };
+        }
+        // Slip goes on where it can, also at forces at which a contact at rest would hold.
+        let going = match last {
+            Some((Mode::Stick, _)) => None,
+            Some((mode, s)) => Some((Self::sign(mode), s.abs())),
+            None if self.speed > 0.0 => Some((1.0, p.v.abs() + self.speed)),
+            None => None,
+        };
+        if let Some((sign, s)) = going {
+            if let Some(root) = self.slip_root_near(forcing, z, sign, s) {
+                return slip(sign, root);
+            }
+        }
+        if p.force.abs() > limit + slack {
+            slip(pull, self.slip_root(forcing, z, pull).unwrap_or(0.0))
         } else {
             (Mode::Stick, 0.0)
         }

@@ -99,8 +99,10 @@ pub trait HybridSystem {
     fn next_mode(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode) -> (Mode, f64);
     /// Moves states that the equations cannot hold onto the nearest that they can; returns the state that was moved.
     fn project(&self, forcing: &Forcing, z: &mut [f64]) -> Option<usize>;
-    /// A mode that is consistent with the states at time 0, with a first value of s.
-    fn initial_mode(&self, forcing: &Forcing, z: &[f64]) -> (Mode, f64);
+    /// The mode at time 0 with a first value of s: the branch that continues `last` (mode and s at the end of the cycle
+    /// before), or without one the branch that a cycle started in full motion would be on. Several branches can be
+    /// consistent with the same states, so that a periodic motion has to end on the one on which it started.
+    fn enter(&self, forcing: &Forcing, z: &[f64], last: Option<(Mode, f64)>) -> (Mode, f64);
     /// A first guess of the periodic state at time 0.
     fn initial_state(&self) -> [f64; MAX_STATES];
     /// States that a cycle without slip leaves undetermined, with the value they take from a start at rest.

@@ -52,6 +52,8 @@ pub struct Record<'a> {
 pub struct Cycle {
     /// States at the end.
     pub end: State,
+    /// Mode and algebraic unknown at the start and at the end.
+    pub branch: [(Mode, f64); 2],
     /// Derivative of `end` by the states at the start.
     pub monodromy: Matrix,
     /// Fundamental of state 0: complex A with z0 = Im(A e^{iwt}) + ... (real, imaginary).
@@ -81,10 +83,11 @@ pub struct ColumnDerivatives {
     pub fundamental: Vec<(f64, f64)>,
 }
 
-/// Integrates one period from `start`. Errors say where and why in words.
+/// Integrates one period from `start`, on the branch that continues `entry` ([`HybridSystem::enter`]). Errors say where and why in words.
 pub fn integrate(
     system: &dyn HybridSystem,
     start: &State,
+    entry: Option<(Mode, f64)>,
     tolerance: &Tolerance,
     with_columns: bool,
     mut recorder: Option<&mut dyn FnMut(&Record)>,
@@ -101,9 +104,11 @@ pub fn integrate(
     let mut stepper = Stepper::default();
     let (mut t, mut z, mut h) = (0.0, *start, largest);
     let moved = system.project(&system.forcing(0.0), &mut z);
-    let (mut mode, mut s) = system.initial_mode(&system.forcing(0.0), &z);
+    let entered = system.enter(&system.forcing(0.0), &z, entry);
+    let (mut mode, mut s) = entered;
     let mut cycle = Cycle {
         end: z,
+        branch: [entered; 2],
         monodromy: identity(),
         fundamental: (0.0, 0.0),
         fundamental_by_start: [(0.0, 0.0); MAX_STATES],
@@ -235,6 +240,7 @@ pub fn integrate(
         }
     }
     cycle.end = z;
+    cycle.branch[1] = (mode, s);
     cycle.columns = gather.map(|g| ColumnDerivatives { end: g.end, fundamental: g.fundamental });
     Ok(cycle)
 }

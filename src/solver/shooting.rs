@@ -5,14 +5,19 @@
 
 use super::cycle::{self, Cycle, Record, Tolerance};
 use super::radau::State;
-use crate::model::system::{HybridSystem, MAX_STATES};
+use crate::model::system::{HybridSystem, MAX_STATES, Mode};
 use nalgebra::{DMatrix, DVector};
+
+/// States at time 0 with the mode and the algebraic unknown there.
+pub type Start = (State, (Mode, f64));
 
 /// A periodic solution.
 #[derive(Debug, Clone)]
 pub struct Periodic {
     /// States at time 0.
     pub start: State,
+    /// Mode and algebraic unknown at time 0.
+    pub entry: (Mode, f64),
     /// The converged cycle.
     pub cycle: Cycle,
     /// Cycles integrated.
@@ -25,29 +30,34 @@ pub struct Periodic {
 
 /// Relative change over a cycle below which a solution counts as periodic.
 const PERIODIC: f64 = 1e-10;
+/// Relative difference of slip rates from which on two branches are two.
+const SAME_SLIP: f64 = 1e-5;
 /// Most cycles integrated in one search.
 const MAX_CYCLES: usize = 150;
 
 /// Finds the periodic solution from `guess` (or from the system's own first guess). Errors say why in words.
-pub fn solve(system: &dyn HybridSystem, guess: Option<&State>, tolerance: &Tolerance) -> Result<Periodic, String> {
+pub fn solve(system: &dyn HybridSystem, guess: Option<&Start>, tolerance: &Tolerance) -> Result<Periodic, String> {
     let n = system.states();
     let scales = system.scales();
-    let mut start = guess.copied().unwrap_or_else(|| system.initial_state());
+    let (mut start, mut entry) = match guess {
+        Some(guess) => (guess.0, Some(guess.1)),
+        None => (system.initial_state(), None),
+    };
     let mut best = f64::INFINITY;
     let mut cycles = 0;
     let mut march = 0;
     let mut next_march = 3;
     let mut warm = guess.is_some();
-    let mut sound: Option<State> = None;
+    let mut sound: Option<Start> = None;
     while cycles < MAX_CYCLES {
         cycles += 1;
-        let cycle = match cycle::integrate(system, &start, tolerance, false, None) {
+        let cycle = match cycle::integrate(system, &start, entry, tolerance, false, None) {
             Ok(cycle) => cycle,
             // A warm start that leads nowhere is dropped; a step of Newton's is taken back and the transient followed.
             Err(why) => {
-                start = match sound.take() {
-                    Some(end) => end,
-                    None if warm => system.initial_state(),
+                (start, entry) = match sound.take() {
+                    Some(end) => (end.0, Some(end.1)),
+                    None if warm => (system.initial_state(), None),
                     None => return Err(why),
                 };
                 warm = false;
@@ -57,7 +67,8 @@ pub fn solve(system: &dyn HybridSystem, guess: Option<&State>, tolerance: &Toler
                 continue;
             }
         };
-        sound = Some(cycle.end);
+        sound = Some((cycle.end, cycle.branch[1]));
+        entry = Some(cycle.branch[1]);
         // Where the transient has been followed into rest (shakedown), what the cycle leaves open stays where it came to rest.
         let settled = next_march > 3 && system.can_rest();
         let (mut residual, jacobian) = defect(system, &start, &cycle, settled);
@@ -67,9 +78,10 @@ pub fn solve(system: &dyn HybridSystem, guess: Option<&State>, tolerance: &Toler
         let size = residual.iter().take(n).fold(0.0f64, |m, r| m.max(r.abs()));
         // Large constant states, such as the stretch under a heavy load, are known to rounding only.
         let rounding = start.iter().zip(&scales).take(n).fold(0.0f64, |m, (z, scale)| m.max(z.abs() / scale));
-        if size < PERIODIC + 1e-15 * rounding {
+        let tolerated = PERIODIC + 1e-15 * rounding;
+        if size < tolerated && closes(system, &start, &cycle, tolerated) {
             let multiplier = largest_multiplier(system, &cycle);
-            return Ok(Periodic { start, cycle, cycles, residual: size, multiplier });
+            return Ok(Periodic { start, entry: cycle.branch[0], cycle, cycles, residual: size, multiplier });
         }
         if march == 0 && size > 0.9 * best {
             // Newton does not help here: follow the transient for some cycles, longer each time.
@@ -94,6 +106,17 @@ pub fn solve(system: &dyn HybridSystem, guess: Option<&State>, tolerance: &Toler
         }
     }
     Err(format!("no periodic state within {MAX_CYCLES} cycles"))
+}
+
+/// Whether a cycle ends on the branch on which it began, and, where it cannot be one of rest, in the states in which it began.
+fn closes(system: &dyn HybridSystem, start: &State, cycle: &Cycle, tolerated: f64) -> bool {
+    let [(first, before), (last, after)] = cycle.branch;
+    let scales = system.scales();
+    let states = system.can_rest()
+        || (0..system.states()).all(|i| (cycle.end[i] - start[i]).abs() < 10.0 * tolerated * scales[i]);
+    // Where a change of mode falls on the end of the cycle the slip rate tells.
+    states && (first == last || (before - after).abs() < SAME_SLIP * system.slip_scale())
+        && (before - after).abs() < SAME_SLIP * (system.slip_scale() + before.abs())
 }
 
 /// Defect of periodicity and its Jacobian; states that a cycle without slip leaves open take their value at rest.
@@ -151,7 +174,7 @@ pub fn column_derivatives(
 ) -> Result<Vec<(f64, f64)>, String> {
     let n = system.states();
     let scales = system.scales();
-    let cycle = cycle::integrate(system, &periodic.start, tolerance, true, None)?;
+    let cycle = cycle::integrate(system, &periodic.start, Some(periodic.entry), tolerance, true, None)?;
     let (_, jacobian) = defect(system, &periodic.start, &cycle, false);
     let columns = cycle.columns.as_ref().ok_or("no derivatives were gathered")?;
     let open = if cycle.stick_fraction > 1.0 - 1e-9 {
@@ -179,9 +202,9 @@ pub fn column_derivatives(
 /// Samples a periodic solution: calls back with every step of its cycle.
 pub fn trace(
     system: &dyn HybridSystem,
-    start: &State,
+    periodic: &Periodic,
     tolerance: &Tolerance,
     recorder: &mut dyn FnMut(&Record),
 ) -> Result<(), String> {
-    cycle::integrate(system, start, tolerance, false, Some(recorder)).map(|_| ())
+    cycle::integrate(system, &periodic.start, Some(periodic.entry), tolerance, false, Some(recorder)).map(|_| ())
 }

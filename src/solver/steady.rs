@@ -4,7 +4,7 @@ use super::analytic::wrap;
 use super::cycle::{Record, Tolerance};
 use super::paper_euler::{self, PaperContact};
 use super::radau::{State, Stepper};
-use super::{Method, Orbit, Status, SteadyState, parallel, shooting, shooting::Periodic, time};
+use super::{Method, Orbit, Status, SteadyState, parallel, shooting, shooting::Periodic, shooting::Start, time};
 use crate::model::contact::{LimitingState, Problem, Sliders};
 use crate::model::dual::{Dual, MAX_PARAMETERS};
 use crate::model::lumps::Lumps;
@@ -24,7 +24,7 @@ const RUNAWAY: f64 = 1e6;
 
 /// Start for the neighbouring point of a sweep.
 #[derive(Debug, Clone, Default)]
-pub struct Warm(Option<State>);
+pub struct Warm(Option<Start>);
 
 /// A steady state with what else the solver can tell of it.
 #[derive(Debug, Clone)]
@@ -97,7 +97,7 @@ fn search(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_>, 
             return without_periodic_state(&problem, &why, with);
         }
     };
-    warm.0 = Some(periodic.start);
+    warm.0 = Some((periodic.start, periodic.entry));
     let lumps = &problem.lumps;
     let (free_re, free_im) = lumps.free_response();
     let (re, im) = (free_re.value + periodic.cycle.fundamental.0, free_im.value + periodic.cycle.fundamental.1);
@@ -156,7 +156,7 @@ fn from_full_slip(model: &Model, at: &Operation, problem: &Problem, tolerance: &
     while speed > at.speed {
         speed = (SLOWER * speed).max(at.speed);
         let slower = Problem::new(model, &Operation { speed, ..*at });
-        last = Some(shooting::solve(&slower, last.as_ref().map(|p| &p.start), tolerance).ok()?);
+        last = Some(shooting::solve(&slower, last.as_ref().map(|p| (p.start, p.entry)).as_ref(), tolerance).ok()?);
     }
     last
 }
@@ -384,7 +384,7 @@ pub fn orbit(model: &Model, at: &Operation, euler_steps: usize, tolerance: &Tole
             orbit.force.push(force);
         }
     };
-    match shooting::trace(&problem, &periodic.start, tolerance, &mut record) {
+    match shooting::trace(&problem, &periodic, tolerance, &mut record) {
         Ok(()) => orbit,
         Err(_) => Orbit::default(),
     }

@@ -62,7 +62,9 @@ pub fn integrate(system: &dyn SliderSystem, plan: &Plan) -> Outcome {
         let reading = state.cycle();
         let change = (reading.fundamental.0 - before.0).hypot(reading.fundamental.1 - before.1) / scale;
         before = reading.fundamental;
-        calm = if change < plan.settled { calm + 1 } else { 0 };
+        // Bristles that stick to a turning roller are being wound up: they will slip, however quiet the cycle.
+        let winding = reading.stick_fraction > 1.0 - 1e-9 && !system.at_rest() && system.bristles()[2] == 0.0;
+        calm = if change < plan.settled && !winding { calm + 1 } else { 0 };
         last = Outcome { cycles: cycle, change, periodic: calm >= 3, ..reading };
         if last.periodic {
             return last;

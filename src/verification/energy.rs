@@ -94,6 +94,6 @@ fn works(model: &Model, at: &Operation) -> Option<Works> {
             sum.lost += h * (lumps.damping.value * w * w - resisting * w);
         }
     };
-    shooting::trace(&problem, &periodic.start, &tolerance, &mut add).ok()?;
+    shooting::trace(&problem, &periodic, &tolerance, &mut add).ok()?;
     Some(sum)
 }
