@@ -26,7 +26,7 @@ pub enum Error {
     #[error("error: {0}")]
     Unfinished(String),
     /// The user interrupted the work.
-    #[error("error: interrupted; what was finished before is kept")]
+    #[error("error: interrupted; files written before are whole")]
     Interrupted,
 }
 

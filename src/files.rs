@@ -5,6 +5,16 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 
+/// Creates a folder for results and tries to write there, before the work that fills it.
+///
+/// # Errors
+/// [`Error::Io`] where the operating system refuses.
+pub fn prepare(folder: &Path) -> Result<()> {
+    std::fs::create_dir_all(folder).map_err(Error::io("create the folder", folder))?;
+    tempfile::tempfile_in(folder).map_err(Error::io("write in", folder))?;
+    Ok(())
+}
+
 /// Writes a file that must not exist yet, with the folders above it.
 ///
 /// # Errors

@@ -130,7 +130,9 @@ fn steep_weakening_does_not_stick_where_the_slip_goes_on() {
 
 #[test]
 fn no_steady_state_sticks_throughout_on_a_turning_roller() {
-    for (name, parameters) in [("stribeck", vec![0.2, 1e-4]), ("stribeck", vec![0.4, 1e-3]), ("grosch", vec![1.0, 1e-4, 0.5])] {
+    for (name, parameters) in
+        [("stribeck", vec![0.2, 1e-4]), ("stribeck", vec![0.4, 1e-3]), ("grosch", vec![1.0, 1e-4, 0.5])]
+    {
         for speed in [2e-5, 5e-5, 1e-4] {
             let state = steady(&with(name, &parameters), &at(speed, 71.0));
             assert!(state.status != Status::Steady || state.stick_fraction < 0.999, "{name} {speed}: {state:?}");

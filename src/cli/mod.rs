@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
-/// Reproduces a published friction experiment, compares its model with measurements, and finds what is missing.
+/// Reproduces a published friction experiment: rubber on a vibrating arm, from sticking to sliding.
 #[derive(Debug, Parser)]
 #[command(version, about, long_about = None, after_help = EXIT_STATUS, disable_help_subcommand = true)]
 pub struct Cli {

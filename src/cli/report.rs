@@ -5,7 +5,7 @@ use crate::claims::{self, Judged, Relation};
 use crate::error::{Error, Result};
 use crate::report::{self, CheckView, ClaimView, Provenance, ReportView, Verdict, anchor, format};
 use crate::scenario::{self, Scenario};
-use crate::{files, verification};
+use crate::{figures, files, verification};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -17,13 +17,17 @@ const RIG: &str = "paper/rig.toml";
 
 /// Simulates the scenarios, draws, judges the claims, and writes `report.html` and `report.json` below `out`.
 pub fn execute(paths: &[PathBuf], out: &Path, global: &Global) -> Result<()> {
-    let scenarios = select::scenarios(paths)?;
+    let mut scenarios = select::scenarios(paths)?;
+    // In the order of the figures, then of the names.
+    scenarios.sort_by_key(|s| figures::names().iter().position(|name| s.figures.first().is_some_and(|f| f == name)));
     if scenarios.is_empty() {
         return Err(Error::Input(
             "error: no scenario to report on\n  = help: name a scenario file, or write one with `stickslip init`"
                 .into(),
         ));
     }
+    files::prepare(out)?;
+    select::warn_unused(&scenarios);
     let mut clock = Clock::start();
     let outcomes = scenarios.iter().map(|s| simulate::outcome(s, global.quiet)).collect::<Result<Vec<_>>>()?;
     clock.lap("sweeps");
@@ -51,7 +55,7 @@ pub fn execute(paths: &[PathBuf], out: &Path, global: &Global) -> Result<()> {
     for (part, seconds) in &provenance.timings {
         say(global, &format!("  {part}: {seconds:.2} s"));
     }
-    say(global, &format!("wrote {} and report.json", out.join("report.html").display()));
+    say(global, &format!("wrote {} and {}", out.join("report.html").display(), out.join("report.json").display()));
     Ok(())
 }
 
@@ -101,8 +105,8 @@ fn judge(scenarios: &[Scenario]) -> Result<Vec<Judged>> {
 fn claim_view(claim: &Judged) -> ClaimView {
     let show = |value: f64| number(value, claim.unit);
     let (expected, tolerance) = match claim.expected {
-        Relation::AtLeast(bound) => (format!("at least {}", show(bound)), format::NONE.into()),
-        Relation::AtMost(bound) => (format!("at most {}", show(bound)), format::NONE.into()),
+        Relation::AtLeast(bound) => (format!("at least {}", show(bound)), String::new()),
+        Relation::AtMost(bound) => (format!("at most {}", show(bound)), String::new()),
         Relation::Equal(value, tolerance) => (show(value), format!("± {}", show(tolerance))),
     };
     let mut note = claim.caveat.clone();

@@ -2,11 +2,20 @@
 
 use super::{Global, say, select, simulate};
 use crate::error::{Error, Result};
+use crate::files;
 use std::path::{Path, PathBuf};
 
 /// Simulates the scenario, writes its figures and `curves.csv` below `out`.
 pub fn execute(path: &Path, out: &Path, global: &Global) -> Result<()> {
+    if path.is_dir() {
+        return Err(Error::Input(format!(
+            "error: {} is a folder\n  = help: name one scenario file, or use `stickslip report {}`",
+            path.display(),
+            path.display()
+        )));
+    }
     let scenarios = select::scenarios(&[PathBuf::from(path)])?;
+    select::warn_unused(&scenarios);
     for scenario in &scenarios {
         if scenario.sweep.is_none() {
             return Err(Error::Input(format!(
@@ -14,6 +23,7 @@ pub fn execute(path: &Path, out: &Path, global: &Global) -> Result<()> {
                 scenario.path.display()
             )));
         }
+        files::prepare(out)?;
         let outcome = simulate::outcome(scenario, global.quiet)?;
         let figures = simulate::figures(std::slice::from_ref(&outcome), out)?;
         let folder = out.join(&scenario.id);

@@ -33,6 +33,13 @@ pub fn scenarios(paths: &[PathBuf]) -> Result<Vec<Scenario>> {
     Ok(good)
 }
 
+/// Says on standard error which parts of the scenarios this version reads but does not use.
+pub fn warn_unused(scenarios: &[Scenario]) {
+    for scenario in scenarios.iter().filter(|scenario| scenario.measurement.is_some()) {
+        eprintln!("warning: {}: [measurement] is checked but not compared with the model yet", scenario.path.display());
+    }
+}
+
 /// Each scenario of the arguments, or why it cannot be read.
 pub fn outcomes(paths: &[PathBuf]) -> Vec<Result<Scenario>> {
     if !paths.is_empty() {
@@ -40,6 +47,7 @@ pub fn outcomes(paths: &[PathBuf]) -> Vec<Result<Scenario>> {
     }
     let found = scenario::discover(Path::new("scenarios"));
     if found.is_empty() {
+        eprintln!("no scenarios/ here: the scenarios built into the program are used");
         return scenario::embedded_names().iter().map(|name| scenario::load_embedded(name)).collect();
     }
     found.iter().map(scenario::load).collect()

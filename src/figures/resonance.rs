@@ -196,9 +196,14 @@ impl Figure for Resonance {
         let of_drive = if drives > 1 { format!(" of the first of {drives} drives") } else { String::new() };
         let peaks = match data.limits.as_slice() {
             [(slip, _), (fixed, _)] => format!(
-                " The limiting cases{of_drive} peak at {} (full slip or no contact) and {} (static contact); look for how each computed curve leaves the one and nears the other.",
+                " The limiting cases{of_drive} peak at {} (full slip or no contact) and {} (static contact); look for how {}.",
                 peak_text((slip.peak_frequency, slip.peak_amplitude), &data.unit),
-                peak_text((fixed.peak_frequency, fixed.peak_amplitude), &data.unit)
+                peak_text((fixed.peak_frequency, fixed.peak_amplitude), &data.unit),
+                if outcome.scenario.effects.is_empty() {
+                    "each computed curve leaves the one and nears the other"
+                } else {
+                    "the effects of the scenario take the curves away from both"
+                }
             ),
             _ => String::new(),
         };

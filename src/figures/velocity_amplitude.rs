@@ -177,16 +177,23 @@ impl Figure for VelocityAmplitude {
                 notes.push((format!("f{} at V = {speed}", i + 1), format!("{root:.3} Hz")));
             }
         }
-        let mut caption = String::from(
-            "Amplitude bωα of the arm's speed at the contact against drive frequency. Where it stays below the roller's \
-             speed V the contact slips throughout and the computed curve lies on the full-slip case; where that case \
-             would exceed V (marks) the contact sticks for part of each cycle and the curve leaves it towards static contact.",
-        );
+        let mut caption = String::from("Amplitude bωα of the arm's speed at the contact against drive frequency.");
+        caption += if outcome.scenario.effects.is_empty() {
+            " Where it stays below the roller's speed V the contact slips throughout and the computed curve lies on the \
+             full-slip case; where that case would exceed V (marks) the contact sticks for part of each cycle and the \
+             curve leaves it towards static contact."
+        } else {
+            " The limiting cases are those of the contact without its effects; look for where the computed curve leaves \
+             them although V is above or below it."
+        };
         if let Some(slip) = data.slip() {
             let (v, f) = (unit.show(slip.speed_peak, 4), slip.speed_peak_frequency);
-            caption += &format!(
-                " Full slip peaks at {v} ({f:.2} Hz): a roller faster than that never lets the contact stick."
-            );
+            caption += &format!(" Full slip peaks at {v} ({f:.2} Hz)");
+            caption += if outcome.scenario.effects.is_empty() {
+                ": a roller faster than that never lets the contact stick."
+            } else {
+                "."
+            };
             notes.push(("Largest arm speed in full slip".into(), format!("{v} at {f:.2} Hz")));
         }
         if let [(curve, _)] = data.curves.as_slice()

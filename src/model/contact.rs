@@ -730,10 +730,10 @@ impl HybridSystem for Problem {
             None if self.speed > 0.0 => Some((1.0, p.v.abs() + self.speed)),
             None => None,
         };
-        if let Some((sign, s)) = going {
-            if let Some(root) = self.slip_root_near(forcing, z, sign, s) {
-                return slip(sign, root);
-            }
+        if let Some((sign, s)) = going
+            && let Some(root) = self.slip_root_near(forcing, z, sign, s)
+        {
+            return slip(sign, root);
         }
         if p.force.abs() > limit + slack {
             slip(pull, self.slip_root(forcing, z, pull).unwrap_or(0.0))

@@ -6,9 +6,12 @@ use super::glossary::meaning;
 use super::parameters::{formulation, parameters};
 use super::verdict::Completeness;
 use super::view::{AxisView, CurveView, FigureView, FileView, LimitView, NoteView, Quantity, ScenarioView};
+use crate::effects;
+use crate::scenario::EffectSetting;
 use crate::scenario::Formulation;
 use crate::solver::{Status, SteadyState};
 use crate::sweep::{Curve, LimitCurve, LimitingCase, Outcome};
+use crate::units;
 
 /// A drawing as it comes from the figures.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -29,6 +32,8 @@ pub struct FigureInput {
     pub files: Vec<String>,
 }
 
+/// Frequencies from which on a list of them is a curve with a peak.
+const CURVE: usize = 5;
 /// How many reasons of points that are not steady a section shows.
 const REASONS: usize = 4;
 
@@ -51,6 +56,7 @@ pub fn scenario_view(outcome: &Outcome, figures: &[FigureInput]) -> ScenarioView
         title: scenario.title.clone(),
         description: scenario.description.clone(),
         provenance: scenario.provenance.clone(),
+        effects: scenario.effects.iter().map(effect).collect(),
         status,
         points,
         steady: points - self_excited - failed,
@@ -87,6 +93,14 @@ pub(super) fn figure(scenario_id: &str, input: &FigureInput) -> FigureView {
     }
 }
 
+/// An effect with its parameters in one line.
+fn effect(setting: &EffectSetting) -> String {
+    let infos = effects::find(&setting.name).map_or(&[][..], |effect| effect.parameters());
+    let values = infos.iter().zip(&setting.parameters);
+    let values: Vec<String> = values.map(|(p, v)| format!("{} = {}", p.symbol, units::format(*v, p.unit))).collect();
+    format!("{} ({})", setting.name, values.join(", "))
+}
+
 fn curve(curve: &Curve) -> CurveView {
     let condition = &curve.condition;
     let count = |wanted: fn(&Status) -> bool| curve.states.iter().filter(|state| wanted(&state.status)).count();
@@ -94,7 +108,7 @@ fn curve(curve: &Curve) -> CurveView {
         .frequency
         .iter()
         .zip(&curve.states)
-        .filter(|(_, state)| state.amplitude.is_finite())
+        .filter(|(_, state)| state.amplitude.is_finite() && curve.frequency.len() >= CURVE)
         .max_by(|a, b| a.1.amplitude.total_cmp(&b.1.amplitude));
     let at_peak =
         |unit: &str, value: fn(&SteadyState) -> f64| peak.map_or(none(), |(_, state)| computed(value(state), unit));

@@ -88,21 +88,34 @@ fn tally<'a>(order: &[&str], found: impl Iterator<Item = &'a str>) -> Vec<TallyV
 }
 
 fn sentence(claims: &[ClaimView], scenarios: &[ScenarioView], checks: &[CheckView]) -> String {
-    let held = claims.iter().filter(|claim| matches!(claim.verdict, Verdict::Reproduced | Verdict::Caveat)).count();
     let points: usize = scenarios.iter().map(|scenario| scenario.points).sum();
     let steady: usize = scenarios.iter().map(|scenario| scenario.steady).sum();
     let agree = checks.iter().filter(|check| check.verdict == Agreement::Agrees).count();
     let mut parts = Vec::new();
     if !claims.is_empty() {
-        parts.push(format!("{held} of {} published claims are reproduced", claims.len()));
+        // The most agreeable verdict first here; the list below begins with the failures.
+        let counts = Verdict::ALL.iter().rev().map(|verdict| {
+            let count = claims.iter().filter(|claim| claim.verdict == *verdict).count();
+            (count > 0).then(|| format!("{count} {}", verdict.words()))
+        });
+        let counts: Vec<String> = counts.flatten().collect();
+        parts.push(format!("Of {} published claims: {}", claims.len(), counts.join(", ")));
     }
     if points > 0 {
-        parts.push(format!("{steady} of {points} points in {} scenarios are steady states", scenarios.len()));
+        parts.push(format!(
+            "{steady} of {points} points in {} {} are steady states",
+            scenarios.len(),
+            plural(scenarios.len(), "scenario")
+        ));
     }
     if !checks.is_empty() {
-        parts.push(format!("{agree} of {} checks of the solvers agree", checks.len()));
+        parts.push(format!("{agree} of {} {} of the solvers agree", checks.len(), plural(checks.len(), "check")));
     }
     if parts.is_empty() { "Nothing was computed.".into() } else { format!("{}.", parts.join("; ")) }
+}
+
+fn plural(count: usize, word: &str) -> String {
+    if count == 1 { word.into() } else { format!("{word}s") }
 }
 
 fn headlines(claims: &[ClaimView], scenarios: &[ScenarioView], checks: &[CheckView]) -> Vec<Headline> {

@@ -120,6 +120,8 @@ pub struct ScenarioView {
     pub description: String,
     /// Where its numbers come from; may be empty.
     pub provenance: String,
+    /// Effects beyond the base contact, each with its parameters.
+    pub effects: Vec<String>,
     /// Whether every point is steady.
     pub status: Completeness,
     /// Number of steady states asked for.

@@ -115,7 +115,8 @@ fn closes(system: &dyn HybridSystem, start: &State, cycle: &Cycle, tolerated: f6
     let states = system.can_rest()
         || (0..system.states()).all(|i| (cycle.end[i] - start[i]).abs() < 10.0 * tolerated * scales[i]);
     // Where a change of mode falls on the end of the cycle the slip rate tells.
-    states && (first == last || (before - after).abs() < SAME_SLIP * system.slip_scale())
+    states
+        && (first == last || (before - after).abs() < SAME_SLIP * system.slip_scale())
         && (before - after).abs() < SAME_SLIP * (system.slip_scale() + before.abs())
 }
 

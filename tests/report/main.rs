@@ -184,7 +184,7 @@ fn failures_come_first() {
     );
     assert_eq!(
         view.summary.sentence,
-        "2 of 4 published claims are reproduced; 1009 of 1010 points in 2 scenarios are steady states; 1 of 2 checks of the solvers agree."
+        "Of 4 published claims: 1 reproduced, 1 reproduced with a caveat, 1 not reproducible from the printed values, 1 failed; 1009 of 1010 points in 2 scenarios are steady states; 1 of 2 checks of the solvers agree."
     );
     assert_eq!(view.summary.claims.iter().map(|tally| tally.count).sum::<usize>(), view.claims.len());
 }
