@@ -101,8 +101,6 @@ fn search(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_>, 
     let lumps = &problem.lumps;
     let (free_re, free_im) = lumps.free_response();
     let (re, im) = (free_re.value + periodic.cycle.fundamental.0, free_im.value + periodic.cycle.fundamental.1);
-    let (true_amplitude, true_phase) = (re.hypot(im), im.atan2(re));
-    let (amplitude, phase) = reading(lumps, true_amplitude, true_phase);
     let mut status = stability(periodic.multiplier);
     if let (Status::SelfExcited(why), true) = (&status, with.averages()) {
         return lock_in(&problem, why);
@@ -128,20 +126,48 @@ fn search(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_>, 
             None
         }
     };
-    let state = SteadyState {
-        amplitude,
-        phase,
+    let motion = Motion {
+        response: (re, im),
         mean: periodic.cycle.mean,
-        speed_amplitude: lumps.arm.value * lumps.omega * true_amplitude,
         stick_fraction: periodic.cycle.stick_fraction,
-        force_minimum: periodic.cycle.force.0,
-        force_maximum: periodic.cycle.force.1,
+        force: periodic.cycle.force,
         cycles: periodic.cycles,
-        periodicity_error: periodic.residual,
-        status,
-        method: Method::Shooting,
+        change: periodic.residual,
     };
-    Solution { state, derivatives }
+    Solution { state: motion.observe(lumps, status, Method::Shooting), derivatives }
+}
+
+/// What a solver found, before it is read.
+struct Motion {
+    /// Complex amplitude of the arm.
+    response: (f64, f64),
+    mean: f64,
+    stick_fraction: f64,
+    force: (f64, f64),
+    cycles: usize,
+    /// Relative change over the last cycle.
+    change: f64,
+}
+
+impl Motion {
+    /// The observables as the instrument shows them.
+    fn observe(&self, lumps: &Lumps, status: Status, method: Method) -> SteadyState {
+        let (re, im) = self.response;
+        let (amplitude, phase) = reading(lumps, re.hypot(im), im.atan2(re));
+        SteadyState {
+            amplitude,
+            phase,
+            mean: self.mean,
+            speed_amplitude: lumps.arm.value * lumps.omega * re.hypot(im),
+            stick_fraction: self.stick_fraction,
+            force_minimum: self.force.0,
+            force_maximum: self.force.1,
+            cycles: self.cycles,
+            periodicity_error: self.change,
+            status,
+            method,
+        }
+    }
 }
 
 /// The periodic state reached by slowing the roller down from full slip, in steps that each start from the last.
@@ -187,7 +213,7 @@ fn lock_in(problem: &Problem, why: &str) -> Solution {
     let lumps = &problem.lumps;
     let (re, im) = lumps.free_response();
     let (re, im) = (re.value + found.fundamental.0, im.value + found.fundamental.1);
-    let (amplitude, phase) = reading(lumps, re.hypot(im), im.atan2(re));
+    let (amplitude, _) = reading(lumps, re.hypot(im), im.atan2(re));
     if !amplitude.is_finite() || amplitude > RUNAWAY * re_im(lumps.free_response()) {
         return failed(format!("{why}; integrated in time the motion grows without bound"));
     }
@@ -197,19 +223,15 @@ fn lock_in(problem: &Problem, why: &str) -> Solution {
         let (window, after) = (LOCK_IN.window, LOCK_IN.cycles);
         Status::SelfExcited(format!("{why}; lock-in average over {window} cycles after {after} cycles"))
     };
-    let state = SteadyState {
-        amplitude,
-        phase,
+    let motion = Motion {
+        response: (re, im),
         mean: found.mean,
-        speed_amplitude: lumps.arm.value * lumps.omega * re.hypot(im),
         stick_fraction: found.stick_fraction,
-        force_minimum: found.force.0,
-        force_maximum: found.force.1,
+        force: found.force,
         cycles: found.cycles,
-        periodicity_error: found.change,
-        status,
-        method: Method::TimeIntegration,
+        change: found.change,
     };
+    let state = motion.observe(lumps, status, Method::TimeIntegration);
     Solution { state, derivatives: None }
 }
 
@@ -236,20 +258,15 @@ fn parallel_state(
     let lumps = &problem.lumps;
     let (re, im) = lumps.free_response();
     let (re, im) = (re.value + found.fundamental.0, im.value + found.fundamental.1);
-    let (amplitude, phase) = reading(lumps, re.hypot(im), im.atan2(re));
-    let state = SteadyState {
-        amplitude,
-        phase,
+    let motion = Motion {
+        response: (re, im),
         mean: found.mean,
-        speed_amplitude: lumps.arm.value * lumps.omega * re.hypot(im),
         stick_fraction: found.stick_fraction,
-        force_minimum: found.force.0,
-        force_maximum: found.force.1,
+        force: found.force,
         cycles: found.cycles,
-        periodicity_error: found.residual,
-        status,
-        method: Method::Shooting,
+        change: found.residual,
     };
+    let state = motion.observe(lumps, status, Method::Shooting);
     let derivatives = with.derivatives.then(|| differences(model, at));
     Solution { state, derivatives }
 }
@@ -316,20 +333,9 @@ fn free(model: &Model, at: &Operation, derivatives: bool) -> Solution {
 fn closed_form(lumps: &Lumps, limit: LimitingState, derivatives: bool) -> Solution {
     let (re, im) = limit.response;
     let a = (re.value, im.value);
-    let (amplitude, phase) = reading(lumps, a.0.hypot(a.1), a.1.atan2(a.0));
-    let state = SteadyState {
-        amplitude,
-        phase,
-        mean: limit.mean,
-        speed_amplitude: lumps.arm.value * lumps.omega * a.0.hypot(a.1),
-        stick_fraction: limit.stick_fraction,
-        force_minimum: limit.force.0,
-        force_maximum: limit.force.1,
-        cycles: 0,
-        periodicity_error: 0.0,
-        status: Status::Steady,
-        method: Method::Analytic,
-    };
+    let LimitingState { mean, stick_fraction, force, .. } = limit;
+    let motion = Motion { response: a, mean, stick_fraction, force, cycles: 0, change: 0.0 };
+    let state = motion.observe(lumps, Status::Steady, Method::Analytic);
     let derivatives = derivatives.then(|| {
         (0..MAX_PARAMETERS).map(|p| polar_derivative(lumps, a, (re.gradient[p], im.gradient[p]), p)).collect()
     });

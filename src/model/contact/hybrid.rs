@@ -1,0 +1,355 @@
+//! The equations as the shooting solver sees them: rates, constraint, Jacobians, modes and their ends.
+
+use super::Problem;
+use crate::model::system::{Evaluation, Forcing, HybridSystem, MAX_STATES, Mode, ParameterColumns};
+
+impl HybridSystem for Problem {
+    fn states(&self) -> usize {
+        self.states
+    }
+
+    fn period(&self) -> f64 {
+        std::f64::consts::TAU / self.omega
+    }
+
+    fn damping_ratio(&self) -> f64 {
+        let [_, c, k] = self.support;
+        let support = if self.roller.is_some() { 0.5 * c / k.sqrt() } else { f64::INFINITY };
+        support.min(0.5 * self.c / self.k.abs().sqrt())
+    }
+
+    fn scales(&self) -> [f64; MAX_STATES] {
+        let mut scales = [1.0; MAX_STATES];
+        let angle = self.stroke / self.b;
+        scales[0] = angle;
+        scales[1] = self.omega * angle;
+        scales[self.x] = self.stroke;
+        if let Some(i) = self.roller {
+            scales[i] = self.stroke;
+            scales[i + 1] = self.omega * self.stroke;
+        }
+        if let Some(i) = self.heat {
+            let rise = self.heating_gain / self.cooling_rate * self.mu * self.load;
+            scales[i] = rise * (self.speed + self.slip_scale());
+        }
+        if let Some(i) = self.q {
+            scales[i] = self.k1 * self.stroke;
+        }
+        if let Some(i) = self.psi {
+            scales[i] = self.psi_scale;
+        }
+        // A state that a strength of zero keeps at rest has no scale of its own.
+        scales.map(|scale| if scale > 0.0 { scale } else { 1.0 })
+    }
+
+    fn slip_scale(&self) -> f64 {
+        self.omega * self.stroke
+    }
+
+    fn forcing(&self, t: f64) -> Forcing {
+        let (sine, cosine) = (self.omega * t).sin_cos();
+        let (re, im) = self.free;
+        Forcing { sine, cosine, angle: re * sine + im * cosine, velocity: self.omega * (re * cosine - im * sine) }
+    }
+
+    fn evaluate(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut Evaluation) {
+        let p = self.point(forcing, z, if mode == Mode::Stick { 0.0 } else { s });
+        let sign = Self::sign(mode);
+        let (x, b) = (self.x, self.b);
+        // Gradient of F by (w, u, x, q, s).
+        let force_v = self.cc + self.sigma2;
+        let mut force_z = [0.0; MAX_STATES];
+        force_z[1] = -b * force_v;
+        force_z[x] = self.kc;
+        if let Some(i) = self.roller {
+            force_z[i + 1] = force_v;
+        }
+        if let Some(i) = self.q {
+            force_z[i] = 1.0;
+        }
+        let force_s = -self.cc;
+        // Arm.
+        out.f[0] = z[1];
+        out.fz[0] = [0.0; MAX_STATES];
+        out.fz[0][1] = 1.0;
+        out.fs[0] = 0.0;
+        let gain = self.inverse_inertia * b;
+        out.f[1] = -self.c * z[1] - self.k * z[0] + self.inverse_inertia * (b * p.force + p.torque.value);
+        out.fz[1] = force_z.map(|f| gain * f);
+        out.fz[1][0] += -self.k + self.inverse_inertia * p.torque.d_first;
+        out.fz[1][1] += -self.c + self.inverse_inertia * p.torque.d_second;
+        out.fs[1] = gain * force_s;
+        // Relative speed of the bristles' ends.
+        let mut rate_z = [0.0; MAX_STATES];
+        rate_z[1] = -b;
+        if let Some(i) = self.roller {
+            rate_z[i + 1] = 1.0;
+            let [inverse, c, k] = self.support;
+            out.f[i] = z[i + 1];
+            out.fz[i] = [0.0; MAX_STATES];
+            out.fz[i][i + 1] = 1.0;
+            out.fs[i] = 0.0;
+            out.f[i + 1] = -inverse * p.force - c * z[i + 1] - k * z[i];
+            out.fz[i + 1] = force_z.map(|f| -inverse * f);
+            out.fz[i + 1][i] -= k;
+            out.fz[i + 1][i + 1] -= c;
+            out.fs[i + 1] = -inverse * force_s;
+        }
+        // The slip rate that friction works on: that of the interface, or the relative speed for a rate element.
+        let slip = if self.rate_element { p.v } else { s };
+        if let Some(i) = self.heat {
+            let gain = self.heating_gain;
+            out.f[i] = gain * p.force * slip - self.cooling_rate * z[i];
+            for j in 0..self.states {
+                let slip_z = if self.rate_element { rate_z[j] } else { 0.0 };
+                out.fz[i][j] = gain * (force_z[j] * slip + p.force * slip_z);
+            }
+            out.fz[i][i] -= self.cooling_rate;
+            out.fs[i] = gain * (force_s * slip + if self.rate_element { 0.0 } else { p.force });
+        }
+        out.f[x] = p.d - self.renewal * z[x];
+        out.fz[x] = rate_z;
+        out.fz[x][x] = -self.renewal;
+        out.fs[x] = -1.0;
+        if let Some(i) = self.q {
+            out.f[i] = self.k1 * p.d - self.branch_rate * z[i];
+            out.fz[i] = rate_z.map(|r| self.k1 * r);
+            out.fz[i][i] -= self.branch_rate;
+            out.fs[i] = -self.k1;
+        }
+        if let Some(i) = self.psi {
+            let law = self.laws.iter().find_map(|(e, q)| e.interface_rate(q, slip.abs(), z[i])).unwrap_or_default();
+            out.f[i] = law.value;
+            let slope = law.d_first * if slip < 0.0 { -1.0 } else { 1.0 };
+            out.fz[i] = if self.rate_element { rate_z.map(|r| slope * r) } else { [0.0; MAX_STATES] };
+            out.fz[i][i] += law.d_second;
+            out.fs[i] = if self.rate_element { 0.0 } else { slope };
+        }
+        // Constraint.
+        out.gz = [0.0; MAX_STATES];
+        let normal_th = if p.loaded { self.load_stiffness * b } else { 0.0 };
+        match mode {
+            Mode::Stick => {
+                out.g = s;
+                out.gs = 1.0;
+                let scale = 1.0 / self.slip_scale();
+                out.g *= scale;
+                out.gs *= scale;
+            }
+            Mode::SlipForward | Mode::SlipBackward => {
+                let (mu, mu_s, ..) = self.friction(sign * s, self.state(self.psi, z), self.state(self.heat, z));
+                let scale = 1.0 / self.force_scale();
+                out.g = scale * (p.force - sign * mu * p.normal);
+                out.gz = force_z;
+                out.gz[0] -= sign * mu * normal_th;
+                if let Some(i) = self.psi {
+                    out.gz[i] -= sign * p.mu_psi * p.normal;
+                }
+                if let Some(i) = self.heat {
+                    out.gz[i] -= sign * p.mu_heat * p.normal;
+                }
+                out.gz = out.gz.map(|g| scale * g);
+                out.gs = scale * (force_s - mu_s * p.normal);
+            }
+            Mode::RateForward | Mode::RateBackward => {
+                // s = kc |v| x / (mu N)
+                let limit = (p.mu * p.normal).max(1e-12 * self.force_scale());
+                let flow = self.kc * z[x] / limit;
+                let scale = 1.0 / self.slip_scale();
+                let speed = p.v.abs();
+                out.g = scale * (s - flow * speed);
+                let by_limit = flow * speed / limit;
+                let by_speed = sign * (-flow + by_limit * p.mu_s * p.normal);
+                for (gz, rate) in out.gz.iter_mut().zip(&rate_z) {
+                    *gz = by_speed * rate;
+                }
+                out.gz[x] -= self.kc * speed / limit;
+                out.gz[0] += by_limit * p.mu * normal_th;
+                if let Some(i) = self.psi {
+                    out.gz[i] += by_limit * p.mu_psi * p.normal;
+                }
+                if let Some(i) = self.heat {
+                    out.gz[i] += by_limit * p.mu_heat * p.normal;
+                }
+                out.gz = out.gz.map(|g| scale * g);
+                out.gs = scale;
+            }
+        }
+    }
+
+    fn event(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode) -> f64 {
+        match mode {
+            Mode::Stick => {
+                let p = self.point(forcing, z, 0.0);
+                (p.mu * p.normal - p.force.abs()) / self.force_scale()
+            }
+            Mode::SlipForward | Mode::SlipBackward => Self::sign(mode) * s / self.slip_scale(),
+            Mode::RateForward | Mode::RateBackward => {
+                Self::sign(mode) * self.point(forcing, z, s).v / self.slip_scale()
+            }
+        }
+    }
+
+    fn next_mode(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode) -> (Mode, f64) {
+        match mode {
+            Mode::RateForward => (Mode::RateBackward, s),
+            Mode::RateBackward => (Mode::RateForward, s),
+            Mode::Stick => {
+                let forward = self.point(forcing, z, 0.0).force > 0.0;
+                let (mode, sign) = if forward { (Mode::SlipForward, 1.0) } else { (Mode::SlipBackward, -1.0) };
+                let psi = self.state(self.psi, z);
+                let (_, slope, ..) = self.friction(0.0, psi, self.state(self.heat, z));
+                let p = self.point(forcing, z, 0.0);
+                let resistance = self.cc + slope * p.normal;
+                let s = if resistance < 0.0 {
+                    // Weakening steeper than the bristles' damping: the slip rate jumps to the next stable branch.
+                    sign * self.slip_root(forcing, z, sign).unwrap_or(0.0)
+                } else if resistance == 0.0 {
+                    // Nothing damps the bristles: they stop stretching at once.
+                    p.v
+                } else {
+                    0.0
+                };
+                (mode, s)
+            }
+            Mode::SlipForward | Mode::SlipBackward => {
+                if self.point(forcing, z, 0.0).normal <= 0.0 {
+                    let opposite = if mode == Mode::SlipForward { Mode::SlipBackward } else { Mode::SlipForward };
+                    return (opposite, 0.0);
+                }
+                (Mode::Stick, 0.0)
+            }
+        }
+    }
+
+    fn project(&self, forcing: &Forcing, z: &mut [f64]) -> Option<usize> {
+        if !self.instant_slip() {
+            return None;
+        }
+        // Without damping the bristles' force cannot exceed the friction force even for an instant.
+        let p = self.point(forcing, z, 0.0);
+        let excess = p.force.abs() - p.mu * p.normal;
+        (excess > 0.0).then(|| {
+            z[self.x] -= excess.copysign(p.force) / self.kc;
+            self.x
+        })
+    }
+
+    fn enter(&self, forcing: &Forcing, z: &[f64], last: Option<(Mode, f64)>) -> (Mode, f64) {
+        let p = self.point(forcing, z, 0.0);
+        if self.rate_element {
+            let flow = self.kc * z[self.x] / (p.mu * p.normal).max(1e-12 * self.force_scale());
+            let mode = if p.v >= 0.0 { Mode::RateForward } else { Mode::RateBackward };
+            return (mode, flow * p.v.abs());
+        }
+        let slip = |sign: f64, s: f64| (if sign > 0.0 { Mode::SlipForward } else { Mode::SlipBackward }, sign * s);
+        let limit = p.mu * p.normal;
+        let slack = 1e-9 * self.force_scale();
+        let pull = p.force.signum();
+        if self.instant_slip() {
+            let slips = p.force.abs() > limit + slack || (p.force.abs() > limit - slack && pull * p.v > 0.0);
+            return if slips { (slip(pull, 0.0).0, p.v) } else { (Mode::Stick, 0.0) };
+        }
+        // Slip goes on where it can, also at forces at which a contact at rest would hold.
+        let going = match last {
+            Some((Mode::Stick, _)) => None,
+            Some((mode, s)) => Some((Self::sign(mode), s.abs())),
+            None if self.speed > 0.0 => Some((1.0, p.v.abs() + self.speed)),
+            None => None,
+        };
+        if let Some((sign, s)) = going
+            && let Some(root) = self.slip_root_near(forcing, z, sign, s)
+        {
+            return slip(sign, root);
+        }
+        if p.force.abs() > limit + slack {
+            slip(pull, self.slip_root(forcing, z, pull).unwrap_or(0.0))
+        } else {
+            (Mode::Stick, 0.0)
+        }
+    }
+
+    fn initial_state(&self) -> [f64; MAX_STATES] {
+        let mut z = [0.0; MAX_STATES];
+        if self.speed == 0.0 {
+            if let Some(stuck) = self.stuck_state() {
+                return stuck;
+            }
+            // At rest: the bristles are stretched by the arm's own motion.
+            let forcing = self.forcing(0.0);
+            let limit = 0.5 * self.mu * self.load / self.kc;
+            z[self.x] = (-self.b * forcing.angle).clamp(-limit, limit);
+        } else {
+            let psi = self.steady_interface_state(self.speed);
+            let (mu, ..) = self.friction(self.speed, psi, 0.0);
+            let heat = if self.heat.is_some() {
+                // T (1 + T) = mu N V / P0
+                let rise = self.heating_gain / self.cooling_rate * mu * self.load * self.speed;
+                0.5 * ((1.0 + 4.0 * rise).sqrt() - 1.0)
+            } else {
+                0.0
+            };
+            let mu = mu / (1.0 + heat);
+            let (angle, normal) = self.deflection(mu);
+            let force = mu * normal + self.sigma2 * self.speed;
+            z[0] = angle;
+            z[self.x] = mu * normal / (self.kc + self.cc * self.renewal);
+            if let Some(i) = self.roller {
+                let [inverse, _, k] = self.support;
+                z[i] = -force * inverse / k;
+            }
+            if let Some(i) = self.heat {
+                z[i] = heat;
+            }
+            if let Some(i) = self.psi {
+                z[i] = psi;
+            }
+        }
+        z
+    }
+
+    fn resting_state(&self, z: &[f64]) -> [Option<(f64, [f64; MAX_STATES])>; MAX_STATES] {
+        let mut out = [None; MAX_STATES];
+        if self.renewal == 0.0 && self.speed == 0.0 {
+            // No roller motion without slip, hence x = y - b th.
+            let y = self.roller.map_or(0.0, |i| z[i]);
+            let mut gradient = [0.0; MAX_STATES];
+            gradient[self.x] = 1.0;
+            gradient[0] = self.b;
+            if let Some(i) = self.roller {
+                gradient[i] = -1.0;
+            }
+            out[self.x] = Some((z[self.x] - y + self.b * (self.forcing(0.0).angle + z[0]), gradient));
+        } else if self.renewal == 0.0 {
+            // Under a moving roller such a cycle is no steady state: the bristles are taken to where they slip next.
+            let th = self.forcing(0.0).angle + z[0];
+            let (mu, ..) = self.friction(0.0, self.state(self.psi, z), self.state(self.heat, z));
+            let normal = (self.load + self.load_stiffness * self.b * th).max(0.0);
+            let mut gradient = [0.0; MAX_STATES];
+            gradient[self.x] = 1.0;
+            out[self.x] = Some((z[self.x] - (mu * normal - self.state(self.q, z)) / self.kc, gradient));
+        }
+        if let Some(i) = self.psi {
+            let mut gradient = [0.0; MAX_STATES];
+            gradient[i] = 1.0;
+            out[i] = Some((z[i] - self.psi_scale, gradient));
+        }
+        out
+    }
+
+    fn can_rest(&self) -> bool {
+        self.speed == 0.0 || self.renewal > 0.0
+    }
+
+    fn columns(&self) -> usize {
+        self.columns.len()
+    }
+
+    fn parameter_columns(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut ParameterColumns) {
+        self.fill_columns(forcing, z, s, mode, out);
+    }
+
+    fn force(&self, forcing: &Forcing, z: &[f64], s: f64) -> (f64, f64) {
+        (self.point(forcing, z, s).force, z[self.x])
+    }
+}
