@@ -17,10 +17,13 @@
 pub mod atlas;
 pub mod claims;
 pub mod cli;
+pub mod compare;
 pub mod effects;
 pub mod error;
 pub mod figures;
 pub mod files;
+pub mod fit;
+pub mod measurement;
 pub mod model;
 pub mod report;
 pub mod scenario;

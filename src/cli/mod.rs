@@ -1,8 +1,10 @@
 //! The command line: one file per command, each an `execute` that reads as a table of contents.
 
 pub mod check;
+pub mod compare;
 pub mod effects;
 pub mod init;
+mod json;
 pub mod report;
 pub mod run;
 mod select;
@@ -10,6 +12,7 @@ mod simulate;
 
 use crate::error::{Error, Result};
 use clap::{Args, Parser, Subcommand};
+use json::Json;
 use std::path::PathBuf;
 
 /// Reproduces a published friction experiment: rubber on a vibrating arm, from sticking to sliding.
@@ -54,6 +57,17 @@ enum Command {
         #[arg(long, default_value = "output", value_name = "DIR")]
         out: PathBuf,
     },
+    /// Compare the model with measurements, and tell where it fails
+    Compare {
+        /// Scenario file with a table [measurement]
+        scenario: PathBuf,
+        /// Write the comparison as JSON; - for standard output
+        #[arg(long, value_name = "FILE")]
+        json: Option<PathBuf>,
+        /// Seed of the quasi-random starts of the fit
+        #[arg(long, value_name = "N", default_value_t = 0)]
+        seed: u32,
+    },
     /// Read and validate only
     Check {
         /// Scenario files or folders [default: scenarios/, or the built-in ones]
@@ -85,6 +99,9 @@ pub fn run(cli: Cli) -> Result<()> {
     match cli.command.unwrap_or(Command::Report { scenarios: Vec::new(), out: "output".into() }) {
         Command::Report { scenarios, out } => report::execute(&scenarios, &out, &global),
         Command::Run { scenario, out } => run::execute(&scenario, &out, &global),
+        Command::Compare { scenario, json, seed } => {
+            compare::execute(&scenario, json.map(Json::from).as_ref(), seed, &global)
+        }
         Command::Check { scenarios } => check::execute(&scenarios),
         Command::Effects { name } => effects::execute(name.as_deref()),
         Command::Init { dir } => init::execute(&dir),

@@ -38,6 +38,15 @@ pub struct Model {
     pub effects: Vec<(&'static dyn Effect, Vec<f64>)>,
 }
 
+impl std::fmt::Debug for Model {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let effects: Vec<_> = self.effects.iter().map(|(effect, values)| (effect.name(), values)).collect();
+        let mut shown = f.debug_struct("Model");
+        shown.field("rig", &self.rig).field("contact", &self.contact).field("instrument", &self.instrument);
+        shown.field("effects", &effects).finish()
+    }
+}
+
 impl Model {
     /// The model a validated scenario describes.
     pub fn new(scenario: &Scenario) -> Self {

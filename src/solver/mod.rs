@@ -2,6 +2,7 @@
 
 pub mod analytic;
 pub mod cycle;
+mod integrated;
 pub mod lu;
 pub mod paper_euler;
 pub mod parallel;
@@ -10,6 +11,7 @@ pub mod shooting;
 mod steady;
 pub mod time;
 
+pub use integrated::{Integrated, integrated};
 pub use steady::{Solution, Warm, orbit, solve, solve_periodic};
 
 /// Whether the point is a steady state, and if not, why.

@@ -5,8 +5,8 @@ use crate::model::contact::Problem;
 use crate::model::{Model, Operation};
 use crate::scenario::Formulation;
 use crate::solver::analytic::wrap;
-use crate::solver::time::{Plan, integrate};
-use crate::solver::{Method, Status, SteadyState};
+use crate::solver::time::Plan;
+use crate::solver::{Method, Status, SteadyState, integrated};
 use crate::sweep::{Curve, Outcome, at_condition};
 use rayon::prelude::*;
 
@@ -81,14 +81,10 @@ fn compare(outcome: &Outcome, c: usize, f: usize) -> Compared {
     let curve = &outcome.curves[c];
     let (condition, frequency, state) = (&curve.condition, curve.frequency[f], &curve.states[f]);
     let at = Operation { speed: condition.speed, load: condition.load, drive: condition.drive, frequency };
-    let problem = Problem::new(&at_condition(&Model::new(&outcome.scenario), condition), &at);
-    let sliders = problem.sliders();
-    let found = integrate(&sliders, &PLAN);
-    let lumps = &problem.lumps;
-    let (re, im) = lumps.free_response();
-    let (re, im) = (re.value + found.fundamental.0, im.value + found.fundamental.1);
-    let amplitude = re.hypot(im) * lumps.amplitude_gain.value / state.amplitude - 1.0;
-    let phase = wrap(im.atan2(re) + lumps.phase_offset.value - state.phase);
+    let model = at_condition(&Model::new(&outcome.scenario), condition);
+    let found = integrated(&model, &at, &PLAN);
+    let amplitude = found.amplitude / state.amplitude - 1.0;
+    let phase = wrap(found.phase - state.phase);
     let difference = if amplitude.is_nan() { amplitude } else { amplitude.abs().max(phase.abs()) };
     Compared {
         place: format!(
@@ -99,7 +95,7 @@ fn compare(outcome: &Outcome, c: usize, f: usize) -> Compared {
             at.drive * 1e6,
             condition.friction
         ),
-        continuum: problem.continuum().is_some(),
+        continuum: Problem::new(&model, &at).continuum().is_some(),
         difference: found.periodic.then_some(difference),
     }
 }

@@ -1,0 +1,110 @@
+//! `stickslip compare`: the model against measurements, and where it fails.
+
+use super::{Global, Json, say};
+use crate::compare::{self, Comparison, Options};
+use crate::error::{Error, Result};
+use crate::fit::{Identified, Interval, Parameter};
+use crate::measurement::{self, Table};
+use crate::scenario::{self, Formulation, Scenario};
+use crate::units;
+use std::path::Path;
+
+/// Regions shown on the terminal.
+const REGIONS: usize = 8;
+
+/// Compares a scenario with its measurements; the JSON goes to `json` where given.
+pub fn execute(path: &Path, json: Option<&Json>, seed: u32, global: &Global) -> Result<()> {
+    let (scenario, table) = with_measurements(path)?;
+    let comparison = compare::compare(&scenario, &table, &Options { seed });
+    if let Some(json) = json {
+        json.write(&compare::json(&comparison), &[path, &table.file])?;
+    }
+    if !json.is_some_and(Json::to_standard_output) {
+        for line in words(&comparison) {
+            say(global, &line);
+        }
+    }
+    Ok(())
+}
+
+/// A scenario and its table; an error where it names none.
+pub(super) fn with_measurements(path: &Path) -> Result<(Scenario, Table)> {
+    let scenario = scenario::load(path)?;
+    let Some(table) = measurement::load(&scenario)? else {
+        return Err(Error::Input(format!(
+            "error: {} names no measurements to compare with\n  = help: add a table [measurement] with file = \"table.csv\"",
+            path.display()
+        )));
+    };
+    if scenario.contact.formulation == Formulation::Paper {
+        return Err(Error::Input(format!(
+            "error: {}: measurements are compared with formulation = \"series\"\n  = help: the published procedure is \
+             within 0.4 % of it; change or remove formulation in [contact]",
+            path.display()
+        )));
+    }
+    Ok((scenario, table))
+}
+
+/// The comparison in lines of text.
+fn words(c: &Comparison) -> Vec<String> {
+    let m = &c.overall;
+    let mut lines = vec![format!("{}: {} points, {} conditions", c.scenario.title, m.points, c.conditions.len())];
+    lines.extend(c.table.notes.iter().map(|note| format!("  note: {note}")));
+    if !c.fit.parameters.is_empty() {
+        lines.push("calibrated (95 % interval):".into());
+        lines.extend(c.fit.parameters.iter().zip(&c.intervals).map(|(p, i)| format!("  {}", parameter(p, i))));
+    }
+    let phase = match (m.rms_phase_deg, m.noise_phase_deg) {
+        (Some(error), Some(noise)) => format!("; phase {error:.2}° rms (noise {noise:.2}°)"),
+        _ => String::new(),
+    };
+    lines.push(format!(
+        "error: chi2 per reading {:.2}; amplitude {:.2} % rms (noise {:.2} %){phase}",
+        m.chi2_per_point, m.rms_error_percent, m.noise_percent
+    ));
+    let b = &c.error_budget;
+    lines.push(format!(
+        "error budget (squares add up): model {:.2} %, noise {:.2} %, numerics {:.1e} %",
+        b.model_percent, b.noise_percent, b.numerical_percent
+    ));
+    lines.push(verdict(c));
+    if !c.regions.is_empty() {
+        lines.push("where it fails:".into());
+        lines.extend(c.regions.iter().take(REGIONS).map(|region| format!("  {}", region.sentence)));
+        if c.regions.len() > REGIONS {
+            lines.push(format!("  and {} more", c.regions.len() - REGIONS));
+        }
+    }
+    for outlier in &c.outliers {
+        lines.push(format!("outlier: row {}, {}: {:+.1} sigma", outlier.row, outlier.column, outlier.sigma));
+    }
+    lines
+}
+
+/// What the residuals look like.
+pub(super) fn verdict(c: &Comparison) -> String {
+    let w = &c.whiteness;
+    let tests = format!(
+        "runs {} of {:.0} expected, autocorrelation {:.2}, smooth part {:.1} times the rest",
+        w.runs, w.runs_expected, w.autocorrelation, w.smooth_ratio
+    );
+    if w.structured {
+        format!("the misfit is structured, not noise ({tests})")
+    } else {
+        format!("what is left looks like noise ({tests})")
+    }
+}
+
+/// A parameter with its interval.
+pub(super) fn parameter(parameter: &Parameter, interval: &Interval) -> String {
+    let show = |value: f64| units::format(value, parameter.unit);
+    let range = format!("{} to {}", show(interval.low), show(interval.high));
+    match interval.identified {
+        Identified::Yes => format!("{} = {} ({range})", parameter.key, show(interval.value)),
+        Identified::OneSided => {
+            format!("{} = {} ({range}; one end is only the bound of the search)", parameter.key, show(interval.value))
+        }
+        Identified::No => format!("{}: not determined by these data ({} used)", parameter.key, show(interval.value)),
+    }
+}

@@ -1,0 +1,49 @@
+//! Where the error comes from: numerics, noise, model.
+
+use super::{Compared, Metrics};
+use crate::model::{Model, Operation};
+use crate::solver::time::Plan;
+use crate::solver::{Status, integrated};
+use rayon::prelude::*;
+
+/// Points at which both solvers are compared.
+pub const NUMERICAL_POINTS: usize = 6;
+/// Error of the time integration at these steps is of the order of 1e-6.
+const PLAN: Plan = Plan { steps: 4000, cycles: 400, settled: 1e-8, window: 1 };
+
+/// Root mean square errors of the amplitude in percent; the squares of the three parts add up to that of the total.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct ErrorBudget {
+    /// Difference of the two solvers, at a sample of the points.
+    pub numerical_percent: f64,
+    /// Noise of the measurements.
+    pub noise_percent: f64,
+    /// What is left: the model.
+    pub model_percent: f64,
+    /// Model against measurement.
+    pub total_percent: f64,
+}
+
+/// The budget of a comparison.
+pub(super) fn budget(model: &Model, points: &[Compared], overall: &Metrics) -> ErrorBudget {
+    let usable: Vec<&Compared> = points.iter().filter(|p| p.model.status == Status::Steady).collect();
+    let count = usable.len().min(NUMERICAL_POINTS);
+    let sample: Vec<&Compared> =
+        (0..count).map(|i| usable[((i as f64 + 0.5) / count as f64 * usable.len() as f64) as usize]).collect();
+    let differences: Vec<f64> = sample
+        .par_iter()
+        .filter_map(|p| {
+            let q = &p.point;
+            let at = Operation { speed: q.speed, load: q.load, drive: q.drive, frequency: q.frequency };
+            let other = integrated(model, &at, &PLAN);
+            other.periodic.then(|| 100.0 * (other.amplitude / p.model.amplitude - 1.0))
+        })
+        .collect();
+    let square = differences.iter().map(|d| d * d).sum::<f64>() / differences.len().max(1) as f64;
+    let total = overall.rms_error_percent;
+    let numerical = square.sqrt().min(total);
+    // Residuals may by chance be smaller than the stated noise.
+    let noise = overall.noise_percent.min((total * total - numerical * numerical).max(0.0).sqrt());
+    let model = (total * total - numerical * numerical - noise * noise).max(0.0).sqrt();
+    ErrorBudget { numerical_percent: numerical, noise_percent: noise, model_percent: model, total_percent: total }
+}

@@ -1,0 +1,133 @@
+//! Moving the free parameters of a scenario to where its model fits best.
+
+use super::{Outlier, Setting};
+use crate::fit::{Fit, HUBER, Parameter, Problem, Settings, minimise, parameter, robust_chi2};
+use crate::measurement::Point;
+use crate::model::Model;
+use crate::solver::cycle::Tolerance;
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+/// Starts besides the stated values.
+const STARTS: usize = 12;
+/// Starts that are followed to their end.
+const FOLLOWED: usize = 2;
+/// Evaluations of one fit at most.
+const EVALUATIONS: usize = 60;
+/// A residual this many times the scatter of its neighbours away from their median stands out.
+const OUTLYING: f64 = 5.0;
+/// Neighbours on either side.
+const NEIGHBOURS: usize = 3;
+/// Share of the median absolute deviation in the standard deviation of a normal distribution.
+const MAD: f64 = 1.4826;
+
+/// A calibrated model.
+#[derive(Debug, Clone)]
+pub struct Calibration {
+    /// The fit.
+    pub fit: Fit,
+    /// Residuals beyond this counted linearly.
+    pub threshold: f64,
+}
+
+/// Load, speed and drive of every curve of points in canonical order, and to which each point belongs.
+pub fn conditions_of(points: &[Point]) -> (Vec<Setting>, Vec<usize>) {
+    let mut settings: Vec<Setting> = Vec::new();
+    let mut of_point = Vec::with_capacity(points.len());
+    for point in points {
+        let setting = Setting { speed: point.speed, load: point.load, drive: point.drive };
+        let index = settings.iter().position(|known| *known == setting).unwrap_or_else(|| {
+            settings.push(setting);
+            settings.len() - 1
+        });
+        of_point.push(index);
+    }
+    (settings, of_point)
+}
+
+/// The problem of moving the parameters named `keys` of `model`.
+pub fn problem<'a>(
+    model: &Model,
+    keys: &[String],
+    points: impl IntoIterator<Item = &'a Point>,
+    tolerance: Tolerance,
+) -> Problem<'a> {
+    let parameters = keys.iter().filter_map(|key| parameter(model, key)).collect();
+    Problem::new(model.clone(), points, parameters, tolerance)
+}
+
+/// Fits the parameters named `keys`, starting from the model's own values and from others within their ranges (quasi-random,
+/// by `seed`). Residuals that are many times the typical one count linearly.
+pub fn calibrate(model: &Model, keys: &[String], points: &[Point], tolerance: Tolerance, seed: u32) -> Calibration {
+    let stated = problem(model, keys, points, tolerance);
+    let parameters = stated.parameters().to_vec();
+    let mut starts = vec![stated.values()];
+    if !parameters.is_empty() {
+        starts.extend((0..STARTS as u32).map(|i| scattered(&parameters, i, seed)));
+    }
+    let mut tried: Vec<(f64, usize)> = starts
+        .par_iter()
+        .enumerate()
+        .map(|(index, start)| (robust_chi2(&stated.clone().evaluate(start, false).residuals, HUBER), index))
+        .collect();
+    // The stated values are always followed.
+    tried[1..].sort_by(|a, b| a.0.total_cmp(&b.0));
+    let followed: Vec<Fit> = tried
+        .par_iter()
+        .take(if parameters.is_empty() { 1 } else { FOLLOWED })
+        .map(|&(_, index)| {
+            let settings = Settings { evaluations: EVALUATIONS, threshold: f64::INFINITY };
+            minimise(&mut stated.clone(), &starts[index], &settings)
+        })
+        .collect();
+    let best = followed.into_iter().min_by(|a, b| a.objective.total_cmp(&b.objective));
+    let fit = best.unwrap_or_else(|| minimise(&mut stated.clone(), &starts[0], &SETTLE));
+    let threshold = HUBER * scale(&fit.evaluation.residuals).max(1.0);
+    if fit.evaluation.residuals.amax() <= threshold || parameters.is_empty() {
+        return Calibration { fit, threshold };
+    }
+    let fit = minimise(&mut stated.clone(), &fit.values, &Settings { evaluations: EVALUATIONS, threshold });
+    Calibration { fit, threshold }
+}
+
+const SETTLE: Settings = Settings { evaluations: 1, threshold: f64::INFINITY };
+
+/// A quasi-random start within the ranges of the parameters.
+pub(crate) fn scattered(parameters: &[Parameter], number: u32, seed: u32) -> Vec<f64> {
+    let share = |dimension: usize| f64::from(sobol_burley::sample(number, dimension as u32, seed));
+    parameters.iter().enumerate().map(|(d, p)| p.within(share(d))).collect()
+}
+
+/// Robust standard deviation of residuals about zero.
+pub(crate) fn scale(residuals: &DVector<f64>) -> f64 {
+    MAD * median(residuals.iter().map(|r| r.abs()).collect())
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let n = values.len();
+    match n {
+        0 => 0.0,
+        _ if n % 2 == 1 => values[n / 2],
+        _ => 0.5 * (values[n / 2 - 1] + values[n / 2]),
+    }
+}
+
+/// Readings that are far off where their neighbours along the frequency are not. `residuals` holds (row, residual) of one
+/// column of one curve, in the order of the frequency.
+pub(crate) fn outliers(column: &'static str, residuals: &[(usize, f64)]) -> Vec<Outlier> {
+    let mut found = Vec::new();
+    for (i, &(row, residual)) in residuals.iter().enumerate() {
+        let range = i.saturating_sub(NEIGHBOURS)..(i + NEIGHBOURS + 1).min(residuals.len());
+        let near: Vec<f64> = range.filter(|&j| j != i).map(|j| residuals[j].1).collect();
+        if near.len() < NEIGHBOURS {
+            continue;
+        }
+        let middle = median(near.clone());
+        let spread = MAD * median(near.iter().map(|r| (r - middle).abs()).collect());
+        if (residual - middle).abs() > OUTLYING * spread.max(1.0) {
+            found.push(Outlier { row, column, sigma: residual });
+        }
+    }
+    found
+}

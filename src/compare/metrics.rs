@@ -1,0 +1,113 @@
+//! How wrong a model is, in figures: over all points and per condition.
+
+use super::{Compared, Setting};
+use crate::measurement::Point;
+
+/// Points through which the parabola of a peak is laid.
+const PEAK_POINTS: usize = 5;
+
+/// Figures over a set of points.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Metrics {
+    /// Points.
+    pub points: usize,
+    /// Readings: amplitudes and phases.
+    pub readings: usize,
+    /// Mean square of the residuals in standard deviations, over all readings: 1 where the model is right.
+    pub chi2_per_point: f64,
+    /// Root mean square of the relative error in amplitude \[%\].
+    pub rms_error_percent: f64,
+    /// Root mean square of the error in phase \[deg\], where measured.
+    pub rms_phase_deg: Option<f64>,
+    /// Root mean square of the standard deviation of the amplitude \[%\].
+    pub noise_percent: f64,
+    /// Root mean square of the standard deviation of the phase \[deg\], where measured.
+    pub noise_phase_deg: Option<f64>,
+}
+
+/// A resonance peak.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Peak {
+    /// Where \[Hz\].
+    pub frequency_hz: f64,
+    /// How high \[rad\].
+    pub amplitude_rad: f64,
+}
+
+/// Figures of one load, speed and drive.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct ConditionMetrics {
+    /// The condition.
+    pub setting: Setting,
+    /// Figures over its points.
+    pub metrics: Metrics,
+    /// Peak of the model at the measured frequencies; none where the largest amplitude lies at an end.
+    pub model_peak: Option<Peak>,
+    /// Measured peak.
+    pub measured_peak: Option<Peak>,
+}
+
+impl Metrics {
+    /// Figures over some points.
+    pub fn over<'a>(points: impl Iterator<Item = &'a Compared> + Clone) -> Self {
+        let count = points.clone().count();
+        let mean = |values: &mut dyn Iterator<Item = f64>| {
+            let (mut sum, mut n) = (0.0, 0);
+            for value in values {
+                sum += value;
+                n += 1;
+            }
+            (n > 0).then(|| sum / f64::from(n))
+        };
+        let residuals = || points.clone().flat_map(|p| [Some(p.amplitude_residual), p.phase_residual]).flatten();
+        let relative = |p: &Compared| (p.model.amplitude / p.point.amplitude - 1.0).powi(2);
+        let phase = |p: &Compared| p.phase_error().map(|e| e.to_degrees().powi(2));
+        let noise = |p: &Point| (p.amplitude_sd / p.amplitude).powi(2);
+        let root = |x: Option<f64>| x.map(f64::sqrt);
+        Self {
+            points: count,
+            readings: residuals().count(),
+            chi2_per_point: mean(&mut residuals().map(|r| r * r)).unwrap_or(f64::NAN),
+            rms_error_percent: 100.0
+                * root(mean(&mut points.clone().map(relative).filter(|e| e.is_finite()))).unwrap_or(f64::NAN),
+            rms_phase_deg: root(mean(&mut points.clone().filter_map(phase).filter(|e| e.is_finite()))),
+            noise_percent: 100.0 * root(mean(&mut points.clone().map(|p| noise(&p.point)))).unwrap_or(f64::NAN),
+            noise_phase_deg: root(mean(
+                &mut points.clone().filter_map(|p| p.point.phase_sd.map(|sd| sd.to_degrees().powi(2))),
+            )),
+        }
+    }
+}
+
+impl ConditionMetrics {
+    /// Figures of a condition; `points` in the order of the frequency.
+    pub(super) fn over(setting: Setting, points: &[&Compared]) -> Self {
+        let model: Vec<_> = points.iter().map(|p| (p.point.frequency, p.model.amplitude)).collect();
+        let measured: Vec<_> = points.iter().map(|p| (p.point.frequency, p.point.amplitude)).collect();
+        Self {
+            setting,
+            metrics: Metrics::over(points.iter().copied()),
+            model_peak: peak(&model),
+            measured_peak: peak(&measured),
+        }
+    }
+}
+
+/// The largest amplitude of a curve by a parabola through the logarithms of the points around it (least squares).
+fn peak(curve: &[(f64, f64)]) -> Option<Peak> {
+    let top = (0..curve.len()).max_by(|&i, &j| curve[i].1.total_cmp(&curve[j].1))?;
+    if top == 0 || top + 1 == curve.len() {
+        return None;
+    }
+    let half = PEAK_POINTS / 2;
+    let part = &curve[top.saturating_sub(half)..(top + half + 1).min(curve.len())];
+    let rows = nalgebra::DMatrix::from_fn(part.len(), 3, |i, j| (part[i].0 - curve[top].0).powi(j as i32));
+    let logs = nalgebra::DVector::from_iterator(part.len(), part.iter().map(|p| p.1.ln()));
+    let fit = rows.svd(true, true).solve(&logs, 1e-12).ok()?;
+    if fit[2] >= 0.0 {
+        return None;
+    }
+    let shift = (-0.5 * fit[1] / fit[2]).clamp(part[0].0 - curve[top].0, part[part.len() - 1].0 - curve[top].0);
+    let height = fit[0] + fit[1] * shift + fit[2] * shift * shift;
+    Some(Peak { frequency_hz: curve[top].0 + shift, amplitude_rad: height.exp() })
+}

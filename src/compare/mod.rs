@@ -1,0 +1,189 @@
+//! Model against measurements: how wrong the model is, where, and what the contact must have done instead.
+//!
+//! [`compare`] calibrates the free parameters, and judges what is left.
+
+mod budget;
+mod calibrate;
+mod curves;
+mod fingerprint;
+mod json;
+mod metrics;
+mod regions;
+mod whiteness;
+
+pub use budget::{ErrorBudget, NUMERICAL_POINTS};
+pub use calibrate::{Calibration, calibrate, conditions_of, problem};
+pub use curves::{ModelCurve, model_curves};
+pub use fingerprint::{ContactPoint, fingerprint};
+pub use json::{ComparisonJson, ParameterJson, SCHEMA, json};
+pub use metrics::{ConditionMetrics, Metrics, Peak};
+pub use regions::{Region, regions, words};
+pub use whiteness::{Whiteness, whiteness};
+
+use crate::fit::{Correlation, Fit, Interval, Parameter, Prediction, Problem, correlations, intervals, read};
+use crate::measurement::{Point, Table};
+use crate::model::Model;
+use crate::scenario::Scenario;
+use crate::solver::analytic::wrap;
+use crate::solver::cycle::Tolerance;
+
+/// Load, speed and drive of a measured curve.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Setting {
+    /// V \[m/s\].
+    pub speed: f64,
+    /// W \[N\].
+    pub load: f64,
+    /// u0 \[m\].
+    pub drive: f64,
+}
+
+/// A measured point beside what the model says of it.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct Compared {
+    /// The measurement.
+    pub point: Point,
+    /// Index among [`Comparison::conditions`].
+    pub condition: usize,
+    /// The model.
+    pub model: Prediction,
+    /// Model minus measured amplitude, in standard deviations.
+    pub amplitude_residual: f64,
+    /// Model minus measured phase, in standard deviations, where measured.
+    pub phase_residual: Option<f64>,
+}
+
+/// A single reading that no model of the kind explains: far off where its neighbours are not.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Outlier {
+    /// Data row of the table, from 1.
+    pub row: usize,
+    /// Column, `amplitude_rad` or `phase_rad`.
+    pub column: &'static str,
+    /// Residual in standard deviations.
+    pub sigma: f64,
+}
+
+/// Everything that a comparison found.
+#[derive(Debug, Clone)]
+pub struct Comparison {
+    /// The scenario as it was read.
+    pub scenario: Scenario,
+    /// The measurements.
+    pub table: Table,
+    /// The calibrated model.
+    pub model: Model,
+    /// The calibration.
+    pub fit: Fit,
+    /// 95 % intervals of the calibrated parameters.
+    pub intervals: Vec<Interval>,
+    /// Estimates that are tied together.
+    pub correlations: Vec<Correlation>,
+    /// Point by point, in the order of the table.
+    pub points: Vec<Compared>,
+    /// Figures over all points.
+    pub overall: Metrics,
+    /// Figures per load, speed and drive.
+    pub conditions: Vec<ConditionMetrics>,
+    /// Whether what is left looks like noise.
+    pub whiteness: Whiteness,
+    /// Where the model fails, the largest share of chi2 first.
+    pub regions: Vec<Region>,
+    /// What the contact must have done, per point with phase and load.
+    pub contact: Vec<ContactPoint>,
+    /// The same for the model, at the same points and in the same order.
+    pub contact_model: Vec<ContactPoint>,
+    /// Single readings that stand out.
+    pub outliers: Vec<Outlier>,
+    /// Three numbers that add up.
+    pub error_budget: ErrorBudget,
+    /// The model between the measured frequencies, one curve per condition.
+    pub curves: Vec<ModelCurve>,
+}
+
+impl Compared {
+    /// Model over measured amplitude, less one \[%\].
+    pub fn error_percent(&self) -> f64 {
+        100.0 * (self.model.amplitude / self.point.amplitude - 1.0)
+    }
+
+    /// Model minus measured phase \[rad\], where measured.
+    pub fn phase_error(&self) -> Option<f64> {
+        self.point.phase.map(|phase| wrap(self.model.phase - phase))
+    }
+}
+
+/// How a comparison is made.
+#[derive(Debug, Clone, Copy)]
+pub struct Options {
+    /// Seed of the starts of the fit.
+    pub seed: u32,
+}
+
+/// Calibrates the free parameters of a scenario and compares with its measurements.
+pub fn compare(scenario: &Scenario, table: &Table, options: &Options) -> Comparison {
+    let model = Model::new(scenario);
+    let calibration = calibrate(&model, &scenario.free, &table.points, Tolerance::default(), options.seed);
+    judge(scenario, table, &model, &calibration)
+}
+
+/// Compares a model whose calibration is done with the measurements. `base` is the model before it.
+pub fn judge(scenario: &Scenario, table: &Table, base: &Model, calibration: &Calibration) -> Comparison {
+    let fit = &calibration.fit;
+    let (settings, of_point) = conditions_of(&table.points);
+    let calibrated = Problem::new(base.clone(), &table.points, fit.parameters.clone(), Tolerance::default());
+    let model = calibrated.model(&fit.values);
+    let points: Vec<Compared> = table
+        .points
+        .iter()
+        .zip(&fit.evaluation.predictions)
+        .zip(of_point)
+        .map(|((point, prediction), condition)| {
+            let (amplitude_residual, phase_residual) = read(point, prediction);
+            Compared { point: point.clone(), condition, model: prediction.clone(), amplitude_residual, phase_residual }
+        })
+        .collect();
+    let overall = Metrics::over(points.iter());
+    let of = |index: usize| points.iter().filter(move |p| p.condition == index).collect::<Vec<_>>();
+    let conditions: Vec<_> =
+        settings.iter().enumerate().map(|(i, &setting)| ConditionMetrics::over(setting, &of(i))).collect();
+    let whiteness = whiteness(&points, settings.len(), fit.parameters.len());
+    let regions = regions(&points, &conditions);
+    let (contact, contact_model) = fingerprint(&model, &points);
+    let outliers = (0..settings.len()).flat_map(|i| standing_out(&of(i))).collect();
+    let ranges: Vec<(f64, f64)> = (0..settings.len())
+        .map(|i| {
+            of(i).iter().fold((f64::INFINITY, 0.0), |(a, b), p| (a.min(p.point.frequency), p.point.frequency.max(b)))
+        })
+        .collect();
+    let rebuild = |parameters: Vec<Parameter>, values: &[f64]| {
+        Problem::new(calibrated.model(values), &table.points, parameters, Tolerance::default())
+    };
+    let noise = if whiteness.structured { overall.chi2_per_point.sqrt().max(1.0) } else { 1.0 };
+    Comparison {
+        scenario: scenario.clone(),
+        table: table.clone(),
+        fit: fit.clone(),
+        intervals: intervals(fit, noise, calibration.threshold, &rebuild),
+        correlations: correlations(fit),
+        overall,
+        whiteness,
+        regions,
+        contact,
+        contact_model,
+        outliers,
+        error_budget: budget::budget(&model, &points, &overall),
+        curves: model_curves(&model, &settings, &ranges),
+        model,
+        points,
+        conditions,
+    }
+}
+
+fn standing_out(curve: &[&Compared]) -> Vec<Outlier> {
+    let amplitudes: Vec<_> = curve.iter().map(|p| (p.point.row, p.amplitude_residual)).collect();
+    let phases: Vec<_> = curve.iter().filter_map(|p| Some((p.point.row, p.phase_residual?))).collect();
+    let mut found = calibrate::outliers("amplitude_rad", &amplitudes);
+    found.extend(calibrate::outliers("phase_rad", &phases));
+    found
+}

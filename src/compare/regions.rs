@@ -1,0 +1,181 @@
+//! Where the model fails: contiguous ranges of frequency of one condition, the largest share of the misfit first.
+
+use super::{Compared, ConditionMetrics, Setting};
+use crate::units;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+/// A residual's square above which a reading counts as misfit.
+const EXCESS: f64 = 2.0;
+/// Probability, before the number of ranges that are looked at, below which a range is no chance.
+const SIGNIFICANCE: f64 = 1e-3;
+
+/// A range of one condition at which the model fails.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Region {
+    /// The condition.
+    #[serde(flatten)]
+    pub setting: Setting,
+    /// Index of the condition.
+    pub condition: usize,
+    /// First frequency \[Hz\].
+    pub frequency_from_hz: f64,
+    /// Last frequency \[Hz\].
+    pub frequency_to_hz: f64,
+    /// Points.
+    pub points: usize,
+    /// Mean residual of the amplitude, model minus measurement, in standard deviations.
+    pub mean_residual_sigma: f64,
+    /// Mean relative error of the amplitude, model over measurement \[%\].
+    pub mean_residual_percent: f64,
+    /// Mean error of the phase \[deg\], where measured.
+    pub mean_phase_deg: Option<f64>,
+    /// Share of chi2 over all points, 0..1.
+    pub share_of_chi2: f64,
+    /// The same in plain words.
+    pub sentence: String,
+}
+
+/// Regions of all conditions, the largest share of chi2 first. Within noise there are none, up to a small chance.
+pub fn regions(points: &[Compared], conditions: &[ConditionMetrics]) -> Vec<Region> {
+    let total: f64 = points.iter().map(misfit).sum();
+    let looked_at: f64 =
+        (0..conditions.len()).map(|c| points.iter().filter(|p| p.condition == c).count().pow(2) as f64).sum();
+    let mut found = Vec::new();
+    for (index, condition) in conditions.iter().enumerate() {
+        let curve: Vec<&Compared> = points.iter().filter(|p| p.condition == index).collect();
+        for (from, to) in ranges(&curve, SIGNIFICANCE / looked_at.max(1.0)) {
+            found.push(region(index, condition, &curve[from..=to], total));
+        }
+    }
+    found.sort_by(|a, b| b.share_of_chi2.total_cmp(&a.share_of_chi2));
+    found
+}
+
+fn misfit(point: &Compared) -> f64 {
+    point.amplitude_residual.powi(2) + point.phase_residual.map_or(0.0, |r| r * r)
+}
+
+fn readings(point: &Compared) -> f64 {
+    1.0 + f64::from(u8::from(point.phase_residual.is_some()))
+}
+
+/// Ranges (first and last index) whose misfit is no chance, from left to right: those of largest total excess. A single
+/// point is no range but an outlier.
+fn ranges(curve: &[&Compared], significance: f64) -> Vec<(usize, usize)> {
+    let excess: Vec<f64> = curve.iter().map(|p| misfit(p) - EXCESS * readings(p)).collect();
+    let (mut best, mut sum, mut start) = ((0.0, 0, 0), 0.0, 0);
+    for (i, e) in excess.iter().enumerate() {
+        if sum <= 0.0 {
+            (sum, start) = (0.0, i);
+        }
+        sum += e;
+        if sum > best.0 {
+            best = (sum, start, i);
+        }
+    }
+    let (gain, from, to) = best;
+    if gain <= 0.0 {
+        return Vec::new();
+    }
+    let part = &curve[from..=to];
+    let (chi2, freedom): (f64, f64) = part.iter().fold((0.0, 0.0), |(c, n), p| (c + misfit(p), n + readings(p)));
+    let chance = ChiSquared::new(freedom).map_or(1.0, |distribution| distribution.sf(chi2));
+    let mut found = ranges(&curve[..from], significance);
+    if to > from && chance < significance {
+        found.push((from, to));
+    }
+    found.extend(ranges(&curve[to + 1..], significance).into_iter().map(|(a, b)| (a + to + 1, b + to + 1)));
+    found
+}
+
+fn region(index: usize, condition: &ConditionMetrics, part: &[&Compared], total: f64) -> Region {
+    let n = part.len() as f64;
+    let mean = |value: &dyn Fn(&Compared) -> f64| part.iter().map(|p| value(p)).sum::<f64>() / n;
+    let phase = part.iter().all(|p| p.phase_residual.is_some());
+    let mut region = Region {
+        setting: condition.setting,
+        condition: index,
+        frequency_from_hz: part[0].point.frequency,
+        frequency_to_hz: part[part.len() - 1].point.frequency,
+        points: part.len(),
+        mean_residual_sigma: mean(&|p| p.amplitude_residual),
+        mean_residual_percent: mean(&|p| p.error_percent()),
+        mean_phase_deg: phase.then(|| mean(&|p| p.phase_error().unwrap_or(0.0).to_degrees())),
+        share_of_chi2: part.iter().map(|p| misfit(p)).sum::<f64>() / total,
+        sentence: String::new(),
+    };
+    region.sentence = sentence(&region, condition, part);
+    region
+}
+
+/// The region in plain words.
+fn sentence(region: &Region, condition: &ConditionMetrics, part: &[&Compared]) -> String {
+    let amplitudes: f64 = part.iter().map(|p| p.amplitude_residual.powi(2)).sum();
+    let phases: f64 = part.iter().filter_map(|p| p.phase_residual).map(|r| r * r).sum();
+    let mut said = Vec::new();
+    if amplitudes >= 0.3 * phases {
+        said.push(amplitude_words(region, part));
+    }
+    let inside = |f: f64| f >= region.frequency_from_hz && f <= region.frequency_to_hz;
+    if let (Some(model), Some(measured)) = (condition.model_peak, condition.measured_peak) {
+        let shift = model.frequency_hz - measured.frequency_hz;
+        if shift.abs() > 0.5 && (inside(model.frequency_hz) || inside(measured.frequency_hz)) {
+            said.push(format!("resonates {:.1} Hz too {}", shift.abs(), if shift > 0.0 { "high" } else { "low" }));
+        }
+    }
+    if let Some(phase) = region.mean_phase_deg.filter(|_| phases > amplitudes) {
+        let lead = if phase > 0.0 { "ahead" } else { "behind" };
+        said.push(format!("is {:.1}° {lead} in phase", phase.abs()));
+    }
+    format!(
+        "{}: {}-{} Hz, the model {}; {:.0} % of the misfit",
+        words(&region.setting),
+        Trim(region.frequency_from_hz),
+        Trim(region.frequency_to_hz),
+        said.join(" and "),
+        100.0 * region.share_of_chi2
+    )
+}
+
+fn amplitude_words(region: &Region, part: &[&Compared]) -> String {
+    let side = |percent: f64| if percent > 0.0 { "high" } else { "low" };
+    let mean = region.mean_residual_percent;
+    let square = part.iter().map(|p| p.error_percent().powi(2)).sum::<f64>() / part.len() as f64;
+    if mean.abs() >= 0.5 * square.sqrt() {
+        return format!("is {} % too {}", rounded(mean.abs()), side(mean));
+    }
+    let by = |a: &&&Compared, b: &&&Compared| a.error_percent().total_cmp(&b.error_percent());
+    let (Some(low), Some(high)) = (part.iter().min_by(by), part.iter().max_by(by)) else { return String::new() };
+    let at = |p: &Compared| {
+        format!(
+            "{} % too {} at {} Hz",
+            rounded(p.error_percent().abs()),
+            side(p.error_percent()),
+            Trim(p.point.frequency)
+        )
+    };
+    format!("is {} and {}", at(low), at(high))
+}
+
+fn rounded(percent: f64) -> String {
+    if percent < 10.0 { format!("{percent:.1}") } else { format!("{percent:.0}") }
+}
+
+/// A frequency without needless digits.
+struct Trim(f64);
+
+impl std::fmt::Display for Trim {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}", (self.0 * 100.0).round() / 100.0)
+    }
+}
+
+/// A condition in words, e.g. `V = 20 mm/s, W = 20 N, u₀ = 2.5 µm`.
+pub fn words(setting: &Setting) -> String {
+    format!(
+        "V = {}, W = {}, u₀ = {}",
+        units::format(setting.speed, "m/s"),
+        units::format(setting.load, "N"),
+        units::format(setting.drive, "m")
+    )
+}

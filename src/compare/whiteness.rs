@@ -1,0 +1,115 @@
+//! Whether residuals look like noise: runs of signs, autocorrelation along the frequency, smooth components.
+
+use super::Compared;
+use statrs::distribution::{ContinuousCDF, FisherSnedecor, Normal};
+
+/// Smooth components (polynomials of the point's number) that a curve is searched for, at most.
+const COMPONENTS: usize = 5;
+/// Points per component that a curve must have.
+const POINTS_PER_COMPONENT: usize = 3;
+/// Residuals enter the tests up to this size, so that single outliers do not make a structure.
+const CLIP: f64 = 4.0;
+/// Probability below which residuals are called structured.
+pub const SIGNIFICANCE: f64 = 1e-3;
+
+/// Tests of residuals against noise; every probability is that of noise looking at least as structured.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Whiteness {
+    /// Runs of equal sign along the frequency, over all curves.
+    pub runs: usize,
+    /// Runs that noise would have on average.
+    pub runs_expected: f64,
+    /// Probability of so few runs.
+    pub runs_p: f64,
+    /// Correlation of neighbours along the frequency.
+    pub autocorrelation: f64,
+    /// Probability of so much of it.
+    pub autocorrelation_p: f64,
+    /// Mean square of the smooth components over that of the rest.
+    pub smooth_ratio: f64,
+    /// Probability of so large a ratio.
+    pub smooth_p: f64,
+    /// Mean square of the rest: the noise that the data have over the one stated, squared, whatever smooth misfit there is.
+    pub rough_chi2: f64,
+    /// Whether the misfit is structured rather than noise.
+    pub structured: bool,
+}
+
+/// Tests the residuals of all curves. `fitted` parameters have absorbed as many components.
+pub fn whiteness(points: &[Compared], conditions: usize, fitted: usize) -> Whiteness {
+    let mut curves: Vec<Vec<f64>> = Vec::new();
+    for condition in 0..conditions {
+        let of = || points.iter().filter(move |p| p.condition == condition);
+        curves.push(of().map(|p| p.amplitude_residual).collect());
+        curves.push(of().filter_map(|p| p.phase_residual).collect());
+    }
+    test(&curves, fitted)
+}
+
+fn test(curves: &[Vec<f64>], fitted: usize) -> Whiteness {
+    let (mut runs, mut expected, mut variance) = (0, 0.0, 0.0);
+    let (mut product, mut square, mut energy) = (0.0, 0.0, 0.0);
+    let (mut smooth, mut rough, mut smooth_n, mut rough_n) = (0.0, 0.0, 0.0, 0.0);
+    for curve in curves.iter().filter(|curve| curve.len() > 1) {
+        let scale = typical(curve).max(1.0);
+        let clipped: Vec<f64> = curve.iter().map(|r| r.clamp(-CLIP * scale, CLIP * scale)).collect();
+        runs += 1 + clipped.windows(2).filter(|w| (w[0] > 0.0) != (w[1] > 0.0)).count();
+        let pairs = (curve.len() - 1) as f64;
+        expected += 1.0 + 0.5 * pairs;
+        variance += 0.25 * pairs;
+        for pair in clipped.windows(2) {
+            product += pair[0] * pair[1];
+            square += (pair[0] * pair[1]).powi(2);
+            energy += 0.5 * (pair[0].powi(2) + pair[1].powi(2));
+        }
+        let components = (curve.len() / POINTS_PER_COMPONENT).min(COMPONENTS);
+        let inside = projected(&clipped, components);
+        smooth += inside;
+        smooth_n += components as f64;
+        rough += clipped.iter().map(|r| r * r).sum::<f64>() - inside;
+        rough_n += (curve.len() - components) as f64;
+    }
+    let tail = |z: f64| Normal::standard().sf(z);
+    let runs_p = if variance > 0.0 { tail((expected - runs as f64) / f64::sqrt(variance)) } else { 1.0 };
+    let autocorrelation_p = if square > 0.0 { tail(product / square.sqrt()) } else { 1.0 };
+    let smooth_n: f64 = (smooth_n - fitted as f64).max(1.0);
+    let rough_chi2 = if rough_n > 0.0 { rough / rough_n } else { 1.0 };
+    let smooth_ratio = smooth / smooth_n / rough_chi2.max(f64::MIN_POSITIVE);
+    let smooth_p = FisherSnedecor::new(smooth_n, rough_n.max(1.0)).map_or(1.0, |f| f.sf(smooth_ratio));
+    let structured = smooth_p < SIGNIFICANCE || autocorrelation_p < SIGNIFICANCE || runs_p < 0.1 * SIGNIFICANCE;
+    Whiteness {
+        runs,
+        runs_expected: expected,
+        runs_p,
+        autocorrelation: if energy > 0.0 { product / energy } else { 0.0 },
+        autocorrelation_p,
+        smooth_ratio,
+        smooth_p,
+        rough_chi2,
+        structured,
+    }
+}
+
+fn typical(curve: &[f64]) -> f64 {
+    let mut sizes: Vec<f64> = curve.iter().map(|r| r.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    1.4826 * sizes[sizes.len() / 2]
+}
+
+/// Sum of squares of the projection onto the first polynomials of the point's number.
+fn projected(values: &[f64], components: usize) -> f64 {
+    let n = values.len();
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    for order in 0..components {
+        let x = |i: usize| 2.0 * i as f64 / (n - 1) as f64 - 1.0;
+        let mut vector: Vec<f64> = (0..n).map(|i| x(i).powi(order as i32)).collect();
+        for earlier in &basis {
+            let along: f64 = vector.iter().zip(earlier).map(|(a, b)| a * b).sum();
+            vector.iter_mut().zip(earlier).for_each(|(a, b)| *a -= along * b);
+        }
+        let norm = vector.iter().map(|a| a * a).sum::<f64>().sqrt();
+        vector.iter_mut().for_each(|a| *a /= norm);
+        basis.push(vector);
+    }
+    basis.iter().map(|vector| vector.iter().zip(values).map(|(a, b)| a * b).sum::<f64>().powi(2)).sum()
+}

@@ -1,0 +1,148 @@
+//! Levenberg-Marquardt in the coordinates of the parameters, from one start or several.
+
+use super::{Evaluation, Parameter, Problem};
+use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
+use nalgebra::{DMatrix, DVector, Dyn, storage::Owned};
+
+/// Residuals beyond this many standard deviations count linearly (Huber 1964), so that a few outliers decide nothing.
+pub const HUBER: f64 = 4.0;
+/// Relative change of the sum of squares at which a fit is done: well below one unit for any table that fits.
+const CONVERGED: f64 = 1e-7;
+
+/// How hard to try.
+#[derive(Debug, Clone, Copy)]
+pub struct Settings {
+    /// Most evaluations of the model.
+    pub evaluations: usize,
+    /// Residuals beyond this count linearly; infinity for plain least squares.
+    pub threshold: f64,
+}
+
+/// A finished fit.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    /// What was moved.
+    pub parameters: Vec<Parameter>,
+    /// Where to.
+    pub values: Vec<f64>,
+    /// Residuals and derivatives there.
+    pub evaluation: Evaluation,
+    /// Sum of squares, residuals beyond the threshold counted linearly.
+    pub objective: f64,
+    /// Evaluations of the model.
+    pub evaluations: usize,
+    /// Why it ended.
+    pub termination: String,
+}
+
+/// Sum of squares with residuals beyond `threshold` counted linearly.
+pub fn robust_chi2(residuals: &DVector<f64>, threshold: f64) -> f64 {
+    residuals.iter().map(|&r| soften(r, threshold).0.powi(2)).sum()
+}
+
+/// Residual whose square is Huber's loss, and its derivative by the residual.
+fn soften(r: f64, threshold: f64) -> (f64, f64) {
+    if r.abs() <= threshold {
+        return (r, 1.0);
+    }
+    let soft = (threshold * (2.0 * r.abs() - threshold)).sqrt();
+    (soft.copysign(r), threshold / soft)
+}
+
+/// Minimises the sum of squares from `start` (values, not coordinates).
+pub fn minimise(problem: &mut Problem<'_>, start: &[f64], settings: &Settings) -> Fit {
+    let parameters = problem.parameters().to_vec();
+    let before = problem.evaluations;
+    if parameters.is_empty() {
+        let evaluation = problem.evaluate(&[], true);
+        let objective = robust_chi2(&evaluation.residuals, settings.threshold);
+        let termination = "nothing to move".into();
+        return Fit { parameters, values: Vec::new(), evaluation, objective, evaluations: 1, termination };
+    }
+    let u = DVector::from_iterator(start.len(), parameters.iter().zip(start).map(|(p, &x)| p.coordinate(x)));
+    let mut target = Target::new(problem, parameters, settings.threshold);
+    target.set_params(&u);
+    let patience = settings.evaluations / (start.len() + 1);
+    let method = LevenbergMarquardt::new()
+        .with_ftol(CONVERGED)
+        .with_xtol(1e-9)
+        .with_gtol(1e-9)
+        .with_stepbound(1.0)
+        .with_patience(patience.max(1));
+    let (target, report) = method.minimize(target);
+    let Target { problem, parameters, best, .. } = target;
+    let (objective, values, evaluation) = best;
+    let termination = format!("{:?}", report.termination);
+    Fit { parameters, values, evaluation, objective, evaluations: problem.evaluations - before, termination }
+}
+
+/// The best of the fits from several starts, each first refined with few evaluations.
+pub fn multi_start(problem: &mut Problem<'_>, starts: &[Vec<f64>], settings: &Settings) -> Option<Fit> {
+    let mut best: Option<Fit> = None;
+    for start in starts {
+        let fit = minimise(problem, start, settings);
+        if best.as_ref().is_none_or(|best| fit.objective < best.objective) {
+            best = Some(fit);
+        }
+    }
+    best
+}
+
+/// The problem as the library of the method sees it.
+struct Target<'p, 'a> {
+    problem: &'p mut Problem<'a>,
+    parameters: Vec<Parameter>,
+    threshold: f64,
+    u: DVector<f64>,
+    evaluation: Option<Evaluation>,
+    best: (f64, Vec<f64>, Evaluation),
+}
+
+impl<'p, 'a> Target<'p, 'a> {
+    fn new(problem: &'p mut Problem<'a>, parameters: Vec<Parameter>, threshold: f64) -> Self {
+        let nothing =
+            Evaluation { residuals: DVector::zeros(0), jacobian: DMatrix::zeros(0, 0), predictions: Vec::new() };
+        let best = (f64::INFINITY, Vec::new(), nothing);
+        Self { problem, parameters, threshold, u: DVector::zeros(0), evaluation: None, best }
+    }
+}
+
+impl LeastSquaresProblem<f64, Dyn, Dyn> for Target<'_, '_> {
+    type ParameterStorage = Owned<f64, Dyn>;
+    type ResidualStorage = Owned<f64, Dyn>;
+    type JacobianStorage = Owned<f64, Dyn, Dyn>;
+
+    fn set_params(&mut self, u: &DVector<f64>) {
+        if self.evaluation.is_some() && *u == self.u {
+            return;
+        }
+        self.u = u.clone();
+        let values: Vec<f64> = self.parameters.iter().zip(u.iter()).map(|(p, &u)| p.value(u)).collect();
+        let evaluation = self.problem.evaluate(&values, true);
+        let objective = robust_chi2(&evaluation.residuals, self.threshold);
+        if objective < self.best.0 || self.best.1.is_empty() {
+            self.best = (objective, values, evaluation.clone());
+        }
+        self.evaluation = Some(evaluation);
+    }
+
+    fn params(&self) -> DVector<f64> {
+        self.u.clone()
+    }
+
+    fn residuals(&self) -> Option<DVector<f64>> {
+        Some(self.evaluation.as_ref()?.residuals.map(|r| soften(r, self.threshold).0))
+    }
+
+    fn jacobian(&self) -> Option<DMatrix<f64>> {
+        let evaluation = self.evaluation.as_ref()?;
+        let mut jacobian = evaluation.jacobian.clone();
+        for (i, &r) in evaluation.residuals.iter().enumerate() {
+            let by_residual = soften(r, self.threshold).1;
+            for (j, parameter) in self.parameters.iter().enumerate() {
+                jacobian[(i, j)] *= by_residual * parameter.slope(self.u[j]);
+            }
+        }
+        Some(jacobian)
+    }
+}

@@ -1,0 +1,12 @@
+//! Least squares on measured steady states: parameters within bounds, residuals on the solver's derivatives, few outliers
+//! tolerated. What is fitted and why is decided by [`crate::compare`] and [`crate::discover`].
+
+mod least_squares;
+mod parameter;
+mod problem;
+mod profile;
+
+pub use least_squares::{Fit, HUBER, Settings, minimise, multi_start, robust_chi2};
+pub use parameter::{Parameter, parameter};
+pub use problem::{Evaluation, Prediction, Problem, TROUBLED, read};
+pub use profile::{Correlation, Identified, Interval, correlations, intervals, standard_errors};

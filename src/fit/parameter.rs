@@ -1,0 +1,185 @@
+//! What a fit may move: one number of a model with its bounds, on a scale on which searching is natural.
+
+use crate::effects::ParameterInfo;
+use crate::model::Model;
+use crate::model::lumps::{BASE_PARAMETERS, FIRST_EFFECT_PARAMETER};
+use crate::scenario::parameters::{CONTACT, INSTRUMENT, RIG};
+
+/// A contact is searched within this factor of its stated values.
+const CONTACT_FACTOR: f64 = 30.0;
+/// A rig and its instrument are known within this factor.
+const RIG_FACTOR: f64 = 3.0;
+/// A fit may leave the range that the catalogue searches by this factor.
+const BEYOND: f64 = 3.0;
+/// Part of the largest magnitude that counts as zero where a range starts at zero.
+const SMALLEST: f64 = 1e-4;
+
+/// A parameter of a fit. The fit moves a coordinate u without bounds; the value is `t = middle + half sin u` between the
+/// bounds, `t` being the value or, for magnitudes, its logarithm.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameter {
+    /// Key as in `[fit] free`, e.g. `contact.stiffness`, `effect.grosch.h`.
+    pub key: String,
+    /// SI unit.
+    pub unit: &'static str,
+    /// Symbol of the equations; may be empty.
+    pub symbol: &'static str,
+    /// Number among the parameters of the model ([`Model::parameter`]).
+    pub index: usize,
+    /// Whether either sign is physical, so that a search tries both.
+    pub signed: bool,
+    /// Sign of the value, for magnitudes.
+    sign: f64,
+    logarithmic: bool,
+    /// Bounds of `t`.
+    bounds: (f64, f64),
+    /// Bounds of `t` between which a search starts.
+    range: (f64, f64),
+}
+
+/// The parameter of that key of a model, searched around its present value; `None` where the model has no such key.
+pub fn parameter(model: &Model, key: &str) -> Option<Parameter> {
+    let (table, name) = key.split_once('.')?;
+    if table == "effect" {
+        let (effect, name) = name.rsplit_once('.')?;
+        let mut index = FIRST_EFFECT_PARAMETER;
+        for (candidate, values) in &model.effects {
+            for (info, &value) in candidate.parameters().iter().zip(values) {
+                if candidate.name() == effect && info.key == name {
+                    return Some(of_effect(key, info, index, value));
+                }
+                index += 1;
+            }
+        }
+        return None;
+    }
+    let index = BASE_PARAMETERS.iter().position(|known| *known == key)?;
+    let infos = match table {
+        "rig" => RIG,
+        "contact" => CONTACT,
+        _ => INSTRUMENT,
+    };
+    let info = infos.iter().find(|info| info.key == name)?;
+    let at = &mut crate::model::Operation { speed: 0.0, load: 0.0, drive: 0.0, frequency: 0.0 };
+    let value = *model.clone().parameter(at, index)?;
+    let factor = if table == "contact" { CONTACT_FACTOR } else { RIG_FACTOR };
+    Some(of_base(key, info, index, value, factor))
+}
+
+fn of_base(key: &str, info: &ParameterInfo, index: usize, value: f64, factor: f64) -> Parameter {
+    let logarithmic = info.minimum >= 0.0;
+    let (lower, upper) = match (logarithmic, value > 0.0) {
+        (true, true) => (value / factor, value * factor),
+        // Nothing is known of what is stated as zero.
+        (true, false) => (1e-9 * info.maximum, 1e-3 * info.maximum),
+        (false, _) => (-std::f64::consts::PI, std::f64::consts::PI),
+    };
+    let clip = |x: f64| x.clamp(info.minimum, info.maximum);
+    let scale = |x: f64| if logarithmic { x.ln() } else { x };
+    let bounds = (scale(clip(lower)), scale(clip(upper)));
+    let middle = if value > 0.0 && logarithmic { value.ln() } else { 0.5 * (bounds.0 + bounds.1) };
+    let range = (0.5 * (bounds.0 + middle), 0.5 * (bounds.1 + middle));
+    Parameter {
+        key: key.into(),
+        unit: info.unit,
+        symbol: info.symbol,
+        index,
+        signed: false,
+        sign: 1.0,
+        logarithmic,
+        bounds,
+        range,
+    }
+}
+
+fn of_effect(key: &str, info: &ParameterInfo, index: usize, value: f64) -> Parameter {
+    let (low, high) = info.range.unwrap_or((info.minimum.abs(), info.maximum));
+    let low = low.max(SMALLEST * high);
+    let smallest = if info.signed || info.minimum <= 0.0 { low / BEYOND } else { (low / BEYOND).max(info.minimum) };
+    let largest = (high * BEYOND).min(info.maximum);
+    let range = (low.ln(), high.ln());
+    // A value that a user wrote is within the bounds.
+    let written = if value == 0.0 { range.0 } else { value.abs().ln() };
+    let bounds = (smallest.ln().min(written), largest.ln().max(written));
+    Parameter {
+        key: key.into(),
+        unit: info.unit,
+        symbol: info.symbol,
+        index,
+        signed: info.signed,
+        sign: if value < 0.0 { -1.0 } else { 1.0 },
+        logarithmic: true,
+        bounds,
+        range,
+    }
+}
+
+impl Parameter {
+    /// Value at the coordinate `u`.
+    pub fn value(&self, u: f64) -> f64 {
+        self.at(self.middle() + self.half() * u.sin())
+    }
+
+    /// Derivative of the value by the coordinate.
+    pub fn slope(&self, u: f64) -> f64 {
+        let by_t = if self.logarithmic { self.value(u) } else { 1.0 };
+        by_t * self.half() * u.cos()
+    }
+
+    /// Coordinate of a value, moved a little into the bounds.
+    pub fn coordinate(&self, value: f64) -> f64 {
+        let t = if self.logarithmic { value.abs().max(f64::MIN_POSITIVE).ln() } else { value };
+        ((t - self.middle()) / self.half()).clamp(-0.999, 0.999).asin()
+    }
+
+    /// Value at the share `share` in 0..1 of the range of a search.
+    pub fn within(&self, share: f64) -> f64 {
+        self.at(self.range.0 + share * (self.range.1 - self.range.0))
+    }
+
+    /// The parameter for values of the other sign.
+    pub fn mirrored(&self) -> Self {
+        Self { sign: -self.sign, ..self.clone() }
+    }
+
+    /// Smallest and largest value in magnitude order of the bounds.
+    pub fn bounds(&self) -> (f64, f64) {
+        let (a, b) = (self.at(self.bounds.0), self.at(self.bounds.1));
+        (a.min(b), a.max(b))
+    }
+
+    /// Whether the value lies at one of the bounds.
+    pub fn at_bound(&self, value: f64) -> bool {
+        let t = if self.logarithmic { value.abs().max(f64::MIN_POSITIVE).ln() } else { value };
+        let margin = 0.01 * (self.bounds.1 - self.bounds.0);
+        t < self.bounds.0 + margin || t > self.bounds.1 - margin
+    }
+
+    /// Change of the value by a factor (magnitudes) or an addition, on which curvature is smallest: derivative of the value
+    /// by that scale.
+    pub fn natural_slope(&self, value: f64) -> f64 {
+        if self.logarithmic { value } else { 1.0 }
+    }
+
+    /// The value moved by `step` on its natural scale, within the bounds.
+    pub fn moved(&self, value: f64, step: f64) -> f64 {
+        let t = if self.logarithmic { value.abs().max(f64::MIN_POSITIVE).ln() } else { value };
+        self.at((t + step).clamp(self.bounds.0, self.bounds.1))
+    }
+
+    /// Distance of two values on the natural scale.
+    pub fn natural_distance(&self, from: f64, to: f64) -> f64 {
+        let t = |x: f64| if self.logarithmic { x.abs().max(f64::MIN_POSITIVE).ln() } else { x };
+        (t(to) - t(from)).abs()
+    }
+
+    fn at(&self, t: f64) -> f64 {
+        if self.logarithmic { self.sign * t.exp() } else { t }
+    }
+    fn middle(&self) -> f64 {
+        0.5 * (self.bounds.0 + self.bounds.1)
+    }
+    fn half(&self) -> f64 {
+        0.5 * (self.bounds.1 - self.bounds.0)
+    }
+}

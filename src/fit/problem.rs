@@ -1,0 +1,166 @@
+//! Residuals of a model against measured points, with derivatives by the parameters of a fit.
+
+use super::Parameter;
+use crate::measurement::Point;
+use crate::model::{Model, Operation};
+use crate::solver::analytic::wrap;
+use crate::solver::cycle::Tolerance;
+use crate::solver::{Status, Warm, solve};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// Residuals of a point that the model cannot be compared at (no steady state) count as this many standard deviations:
+/// enough to be avoided, too little to rule out an otherwise good model.
+pub const TROUBLED: f64 = 6.0;
+
+/// What a model says of one measured point.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Prediction {
+    /// alpha \[rad\].
+    pub amplitude: f64,
+    /// phi \[rad\].
+    pub phase: f64,
+    /// Whether it is a steady state.
+    pub status: Status,
+}
+
+/// Residuals in standard deviations, model minus measurement: per point the amplitude, then the phase where measured.
+#[derive(Debug, Clone)]
+pub struct Evaluation {
+    /// The residuals.
+    pub residuals: DVector<f64>,
+    /// Their derivatives by the values of the parameters (one column each).
+    pub jacobian: DMatrix<f64>,
+    /// What the model says of each point.
+    pub predictions: Vec<Prediction>,
+}
+
+impl Evaluation {
+    /// Sum of the squares of the residuals.
+    pub fn chi2(&self) -> f64 {
+        self.residuals.norm_squared()
+    }
+
+    /// Number of points at which the model has no steady state.
+    pub fn troubled(&self) -> usize {
+        self.predictions.iter().filter(|p| p.status != Status::Steady).count()
+    }
+}
+
+/// A model, the points it is compared with, and the parameters that may move. Every evaluation starts from the orbits of
+/// the one before; its result does not depend on the number of threads.
+#[derive(Clone)]
+pub struct Problem<'a> {
+    model: Model,
+    points: Vec<&'a Point>,
+    parameters: Vec<Parameter>,
+    tolerance: Tolerance,
+    warm: Vec<Warm>,
+    /// Evaluations so far.
+    pub evaluations: usize,
+}
+
+impl<'a> Problem<'a> {
+    /// A problem over `points`.
+    pub fn new(
+        model: Model,
+        points: impl IntoIterator<Item = &'a Point>,
+        parameters: Vec<Parameter>,
+        tolerance: Tolerance,
+    ) -> Self {
+        let points: Vec<_> = points.into_iter().collect();
+        let warm = vec![Warm::default(); points.len()];
+        Self { model, points, parameters, tolerance, warm, evaluations: 0 }
+    }
+
+    /// The parameters.
+    pub fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    /// The points.
+    pub fn points(&self) -> &[&'a Point] {
+        &self.points
+    }
+
+    /// Values of the parameters in the model as it was given.
+    pub fn values(&self) -> Vec<f64> {
+        let mut model = self.model.clone();
+        self.parameters.iter().filter_map(|p| with_parameter(&mut model, p.index, |x| *x)).collect()
+    }
+
+    /// The model with these values.
+    pub fn model(&self, values: &[f64]) -> Model {
+        let mut model = self.model.clone();
+        for (parameter, &value) in self.parameters.iter().zip(values) {
+            with_parameter(&mut model, parameter.index, |slot| *slot = value);
+        }
+        model
+    }
+
+    /// Residuals at these values, and with `derivatives` their Jacobian (otherwise without columns).
+    pub fn evaluate(&mut self, values: &[f64], derivatives: bool) -> Evaluation {
+        self.evaluations += 1;
+        let model = self.model(values);
+        let indices: Vec<usize> = if derivatives { self.parameters.iter().map(|p| p.index).collect() } else { vec![] };
+        let tolerance = self.tolerance;
+        let work: Vec<(&Point, &mut Warm)> = self.points.iter().copied().zip(&mut self.warm).collect();
+        let solved: Vec<(Prediction, Vec<(f64, f64)>)> = work
+            .into_par_iter()
+            .map(|(point, warm)| {
+                let solution = solve(&model, &operation(point), 0, &tolerance, derivatives, warm);
+                let state = solution.state;
+                let zero = || vec![(0.0, 0.0); indices.len()];
+                let gradient = match &solution.derivatives {
+                    Some(all) if state.status == Status::Steady => indices.iter().map(|&i| all[i]).collect(),
+                    _ => zero(),
+                };
+                (Prediction { amplitude: state.amplitude, phase: state.phase, status: state.status }, gradient)
+            })
+            .collect();
+        let rows = self.points.iter().map(|p| 1 + usize::from(p.phase.is_some())).sum();
+        let mut residuals = DVector::zeros(rows);
+        let mut jacobian = DMatrix::zeros(rows, indices.len());
+        let mut row = 0;
+        for (point, (prediction, gradient)) in self.points.iter().zip(&solved) {
+            let (amplitude, phase) = read(point, prediction);
+            residuals[row] = amplitude;
+            for (column, (by_amplitude, _)) in gradient.iter().enumerate() {
+                jacobian[(row, column)] = by_amplitude / point.amplitude_sd;
+            }
+            row += 1;
+            if let (Some(phase), Some(sd)) = (phase, point.phase_sd) {
+                residuals[row] = phase;
+                for (column, (_, by_phase)) in gradient.iter().enumerate() {
+                    jacobian[(row, column)] = by_phase / sd;
+                }
+                row += 1;
+            }
+        }
+        Evaluation { residuals, jacobian, predictions: solved.into_iter().map(|(p, _)| p).collect() }
+    }
+}
+
+/// Residuals of amplitude and, where measured, phase in standard deviations.
+pub fn read(point: &Point, prediction: &Prediction) -> (f64, Option<f64>) {
+    let amplitude = (prediction.amplitude - point.amplitude) / point.amplitude_sd;
+    let phase = point.phase.zip(point.phase_sd).map(|(phase, sd)| wrap(prediction.phase - phase) / sd);
+    match prediction.status {
+        Status::Steady => (amplitude, phase),
+        _ => (troubled(amplitude), phase.map(troubled)),
+    }
+}
+
+fn troubled(residual: f64) -> f64 {
+    if residual.is_finite() { residual.abs().clamp(2.0, TROUBLED).copysign(residual) } else { TROUBLED }
+}
+
+fn operation(point: &Point) -> Operation {
+    Operation { speed: point.speed, load: point.load, drive: point.drive, frequency: point.frequency }
+}
+
+/// Reads or writes a parameter of the model; the operating point, which is none of them, is a dummy here.
+fn with_parameter<T>(model: &mut Model, index: usize, act: impl FnOnce(&mut f64) -> T) -> Option<T> {
+    let mut at = Operation { speed: 0.0, load: 0.0, drive: 0.0, frequency: 0.0 };
+    model.parameter(&mut at, index).map(act)
+}

@@ -1,0 +1,191 @@
+//! How well the data determine a parameter: profile likelihood, and the correlations behind it.
+
+use super::{Fit, Parameter, Problem, Settings, minimise};
+use nalgebra::DMatrix;
+
+/// 95 % quantile of chi squared with one degree of freedom.
+const RISE: f64 = 3.841_458_820_694_124;
+/// Singular values below this share of the largest count as none.
+const SINGULAR: f64 = 1e-9;
+/// Refits on the way to one end of an interval.
+const TRIALS: usize = 5;
+/// Relative accuracy of the rise at the end of an interval.
+const CLOSE: f64 = 0.06;
+/// Correlation of two estimates from which on it is named.
+const STRONG: f64 = 0.95;
+
+/// What the data say of a parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Identified {
+    /// Bounded from both sides.
+    Yes,
+    /// Bounded from one side only.
+    OneSided,
+    /// Not bounded within the range of the search.
+    No,
+}
+
+impl Identified {
+    /// The word of the JSON and of tables.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Yes => "yes",
+            Self::OneSided => "one-sided",
+            Self::No => "no",
+        }
+    }
+}
+
+/// 95 % interval of a parameter by profile likelihood; an open end is the bound of the search.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Interval {
+    /// Estimate.
+    pub value: f64,
+    /// Lower end.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+    /// Whether both ends are the data's.
+    pub identified: Identified,
+}
+
+/// Two estimates that the data tie together.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Correlation {
+    /// Keys of the two.
+    pub parameters: (String, String),
+    /// Correlation of the estimates on their natural scales.
+    pub value: f64,
+}
+
+/// Covariance of the estimates on their natural scales (logarithms of magnitudes) in units of the noise; directions that
+/// the data do not see have huge variance.
+fn covariance(fit: &Fit) -> DMatrix<f64> {
+    let n = fit.parameters.len();
+    let mut jacobian = fit.evaluation.jacobian.clone();
+    for (column, (parameter, &value)) in fit.parameters.iter().zip(&fit.values).enumerate() {
+        let slope = parameter.natural_slope(value);
+        jacobian.column_mut(column).scale_mut(slope);
+    }
+    let normal = jacobian.transpose() * &jacobian;
+    let eigen = normal.symmetric_eigen();
+    let largest = eigen.eigenvalues.max().max(f64::MIN_POSITIVE);
+    let mut inverse = DMatrix::zeros(n, n);
+    for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+        inverse += vector * vector.transpose() / value.max(largest * SINGULAR * SINGULAR);
+    }
+    inverse
+}
+
+/// Standard errors of the estimates in their units, from the curvature at the optimum.
+pub fn standard_errors(fit: &Fit) -> Vec<f64> {
+    let covariance = covariance(fit);
+    let slope = |(i, (p, &x)): (usize, (&Parameter, &f64))| p.natural_slope(x).abs() * covariance[(i, i)].sqrt();
+    fit.parameters.iter().zip(&fit.values).enumerate().map(slope).collect()
+}
+
+/// Pairs of estimates that are tied together.
+pub fn correlations(fit: &Fit) -> Vec<Correlation> {
+    let covariance = covariance(fit);
+    let mut strong = Vec::new();
+    for i in 0..fit.parameters.len() {
+        for j in i + 1..fit.parameters.len() {
+            let value = covariance[(i, j)] / (covariance[(i, i)] * covariance[(j, j)]).sqrt();
+            if value.abs() >= STRONG {
+                let parameters = (fit.parameters[i].key.clone(), fit.parameters[j].key.clone());
+                strong.push(Correlation { parameters, value });
+            }
+        }
+    }
+    strong
+}
+
+/// Profile-likelihood intervals (95 %) of all parameters of a fit. `noise` is the factor by which the standard deviations
+/// of the data are to be multiplied. `problem` is a builder of problems that move only the parameters given.
+pub fn intervals<'a>(
+    fit: &Fit,
+    noise: f64,
+    threshold: f64,
+    problem: &dyn Fn(Vec<Parameter>, &[f64]) -> Problem<'a>,
+) -> Vec<Interval> {
+    let covariance = covariance(fit);
+    (0..fit.parameters.len())
+        .map(|i| {
+            let side = |direction: f64| end(fit, i, direction, noise, threshold, &covariance, problem);
+            let (below, above) = (side(-1.0), side(1.0));
+            let identified = match (below.1, above.1) {
+                (true, true) => Identified::Yes,
+                (false, false) => Identified::No,
+                _ => Identified::OneSided,
+            };
+            let (low, high) = (below.0.min(above.0), below.0.max(above.0));
+            Interval { value: fit.values[i], low, high, identified }
+        })
+        .collect()
+}
+
+/// One end of an interval and whether it is the data's.
+fn end<'a>(
+    fit: &Fit,
+    i: usize,
+    direction: f64,
+    noise: f64,
+    threshold: f64,
+    covariance: &DMatrix<f64>,
+    problem: &dyn Fn(Vec<Parameter>, &[f64]) -> Problem<'a>,
+) -> (f64, bool) {
+    let parameter = &fit.parameters[i];
+    let sensitive = fit.evaluation.jacobian.column(i).norm() * parameter.natural_slope(fit.values[i]).abs();
+    let bound = parameter.moved(fit.values[i], direction * 1e3);
+    if sensitive < 1e-9 {
+        return (bound, false);
+    }
+    let others: Vec<usize> = (0..fit.parameters.len()).filter(|&j| j != i).collect();
+    let mut values = fit.values.clone();
+    let goal = RISE * noise * noise;
+    let mut step = (goal * covariance[(i, i)]).sqrt();
+    let mut inside = (0.0, 0.0);
+    let mut outside: Option<(f64, f64)> = None;
+    for _ in 0..TRIALS {
+        let room = parameter.natural_distance(fit.values[i], bound);
+        step = step.min(room);
+        values[i] = parameter.moved(fit.values[i], direction * step);
+        let moving: Vec<Parameter> = others.iter().map(|&j| fit.parameters[j].clone()).collect();
+        let mut constrained = problem(moving, &values);
+        let from: Vec<f64> = others
+            .iter()
+            .map(|&j| {
+                let tied = covariance[(i, j)] / covariance[(i, i)] * direction * step;
+                fit.parameters[j].moved(fit.values[j], tied.clamp(-1.0, 1.0))
+            })
+            .collect();
+        let settings = Settings { evaluations: 4 * (others.len() + 1), threshold };
+        let refit = minimise(&mut constrained, &from, &settings);
+        let rise = refit.objective - fit.objective;
+        if (rise / goal - 1.0).abs() < CLOSE {
+            return (values[i], true);
+        }
+        if rise < goal {
+            if step >= room * (1.0 - 1e-9) {
+                return (bound, false);
+            }
+            inside = (step, rise.max(0.0));
+        } else {
+            outside = Some((step, rise));
+        }
+        // The square root of the rise is nearly linear in the step.
+        step = match outside {
+            Some((far, much)) => {
+                let (a, b, g) = (inside.1.sqrt(), much.sqrt(), goal.sqrt());
+                inside.0 + (far - inside.0) * ((g - a) / (b - a)).clamp(0.05, 0.95)
+            }
+            None => step * (goal / rise.max(1e-3 * goal)).sqrt().clamp(1.2, 8.0),
+        };
+    }
+    match outside {
+        // A better optimum on the way or a step along a flat valley: the last bracket.
+        Some(_) => (parameter.moved(fit.values[i], direction * step), true),
+        None => (bound, false),
+    }
+}
