@@ -18,6 +18,7 @@ pub mod atlas;
 pub mod claims;
 pub mod cli;
 pub mod compare;
+pub mod discover;
 pub mod effects;
 pub mod error;
 pub mod figures;

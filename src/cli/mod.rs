@@ -2,6 +2,7 @@
 
 pub mod check;
 pub mod compare;
+pub mod discover;
 pub mod effects;
 pub mod init;
 mod json;
@@ -10,6 +11,7 @@ pub mod run;
 mod select;
 mod simulate;
 
+use crate::discover::Options;
 use crate::error::{Error, Result};
 use clap::{Args, Parser, Subcommand};
 use json::Json;
@@ -68,6 +70,20 @@ enum Command {
         #[arg(long, value_name = "N", default_value_t = 0)]
         seed: u32,
     },
+    /// Find out which effect is missing in the model of some measurements
+    Discover {
+        /// Scenario file with a table [measurement]
+        scenario: PathBuf,
+        /// Write the discovery as JSON; - for standard output
+        #[arg(long, value_name = "FILE")]
+        json: Option<PathBuf>,
+        /// Most effects in one explanation
+        #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(0..=6))]
+        max_effects: u8,
+        /// Seed of the quasi-random samples
+        #[arg(long, value_name = "N", default_value_t = 0)]
+        seed: u32,
+    },
     /// Read and validate only
     Check {
         /// Scenario files or folders [default: scenarios/, or the built-in ones]
@@ -101,6 +117,10 @@ pub fn run(cli: Cli) -> Result<()> {
         Command::Run { scenario, out } => run::execute(&scenario, &out, &global),
         Command::Compare { scenario, json, seed } => {
             compare::execute(&scenario, json.map(Json::from).as_ref(), seed, &global)
+        }
+        Command::Discover { scenario, json, max_effects, seed } => {
+            let options = Options { max_effects: max_effects.into(), seed, ..Options::default() };
+            discover::execute(&scenario, json.map(Json::from).as_ref(), &options, &global)
         }
         Command::Check { scenarios } => check::execute(&scenarios),
         Command::Effects { name } => effects::execute(name.as_deref()),

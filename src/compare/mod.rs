@@ -20,7 +20,9 @@ pub use metrics::{ConditionMetrics, Metrics, Peak};
 pub use regions::{Region, regions, words};
 pub use whiteness::{Whiteness, whiteness};
 
-use crate::fit::{Correlation, Fit, Interval, Parameter, Prediction, Problem, correlations, intervals, read};
+use crate::fit::{
+    Correlation, Fit, Interval, Parameter, Prediction, Problem, approximate_intervals, correlations, intervals, read,
+};
 use crate::measurement::{Point, Table};
 use crate::model::Model;
 use crate::scenario::Scenario;
@@ -124,25 +126,17 @@ pub struct Options {
 pub fn compare(scenario: &Scenario, table: &Table, options: &Options) -> Comparison {
     let model = Model::new(scenario);
     let calibration = calibrate(&model, &scenario.free, &table.points, Tolerance::default(), options.seed);
-    judge(scenario, table, &model, &calibration)
+    judge(scenario, table, &model, &calibration, true)
 }
 
-/// Compares a model whose calibration is done with the measurements. `base` is the model before it.
-pub fn judge(scenario: &Scenario, table: &Table, base: &Model, calibration: &Calibration) -> Comparison {
+/// Compares a model whose calibration is done with the measurements. `base` is the model before it; `profile` asks for
+/// intervals by profile likelihood rather than from the curvature.
+pub fn judge(scenario: &Scenario, table: &Table, base: &Model, calibration: &Calibration, profile: bool) -> Comparison {
     let fit = &calibration.fit;
-    let (settings, of_point) = conditions_of(&table.points);
+    let (settings, _) = conditions_of(&table.points);
     let calibrated = Problem::new(base.clone(), &table.points, fit.parameters.clone(), Tolerance::default());
     let model = calibrated.model(&fit.values);
-    let points: Vec<Compared> = table
-        .points
-        .iter()
-        .zip(&fit.evaluation.predictions)
-        .zip(of_point)
-        .map(|((point, prediction), condition)| {
-            let (amplitude_residual, phase_residual) = read(point, prediction);
-            Compared { point: point.clone(), condition, model: prediction.clone(), amplitude_residual, phase_residual }
-        })
-        .collect();
+    let points = compared(&table.points, &fit.evaluation.predictions);
     let overall = Metrics::over(points.iter());
     let of = |index: usize| points.iter().filter(move |p| p.condition == index).collect::<Vec<_>>();
     let conditions: Vec<_> =
@@ -164,7 +158,11 @@ pub fn judge(scenario: &Scenario, table: &Table, base: &Model, calibration: &Cal
         scenario: scenario.clone(),
         table: table.clone(),
         fit: fit.clone(),
-        intervals: intervals(fit, noise, calibration.threshold, &rebuild),
+        intervals: if profile {
+            intervals(fit, noise, calibration.threshold, &rebuild)
+        } else {
+            approximate_intervals(fit, noise)
+        },
         correlations: correlations(fit),
         overall,
         whiteness,
@@ -178,6 +176,16 @@ pub fn judge(scenario: &Scenario, table: &Table, base: &Model, calibration: &Cal
         points,
         conditions,
     }
+}
+
+/// Measured points (in canonical order) beside what a model says of them.
+pub fn compared(points: &[Point], predictions: &[Prediction]) -> Vec<Compared> {
+    let (_, of_point) = conditions_of(points);
+    let beside = |((point, prediction), condition): ((&Point, &Prediction), usize)| {
+        let (amplitude_residual, phase_residual) = read(point, prediction);
+        Compared { point: point.clone(), condition, model: prediction.clone(), amplitude_residual, phase_residual }
+    };
+    points.iter().zip(predictions).zip(of_point).map(beside).collect()
 }
 
 fn standing_out(curve: &[&Compared]) -> Vec<Outlier> {

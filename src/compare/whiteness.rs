@@ -31,6 +31,8 @@ pub struct Whiteness {
     pub smooth_p: f64,
     /// Mean square of the rest: the noise that the data have over the one stated, squared, whatever smooth misfit there is.
     pub rough_chi2: f64,
+    /// Degrees of freedom of the rest.
+    pub rough_freedom: f64,
     /// Whether the misfit is structured rather than noise.
     pub structured: bool,
 }
@@ -86,6 +88,7 @@ fn test(curves: &[Vec<f64>], fitted: usize) -> Whiteness {
         smooth_ratio,
         smooth_p,
         rough_chi2,
+        rough_freedom: rough_n,
         structured,
     }
 }

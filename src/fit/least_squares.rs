@@ -67,7 +67,7 @@ pub fn minimise(problem: &mut Problem<'_>, start: &[f64], settings: &Settings) -
         .with_ftol(CONVERGED)
         .with_xtol(1e-9)
         .with_gtol(1e-9)
-        .with_stepbound(1.0)
+        .with_stepbound(0.3)
         .with_patience(patience.max(1));
     let (target, report) = method.minimize(target);
     let Target { problem, parameters, best, .. } = target;

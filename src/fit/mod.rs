@@ -9,4 +9,4 @@ mod profile;
 pub use least_squares::{Fit, HUBER, Settings, minimise, multi_start, robust_chi2};
 pub use parameter::{Parameter, parameter};
 pub use problem::{Evaluation, Prediction, Problem, TROUBLED, read};
-pub use profile::{Correlation, Identified, Interval, correlations, intervals, standard_errors};
+pub use profile::{Correlation, Identified, Interval, approximate_intervals, correlations, intervals, standard_errors};

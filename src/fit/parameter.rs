@@ -14,8 +14,11 @@ const BEYOND: f64 = 3.0;
 /// Part of the largest magnitude that counts as zero where a range starts at zero.
 const SMALLEST: f64 = 1e-4;
 
-/// A parameter of a fit. The fit moves a coordinate u without bounds; the value is `t = middle + half sin u` between the
-/// bounds, `t` being the value or, for magnitudes, its logarithm.
+/// Coordinate of the middle of the bounds.
+const ORIGIN: f64 = 1.0;
+
+/// A parameter of a fit. The fit moves a coordinate u without bounds; the value is `t = middle + half sin(u - 1)` between
+/// the bounds (so that the middle is at u = 1 and the first trust region, which is relative to u, is none of zero size), `t` being the value or, for magnitudes, its logarithm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
     /// Key as in `[fit] free`, e.g. `contact.stiffness`, `effect.grosch.h`.
@@ -117,19 +120,19 @@ fn of_effect(key: &str, info: &ParameterInfo, index: usize, value: f64) -> Param
 impl Parameter {
     /// Value at the coordinate `u`.
     pub fn value(&self, u: f64) -> f64 {
-        self.at(self.middle() + self.half() * u.sin())
+        self.at(self.middle() + self.half() * (u - ORIGIN).sin())
     }
 
     /// Derivative of the value by the coordinate.
     pub fn slope(&self, u: f64) -> f64 {
         let by_t = if self.logarithmic { self.value(u) } else { 1.0 };
-        by_t * self.half() * u.cos()
+        by_t * self.half() * (u - ORIGIN).cos()
     }
 
     /// Coordinate of a value, moved a little into the bounds.
     pub fn coordinate(&self, value: f64) -> f64 {
         let t = if self.logarithmic { value.abs().max(f64::MIN_POSITIVE).ln() } else { value };
-        ((t - self.middle()) / self.half()).clamp(-0.999, 0.999).asin()
+        ((t - self.middle()) / self.half()).clamp(-0.999, 0.999).asin() + ORIGIN
     }
 
     /// Value at the share `share` in 0..1 of the range of a search.

@@ -5,13 +5,16 @@ use crate::measurement::Point;
 use crate::model::{Model, Operation};
 use crate::solver::analytic::wrap;
 use crate::solver::cycle::Tolerance;
-use crate::solver::{Status, Warm, solve};
+use crate::solver::{Status, Warm, solve_steady};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 /// Residuals of a point that the model cannot be compared at (no steady state) count as this many standard deviations:
 /// enough to be avoided, too little to rule out an otherwise good model.
 pub const TROUBLED: f64 = 6.0;
+
+/// Step of a difference on the natural scale of a parameter.
+const DIFFERENCE: f64 = 1e-4;
 
 /// What a model says of one measured point.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -100,6 +103,10 @@ impl<'a> Problem<'a> {
 
     /// Residuals at these values, and with `derivatives` their Jacobian (otherwise without columns).
     pub fn evaluate(&mut self, values: &[f64], derivatives: bool) -> Evaluation {
+        // The solver's own derivatives of a continuum are differences by every parameter of the model.
+        if derivatives && self.model.effects.iter().any(|(effect, p)| effect.continuum(p).is_some()) {
+            return self.differences(values);
+        }
         self.evaluations += 1;
         let model = self.model(values);
         let indices: Vec<usize> = if derivatives { self.parameters.iter().map(|p| p.index).collect() } else { vec![] };
@@ -108,7 +115,7 @@ impl<'a> Problem<'a> {
         let solved: Vec<(Prediction, Vec<(f64, f64)>)> = work
             .into_par_iter()
             .map(|(point, warm)| {
-                let solution = solve(&model, &operation(point), 0, &tolerance, derivatives, warm);
+                let solution = solve_steady(&model, &operation(point), &tolerance, derivatives, warm);
                 let state = solution.state;
                 let zero = || vec![(0.0, 0.0); indices.len()];
                 let gradient = match &solution.derivatives {
@@ -138,6 +145,27 @@ impl<'a> Problem<'a> {
             }
         }
         Evaluation { residuals, jacobian, predictions: solved.into_iter().map(|(p, _)| p).collect() }
+    }
+}
+
+impl Problem<'_> {
+    /// An evaluation whose derivatives are forward differences by the parameters of the fit.
+    fn differences(&mut self, values: &[f64]) -> Evaluation {
+        let mut evaluation = self.evaluate(values, false);
+        let mut jacobian = DMatrix::zeros(evaluation.residuals.len(), values.len());
+        for (column, (parameter, &value)) in self.parameters.clone().iter().zip(values).enumerate() {
+            let mut moved = values.to_vec();
+            // Away from a bound, where the step would be lost.
+            moved[column] = parameter.moved(value, DIFFERENCE);
+            if parameter.natural_distance(value, moved[column]) < 0.5 * DIFFERENCE {
+                moved[column] = parameter.moved(value, -DIFFERENCE);
+            }
+            let step = moved[column] - value;
+            let change = self.evaluate(&moved, false).residuals - &evaluation.residuals;
+            jacobian.set_column(column, &(change / step));
+        }
+        evaluation.jacobian = jacobian;
+        evaluation
     }
 }
 

@@ -85,6 +85,23 @@ pub fn standard_errors(fit: &Fit) -> Vec<f64> {
     fit.parameters.iter().zip(&fit.values).enumerate().map(slope).collect()
 }
 
+/// Intervals (95 %) from the curvature at the optimum, on the natural scales and within the bounds of the search: cheap, and
+/// exact where the model is linear in the parameters.
+pub fn approximate_intervals(fit: &Fit, noise: f64) -> Vec<Interval> {
+    let covariance = covariance(fit);
+    let of = |(i, (p, &value)): (usize, (&Parameter, &f64))| {
+        let half = noise * (RISE * covariance[(i, i)]).sqrt();
+        let (one, other) = (p.moved(value, -half), p.moved(value, half));
+        let identified = match (p.at_bound(one), p.at_bound(other)) {
+            (false, false) => Identified::Yes,
+            (true, true) => Identified::No,
+            _ => Identified::OneSided,
+        };
+        Interval { value, low: one.min(other), high: one.max(other), identified }
+    };
+    fit.parameters.iter().zip(&fit.values).enumerate().map(of).collect()
+}
+
 /// Pairs of estimates that are tied together.
 pub fn correlations(fit: &Fit) -> Vec<Correlation> {
     let covariance = covariance(fit);

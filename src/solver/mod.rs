@@ -12,7 +12,7 @@ mod steady;
 pub mod time;
 
 pub use integrated::{Integrated, integrated};
-pub use steady::{Solution, Warm, orbit, solve, solve_periodic};
+pub use steady::{Solution, Warm, orbit, solve, solve_periodic, solve_steady};
 
 /// Whether the point is a steady state, and if not, why.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]

@@ -55,6 +55,18 @@ pub fn solve_periodic(model: &Model, at: &Operation, tolerance: &Tolerance, warm
     search(model, at, 0, &Search { tolerance, derivatives: false, integrate: false }, warm).state
 }
 
+/// As [`solve_periodic`], with derivatives where asked for: what a fit needs, which gains nothing from an average over a
+/// motion that is not steady.
+pub fn solve_steady(
+    model: &Model,
+    at: &Operation,
+    tolerance: &Tolerance,
+    derivatives: bool,
+    warm: &mut Warm,
+) -> Solution {
+    search(model, at, 0, &Search { tolerance, derivatives, integrate: false }, warm)
+}
+
 /// How to look for a steady state.
 struct Search<'a> {
     tolerance: &'a Tolerance,

@@ -1,0 +1,107 @@
+//! `stickslip discover`: which effect is missing.
+
+use super::compare::{parameter, verdict, with_measurements};
+use super::{Global, Json, say};
+use crate::discover::{self, Candidate, Discovery, Options, Verdict};
+use crate::error::Result;
+use std::path::Path;
+
+/// Candidates shown on the terminal.
+const CANDIDATES: usize = 8;
+
+/// Searches for what is missing in a scenario's model; the JSON goes to `json` where given.
+pub fn execute(path: &Path, json: Option<&Json>, options: &Options, global: &Global) -> Result<()> {
+    let (scenario, table) = with_measurements(path)?;
+    let discovery = discover::discover(&scenario, &table, options);
+    if let Some(json) = json {
+        json.write(&discover::json(&discovery), &[path, &table.file])?;
+    }
+    if !json.is_some_and(Json::to_standard_output) {
+        for line in words(&discovery) {
+            say(global, &line);
+        }
+    }
+    Ok(())
+}
+
+/// The discovery in lines of text.
+fn words(d: &Discovery) -> Vec<String> {
+    let end = d.explanation();
+    let scenario = &end.comparison.scenario;
+    let mut lines = vec![format!("{}: {}", scenario.title, sentence(d))];
+    lines.extend(d.notes.iter().map(|note| format!("note: {note}")));
+    lines.push("ladder:                                chi2   rms error  left-out".into());
+    for step in &d.steps {
+        let c = &step.comparison.overall;
+        let held_out = step.held_out.map_or("-".into(), |h| format!("{:.2} %", h.rms_percent));
+        let name = step.added.as_ref().map_or("base, calibrated".into(), |name| format!("+ {name}"));
+        lines.push(format!("  {name:<32} {:>9.2} {:>9.2} % {held_out:>9}", c.chi2_per_point, c.rms_error_percent));
+    }
+    lines.push("parameters (95 % interval):".into());
+    let c = &end.comparison;
+    lines.extend(c.fit.parameters.iter().zip(&c.intervals).map(|(p, i)| format!("  {}", parameter(p, i))));
+    for tie in &d.correlations {
+        lines.push(format!(
+            "  tied together: {} and {} (correlation {:.3})",
+            tie.parameters.0, tie.parameters.1, tie.value
+        ));
+    }
+    lines.push(verdict(c));
+    lines.push("candidates:                       delta BIC  weight      chi2  left-out".into());
+    lines.extend(d.candidates.iter().take(CANDIDATES).map(candidate));
+    if d.candidates.len() > CANDIDATES {
+        lines.push(format!("  and {} more (see --json)", d.candidates.len() - CANDIDATES));
+    }
+    for group in &d.indistinguishable {
+        lines.push(format!("these data do not tell apart: {}", group.join(", ")));
+    }
+    for effect in &d.not_testable {
+        let shows = if effect.would_show.is_empty() { "nor within the bounds" } else { effect.would_show.as_str() };
+        lines.push(format!("not testable with these data: {} ({shows})", effect.effect));
+    }
+    for outlier in &d.outliers {
+        lines.push(format!("outlier: row {}, {}: {:+.1} sigma", outlier.row, outlier.column, outlier.sigma));
+    }
+    if d.verdict == Verdict::Unexplained {
+        lines.push("where the best model still fails:".into());
+        lines.extend(c.regions.iter().take(CANDIDATES).map(|region| format!("  {}", region.sentence)));
+    }
+    if let Some(next) = &d.next_measurement {
+        lines.push(format!(
+            "measure next: V = {:.4} mm/s, W = {:.3} N, u0 = {:.3} um, f = {:.1} Hz: {} and {} differ by {:.1} sigma there",
+            next.speed_m_s * 1e3, next.load_n, next.drive_m * 1e6, next.frequency_hz, next.separates[0], next.separates[1], next.sigma
+        ));
+    }
+    lines
+}
+
+/// The verdict in a sentence.
+pub(super) fn sentence(d: &Discovery) -> String {
+    let end = d.explanation();
+    let (effects, recalibrated) = (end.hypothesis.effects(), end.hypothesis.recalibrated());
+    let all = end.hypothesis.label();
+    match d.verdict {
+        Verdict::NothingMissing => {
+            "nothing is missing; the calibrated model explains the data within their noise".into()
+        }
+        Verdict::Recalibrate => format!("recalibrate {}: no effect is needed", recalibrated.join(", ")),
+        Verdict::EffectMissing if recalibrated.is_empty() => format!("missing: {}", effects.join(" + ")),
+        Verdict::EffectMissing => format!("missing: {}; recalibrate {}", effects.join(" + "), recalibrated.join(", ")),
+        Verdict::Unexplained if end.hypothesis.additions.is_empty() => {
+            "unexplained: structured misfit is left, and nothing of the catalogue reduces it".into()
+        }
+        Verdict::Unexplained => format!("unexplained: {all} helps, but structured misfit is left"),
+    }
+}
+
+fn candidate(c: &Candidate) -> String {
+    let held_out = c.held_out.map_or("-".into(), |h| format!("{:.2} %", h.rms_percent));
+    let testable = if c.testable { "" } else { "  (not testable)" };
+    format!(
+        "  {:<32} {:>9.1} {:>7.3} {:>9.2} {held_out:>9}{testable}",
+        c.hypothesis.label(),
+        c.delta_bic,
+        c.weight,
+        c.chi2_per_point
+    )
+}

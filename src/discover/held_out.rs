@@ -1,0 +1,94 @@
+//! Prediction of conditions that were left out of the fit.
+
+use super::hypothesis::Hypothesis;
+use super::search::Data;
+use crate::compare::conditions_of;
+use crate::fit::Problem;
+use crate::measurement::Point;
+use crate::solver::cycle::Tolerance;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// Longest step on the natural scale of a parameter that leaving a condition out may make.
+const LONGEST: f64 = 1.0;
+/// Directions that the rest of the data see less than this share of the best seen one stay as they are.
+const UNSEEN: f64 = 1e-5;
+
+/// Errors of predictions, each condition (load, speed, drive) predicted from a fit to all others.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct HeldOut {
+    /// Root mean square of the relative error in amplitude \[%\].
+    pub rms_percent: f64,
+    /// Mean square of the residuals in standard deviations.
+    pub chi2_per_point: f64,
+}
+
+/// Leaves one condition out after the other. The fit without it is one Gauss-Newton step from the fit to all; the prediction
+/// is a new solution of the model. `None` where there is only one condition, or the fit is to a part of the points.
+pub fn held_out(data: &Data<'_>, hypothesis: &Hypothesis) -> Option<HeldOut> {
+    let (settings, of_point) = conditions_of(data.points);
+    let fit = &hypothesis.fit;
+    if settings.len() < 2 || fit.evaluation.predictions.len() != data.points.len() {
+        return None;
+    }
+    let mut jacobian = fit.evaluation.jacobian.clone();
+    for (column, (parameter, &value)) in fit.parameters.iter().zip(&fit.values).enumerate() {
+        jacobian.column_mut(column).scale_mut(parameter.natural_slope(value));
+    }
+    let residuals = &fit.evaluation.residuals;
+    let of_row: Vec<usize> = data
+        .points
+        .iter()
+        .zip(&of_point)
+        .flat_map(|(p, &c)| std::iter::repeat_n(c, 1 + usize::from(p.phase.is_some())))
+        .collect();
+    let predicted: Vec<(f64, f64, usize, usize)> = (0..settings.len())
+        .into_par_iter()
+        .map(|condition| {
+            let rows: Vec<usize> = (0..of_row.len()).filter(|&r| of_row[r] != condition).collect();
+            let clipped = DVector::from_iterator(
+                rows.len(),
+                rows.iter().map(|&r| residuals[r].clamp(-data.threshold, data.threshold)),
+            );
+            let step = newton(&jacobian.select_rows(&rows), &clipped);
+            let values: Vec<f64> = fit
+                .parameters
+                .iter()
+                .zip(&fit.values)
+                .enumerate()
+                .map(|(i, (p, &x))| p.moved(x, step[i].clamp(-LONGEST, LONGEST)))
+                .collect();
+            let points: Vec<&Point> =
+                data.points.iter().zip(&of_point).filter(|(_, c)| **c == condition).map(|(p, _)| p).collect();
+            let mut problem = Problem::new(
+                hypothesis.model.clone(),
+                points.iter().copied(),
+                fit.parameters.clone(),
+                Tolerance::default(),
+            );
+            let evaluation = problem.evaluate(&values, false);
+            let relative = |(p, q): (&&Point, &crate::fit::Prediction)| (q.amplitude / p.amplitude - 1.0).powi(2);
+            let square: f64 = points.iter().zip(&evaluation.predictions).map(relative).filter(|e| e.is_finite()).sum();
+            (square, evaluation.chi2(), points.len(), evaluation.residuals.len())
+        })
+        .collect();
+    let (square, chi2, points, readings) =
+        predicted.iter().fold((0.0, 0.0, 0, 0), |a, b| (a.0 + b.0, a.1 + b.1, a.2 + b.2, a.3 + b.3));
+    Some(HeldOut { rms_percent: 100.0 * (square / points as f64).sqrt(), chi2_per_point: chi2 / readings as f64 })
+}
+
+/// The step that minimises the linearised sum of squares.
+fn newton(jacobian: &DMatrix<f64>, residuals: &DVector<f64>) -> DVector<f64> {
+    let n = jacobian.ncols();
+    let normal = jacobian.transpose() * jacobian;
+    let gradient = jacobian.transpose() * residuals;
+    let eigen = normal.symmetric_eigen();
+    let largest = eigen.eigenvalues.max();
+    let mut step = DVector::zeros(n);
+    for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+        if *value > largest * UNSEEN * UNSEEN {
+            step -= vector * (vector.dot(&gradient) / value);
+        }
+    }
+    step
+}

@@ -1,0 +1,145 @@
+//! What may be wrong with a model: a number of the rig or the instrument, or an effect that is missing; alone or together.
+
+use crate::effects::{self, Effect, REGISTRY, typical};
+use crate::fit::{Fit, Problem, parameter};
+use crate::measurement::Point;
+use crate::model::Model;
+use crate::scenario::parameters::{INSTRUMENT, RIG};
+use crate::solver::cycle::Tolerance;
+
+/// One thing to add to a model.
+#[derive(Clone, Copy)]
+pub enum Addition {
+    /// Let a parameter of the rig or the instrument move; its key, e.g. `rig.inertia`.
+    Recalibration(&'static str),
+    /// An effect of the catalogue.
+    Effect(&'static dyn Effect),
+}
+
+impl Addition {
+    /// Name in tables and JSON.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Recalibration(key) => key,
+            Self::Effect(effect) => effect.name(),
+        }
+    }
+
+    /// Whether it is an effect.
+    pub fn is_effect(&self) -> bool {
+        matches!(self, Self::Effect(_))
+    }
+
+    /// Keys of the parameters that it lets move.
+    pub fn keys(&self) -> Vec<String> {
+        match self {
+            Self::Recalibration(key) => vec![(*key).to_string()],
+            Self::Effect(effect) => {
+                effect.parameters().iter().map(|info| format!("effect.{}.{}", effect.name(), info.key)).collect()
+            }
+        }
+    }
+}
+
+impl PartialEq for Addition {
+    fn eq(&self, other: &Self) -> bool {
+        self.name() == other.name()
+    }
+}
+
+impl std::fmt::Debug for Addition {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Keys of the rig and the instrument, the former first.
+const RECALIBRATIONS: &[&str] = &[
+    "rig.inertia",
+    "rig.torsional_stiffness",
+    "rig.torsional_damping",
+    "rig.spring_stiffness",
+    "rig.spring_damping",
+    "rig.spring_arm",
+    "rig.contact_arm",
+    "instrument.drive_gain",
+    "instrument.amplitude_gain",
+    "instrument.phase_offset",
+];
+
+/// Everything that may be added to a model whose parameters `free` move already: first recalibrations, then effects.
+pub fn additions(model: &Model, free: &[String], with_phase: bool) -> Vec<Addition> {
+    debug_assert_eq!(RECALIBRATIONS.len(), RIG.len() + INSTRUMENT.len());
+    let known = |key: &&&str| !free.iter().any(|f| f == **key) && (with_phase || **key != "instrument.phase_offset");
+    let mut all: Vec<Addition> = RECALIBRATIONS.iter().filter(known).map(|key| Addition::Recalibration(key)).collect();
+    let absent = |effect: &&&'static dyn Effect| !model.effects.iter().any(|(e, _)| e.name() == effect.name());
+    all.extend(REGISTRY.iter().filter(absent).map(|effect| Addition::Effect(*effect)));
+    all
+}
+
+/// A model with additions, as it is before a fit: effects at values in the middle of their ranges.
+pub fn extended(model: &Model, additions: &[Addition]) -> Model {
+    let mut model = model.clone();
+    for addition in additions {
+        if let Addition::Effect(effect) = addition {
+            model.effects.push((*effect, typical(*effect)));
+        }
+    }
+    model
+}
+
+/// Whether the additions go together and with what the model has.
+pub fn compatible(model: &Model, additions: &[Addition]) -> bool {
+    let mut all: Vec<&dyn Effect> = model.effects.iter().map(|(effect, _)| *effect as &dyn Effect).collect();
+    for addition in additions {
+        if let Addition::Effect(effect) = addition {
+            all.push(*effect);
+        }
+    }
+    effects::compatible(&all).is_ok()
+}
+
+/// A model with additions, fitted.
+#[derive(Debug, Clone)]
+pub struct Hypothesis {
+    /// What was added, in this order.
+    pub additions: Vec<Addition>,
+    /// The model before the fit (with the effects, at the signs of the fit).
+    pub model: Model,
+    /// The fit to all points.
+    pub fit: Fit,
+    /// Schwarz's criterion in units of the noise, less a constant common to all hypotheses; smaller is better.
+    pub bic: f64,
+}
+
+impl Hypothesis {
+    /// The fitted model.
+    pub fn fitted(&self) -> Model {
+        let none: [&Point; 0] = [];
+        Problem::new(self.model.clone(), none, self.fit.parameters.clone(), Tolerance::default())
+            .model(&self.fit.values)
+    }
+
+    /// Names of the effects added, in order.
+    pub fn effects(&self) -> Vec<String> {
+        self.additions.iter().filter(|a| a.is_effect()).map(|a| a.name().to_string()).collect()
+    }
+
+    /// Keys recalibrated, in order.
+    pub fn recalibrated(&self) -> Vec<String> {
+        self.additions.iter().filter(|a| !a.is_effect()).map(|a| a.name().to_string()).collect()
+    }
+
+    /// All names, `nothing` where there are none.
+    pub fn label(&self) -> String {
+        match self.additions.as_slice() {
+            [] => "nothing".into(),
+            some => some.iter().map(Addition::name).collect::<Vec<_>>().join(" + "),
+        }
+    }
+}
+
+/// Number of parameters of a model that `keys` name and a fit can move.
+pub fn count(model: &Model, keys: &[String]) -> usize {
+    keys.iter().filter(|key| parameter(model, key).is_some()).count()
+}

@@ -1,0 +1,136 @@
+//! The discovery as JSON, schema `stickslip.discovery/1`.
+
+use super::{Candidate, Discovery, NextMeasurement, NotTestable, Step};
+use crate::compare::{ContactPoint, Outlier, ParameterJson, Region};
+use crate::fit::Correlation;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Version of the format.
+pub const SCHEMA: &str = "stickslip.discovery/1";
+
+/// What `stickslip discover --json` writes.
+#[derive(Debug, Clone, Serialize)]
+pub struct DiscoveryJson {
+    schema: &'static str,
+    scenario: String,
+    title: String,
+    provenance: String,
+    measurement_file: String,
+    measurement_hash: String,
+    verdict: &'static str,
+    effects: Vec<String>,
+    recalibrate: Vec<String>,
+    steps: Vec<StepJson>,
+    candidates: Vec<CandidateJson>,
+    indistinguishable: Vec<Vec<String>>,
+    not_testable: Vec<String>,
+    not_testable_details: Vec<NotTestable>,
+    outliers: Vec<Outlier>,
+    next_measurement: Option<NextMeasurement>,
+    noise_factor: f64,
+    noise_contradicted: bool,
+    correlations: Vec<Correlation>,
+    regions: Vec<Region>,
+    /// The contact's fingerprint, where something is left unexplained.
+    contact: Vec<ContactPoint>,
+    notes: Vec<String>,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct StepJson {
+    added: Option<String>,
+    chi2_per_point: f64,
+    rms_error_percent: f64,
+    rms_phase_deg: Option<f64>,
+    noise_percent: f64,
+    held_out_rms_percent: Option<f64>,
+    held_out_chi2_per_point: Option<f64>,
+    structured: bool,
+    parameters: BTreeMap<String, ParameterJson>,
+    regions: Vec<Region>,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct CandidateJson {
+    effects: Vec<String>,
+    recalibrate: Vec<String>,
+    delta_bic: f64,
+    weight: f64,
+    testable: bool,
+    chi2_per_point: f64,
+    held_out_rms_percent: Option<f64>,
+    held_out_chi2_per_point: Option<f64>,
+    /// How the fit ended, and the points it was made to.
+    termination: String,
+    fitted_points: usize,
+    parameters: BTreeMap<String, ParameterJson>,
+}
+
+/// The view of a discovery that scripts read.
+pub fn json(discovery: &Discovery) -> DiscoveryJson {
+    let d = discovery;
+    let end = d.explanation();
+    let scenario = &end.comparison.scenario;
+    DiscoveryJson {
+        schema: SCHEMA,
+        scenario: scenario.id.clone(),
+        title: scenario.title.clone(),
+        provenance: scenario.provenance.clone(),
+        measurement_file: end.comparison.table.file.display().to_string(),
+        measurement_hash: end.comparison.table.hash.clone(),
+        verdict: d.verdict.word(),
+        effects: end.hypothesis.effects(),
+        recalibrate: end.hypothesis.recalibrated(),
+        steps: d.steps.iter().map(step).collect(),
+        candidates: d.candidates.iter().map(candidate).collect(),
+        indistinguishable: d.indistinguishable.clone(),
+        not_testable: d.not_testable.iter().map(|n| n.effect.clone()).collect(),
+        not_testable_details: d.not_testable.clone(),
+        outliers: d.outliers.clone(),
+        next_measurement: d.next_measurement.clone(),
+        noise_factor: d.noise.factor,
+        noise_contradicted: d.noise.contradicted,
+        correlations: d.correlations.clone(),
+        regions: end.comparison.regions.clone(),
+        contact: if d.verdict == super::Verdict::Unexplained { end.comparison.contact.clone() } else { Vec::new() },
+        notes: d.notes.clone(),
+    }
+}
+
+fn step(step: &Step) -> StepJson {
+    let c = &step.comparison;
+    StepJson {
+        added: step.added.clone(),
+        chi2_per_point: c.overall.chi2_per_point,
+        rms_error_percent: c.overall.rms_error_percent,
+        rms_phase_deg: c.overall.rms_phase_deg,
+        noise_percent: c.overall.noise_percent,
+        held_out_rms_percent: step.held_out.map(|h| h.rms_percent),
+        held_out_chi2_per_point: step.held_out.map(|h| h.chi2_per_point),
+        structured: c.whiteness.structured,
+        parameters: parameters(&c.fit, &c.intervals),
+        regions: c.regions.clone(),
+    }
+}
+
+fn candidate(candidate: &Candidate) -> CandidateJson {
+    let h = &candidate.hypothesis;
+    CandidateJson {
+        effects: h.effects(),
+        recalibrate: h.recalibrated(),
+        delta_bic: candidate.delta_bic,
+        weight: candidate.weight,
+        testable: candidate.testable,
+        chi2_per_point: candidate.chi2_per_point,
+        held_out_rms_percent: candidate.held_out.map(|h| h.rms_percent),
+        held_out_chi2_per_point: candidate.held_out.map(|h| h.chi2_per_point),
+        termination: h.fit.termination.clone(),
+        fitted_points: h.fit.evaluation.predictions.len(),
+        parameters: parameters(&h.fit, &candidate.intervals),
+    }
+}
+
+fn parameters(fit: &crate::fit::Fit, intervals: &[crate::fit::Interval]) -> BTreeMap<String, ParameterJson> {
+    fit.parameters.iter().zip(intervals).map(|(p, i)| (p.key.clone(), ParameterJson::new(p.unit, i))).collect()
+}

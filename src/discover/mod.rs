@@ -1,0 +1,153 @@
+//! Which effect is missing: from data alone, or an honest statement that the data cannot tell.
+//!
+//! Hypotheses are nothing but calibration, one recalibrated number of rig or instrument, or effects of the registry, added
+//! one after the other. They are ranked by Schwarz's criterion and by the prediction of left-out conditions.
+
+mod forward;
+mod held_out;
+mod hypothesis;
+mod json;
+mod next;
+mod search;
+
+pub use forward::discover;
+pub use held_out::{HeldOut, held_out};
+pub use hypothesis::{Addition, Hypothesis, additions, extended};
+pub use json::{DiscoveryJson, SCHEMA, json};
+pub use next::{Bounds, NextMeasurement};
+pub use search::{Data, search};
+
+use crate::compare::{Comparison, Outlier};
+use crate::fit::{Correlation, Interval};
+
+/// Schwarz's criterion of two hypotheses closer than this: the data do not decide between them.
+pub const MARGIN: f64 = 6.0;
+
+/// How to search.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// Most effects in one explanation.
+    pub max_effects: usize,
+    /// Seed of the quasi-random samples.
+    pub seed: u32,
+    /// Where the next measurement may be.
+    pub bounds: Bounds,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { max_effects: 3, seed: 0, bounds: Bounds::default() }
+    }
+}
+
+/// What the data say.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// The calibrated base explains the data within their noise.
+    NothingMissing,
+    /// A number of the rig or the instrument is off.
+    Recalibrate,
+    /// One or more effects are missing, and explain the data within their noise.
+    EffectMissing,
+    /// Structured misfit is left whatever is added.
+    Unexplained,
+}
+
+impl Verdict {
+    /// The word of the JSON.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::NothingMissing => "nothing-missing",
+            Self::Recalibrate => "recalibrate",
+            Self::EffectMissing => "effect-missing",
+            Self::Unexplained => "unexplained",
+        }
+    }
+}
+
+/// One rung of the ladder: the model so far against the measurements.
+#[derive(Debug, Clone)]
+pub struct Step {
+    /// What this step added; `None` for the calibrated base.
+    pub added: Option<String>,
+    /// The hypothesis.
+    pub hypothesis: Hypothesis,
+    /// The comparison with the measurements.
+    pub comparison: Comparison,
+    /// Prediction of left-out conditions; `None` where there is only one condition.
+    pub held_out: Option<HeldOut>,
+}
+
+/// A ranked hypothesis.
+#[derive(Debug, Clone)]
+pub struct Candidate {
+    /// The hypothesis.
+    pub hypothesis: Hypothesis,
+    /// Schwarz's criterion above the best one.
+    pub delta_bic: f64,
+    /// Share of the evidence among all that were ranked.
+    pub weight: f64,
+    /// Whether the data could show it at any plausible strength.
+    pub testable: bool,
+    /// Mean square of the residuals in standard deviations.
+    pub chi2_per_point: f64,
+    /// Intervals of its parameters: by profile likelihood for the chosen one, from the curvature for the others.
+    pub intervals: Vec<Interval>,
+    /// Prediction of left-out conditions, for the leading ones.
+    pub held_out: Option<HeldOut>,
+}
+
+/// An effect that the data cannot show, and where it would show.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct NotTestable {
+    /// Its name.
+    pub effect: String,
+    /// Largest change at any plausible strength, in standard deviations over all points together.
+    pub largest_sigma: f64,
+    /// Where its strongest plausible form would show most, in words; empty where nowhere within the bounds.
+    pub would_show: String,
+}
+
+/// What is known of the noise.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Noise {
+    /// Scatter of the residuals about anything smooth, over the stated standard deviations.
+    pub factor: f64,
+    /// Whether the stated level is contradicted by that.
+    pub contradicted: bool,
+}
+
+/// Everything that a discovery found.
+#[derive(Debug, Clone)]
+pub struct Discovery {
+    /// What the data say.
+    pub verdict: Verdict,
+    /// The ladder from the calibrated base to the explanation.
+    pub steps: Vec<Step>,
+    /// All hypotheses that were ranked, the best first.
+    pub candidates: Vec<Candidate>,
+    /// Groups of names that the data do not tell apart.
+    pub indistinguishable: Vec<Vec<String>>,
+    /// Effects that the data cannot show.
+    pub not_testable: Vec<NotTestable>,
+    /// Readings that stand out of the best explanation.
+    pub outliers: Vec<Outlier>,
+    /// Where the survivors differ most.
+    pub next_measurement: Option<NextMeasurement>,
+    /// The noise.
+    pub noise: Noise,
+    /// Estimates that are tied together in the explanation.
+    pub correlations: Vec<Correlation>,
+    /// Things said in plain words.
+    pub notes: Vec<String>,
+    /// Evaluations of the model over all points or a part of them.
+    pub evaluations: usize,
+}
+
+impl Discovery {
+    /// The last rung: the explanation, or the calibrated base.
+    pub fn explanation(&self) -> &Step {
+        &self.steps[self.steps.len() - 1]
+    }
+}

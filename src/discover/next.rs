@@ -1,0 +1,159 @@
+//! Where rival explanations differ most, relative to the noise.
+
+use super::hypothesis::Hypothesis;
+use crate::compare::{Setting, words};
+use crate::measurement::Table;
+use crate::model::{Model, Operation};
+use crate::solver::analytic::wrap;
+use crate::solver::cycle::Tolerance;
+use crate::solver::{Status, Warm, solve_periodic};
+use crate::units;
+use rayon::prelude::*;
+
+/// Values of speed, load, drive and frequency that are tried.
+const GRID: [usize; 4] = [9, 4, 3, 24];
+/// Changes of prediction smaller than this many standard deviations do not show.
+const SHOWS: f64 = 3.0;
+
+/// Where a next measurement may be made; without a range, that of the measurements at hand.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Bounds {
+    /// V \[m/s\].
+    pub speed: Option<(f64, f64)>,
+    /// W \[N\].
+    pub load: Option<(f64, f64)>,
+    /// u0 \[m\].
+    pub drive: Option<(f64, f64)>,
+    /// f \[Hz\].
+    pub frequency: Option<(f64, f64)>,
+}
+
+/// The point at which two explanations differ most.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct NextMeasurement {
+    /// V \[m/s\].
+    pub speed_m_s: f64,
+    /// W \[N\].
+    pub load_n: f64,
+    /// u0 \[m\].
+    pub drive_m: f64,
+    /// f \[Hz\].
+    pub frequency_hz: f64,
+    /// The two explanations.
+    pub separates: [String; 2],
+    /// Expected distance of the two readings in standard deviations of one.
+    pub sigma: f64,
+}
+
+/// Typical noise of a table.
+struct Typical {
+    amplitude: f64,
+    phase: Option<f64>,
+}
+
+/// The point within the bounds at which two of the survivors, those that are hardest to tell apart there included, differ
+/// most: the largest distance of the best two.
+pub(super) fn next(survivors: &[&Hypothesis], table: &Table, bounds: &Bounds, noise: f64) -> Option<NextMeasurement> {
+    let [one, other, ..] = survivors else { return None };
+    let found = farthest(&one.fitted(), &other.fitted(), table, bounds)?;
+    let (at, sigma) = found;
+    Some(NextMeasurement {
+        speed_m_s: at.speed,
+        load_n: at.load,
+        drive_m: at.drive,
+        frequency_hz: at.frequency,
+        separates: [one.label(), other.label()],
+        sigma: sigma / noise,
+    })
+}
+
+/// Where an effect that the data cannot show would show most, in words; empty where nowhere.
+pub(super) fn would_show(without: &Model, with: &Model, table: &Table, bounds: &Bounds) -> String {
+    match farthest(without, with, table, bounds) {
+        Some((at, sigma)) if sigma > SHOWS => {
+            let setting = Setting { speed: at.speed, load: at.load, drive: at.drive };
+            format!(
+                "at most {sigma:.1} standard deviations in one reading, at {}, f = {}",
+                words(&setting),
+                units::format(at.frequency, "Hz")
+            )
+        }
+        _ => String::new(),
+    }
+}
+
+fn farthest(one: &Model, other: &Model, table: &Table, bounds: &Bounds) -> Option<(Operation, f64)> {
+    let typical = typical(table);
+    let grid = grid(table, bounds);
+    let tolerance = Tolerance::default();
+    let distances: Vec<Option<f64>> = grid
+        .par_iter()
+        .map(|at| {
+            let state = |model: &Model| solve_periodic(model, at, &tolerance, &mut Warm::default());
+            let (a, b) = (state(one), state(other));
+            if a.status != Status::Steady || b.status != Status::Steady {
+                return None;
+            }
+            let amplitude = 2.0 * (a.amplitude - b.amplitude) / (a.amplitude + b.amplitude) / typical.amplitude;
+            let phase = typical.phase.map_or(0.0, |sd| wrap(a.phase - b.phase) / sd);
+            Some(amplitude.hypot(phase)).filter(|d| d.is_finite())
+        })
+        .collect();
+    let best = grid.iter().zip(distances).filter_map(|(at, d)| Some((*at, d?)));
+    best.max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+fn typical(table: &Table) -> Typical {
+    let n = table.points.len() as f64;
+    let relative = table.points.iter().map(|p| (p.amplitude_sd / p.amplitude).powi(2)).sum::<f64>() / n;
+    let phases: Vec<f64> = table.points.iter().filter_map(|p| p.phase_sd).collect();
+    let phase = (!phases.is_empty()).then(|| (phases.iter().map(|s| s * s).sum::<f64>() / phases.len() as f64).sqrt());
+    Typical { amplitude: relative.sqrt(), phase }
+}
+
+fn grid(table: &Table, bounds: &Bounds) -> Vec<Operation> {
+    let range = |given: Option<(f64, f64)>, value: &dyn Fn(&crate::measurement::Point) -> f64| {
+        given.unwrap_or_else(|| {
+            table.points.iter().map(value).fold((f64::INFINITY, 0.0), |(a, b), x| (a.min(x), x.max(b)))
+        })
+    };
+    let speeds = logarithmic(range(bounds.speed, &|p| p.speed), GRID[0], smallest(table, |p| p.speed));
+    let loads = logarithmic(range(bounds.load, &|p| p.load), GRID[1], smallest(table, |p| p.load));
+    let drives = logarithmic(range(bounds.drive, &|p| p.drive), GRID[2], smallest(table, |p| p.drive));
+    let (from, to) = range(bounds.frequency, &|p| p.frequency);
+    let mut all = Vec::new();
+    for &speed in &speeds {
+        for &load in &loads {
+            for &drive in &drives {
+                for i in 0..GRID[3] {
+                    let frequency = from + (to - from) * i as f64 / (GRID[3] - 1) as f64;
+                    all.push(Operation { speed, load, drive, frequency });
+                }
+            }
+        }
+    }
+    all.retain(|at| at.load > 0.0 && at.drive > 0.0);
+    all
+}
+
+fn smallest(table: &Table, value: impl Fn(&crate::measurement::Point) -> f64) -> f64 {
+    table.points.iter().map(value).filter(|x| *x > 0.0).fold(f64::INFINITY, f64::min)
+}
+
+/// Values spread evenly in their logarithm; zero where the range contains it. `least` is the smallest positive one.
+fn logarithmic((from, to): (f64, f64), count: usize, least: f64) -> Vec<f64> {
+    let mut values = Vec::new();
+    if from <= 0.0 {
+        values.push(0.0);
+    }
+    let low = if from > 0.0 { from } else { least.min(to) };
+    if to <= low * (1.0 + 1e-9) {
+        if to > 0.0 {
+            values.push(to);
+        }
+        return values;
+    }
+    let count = count - values.len();
+    values.extend((0..count).map(|i| low * (to / low).powf(i as f64 / (count - 1) as f64)));
+    values
+}

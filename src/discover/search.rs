@@ -1,0 +1,189 @@
+//! Fitting one hypothesis: quasi-random samples over the ranges on a part of the points, the best of them followed on that
+//! part, the best of these on all points.
+
+use super::hypothesis::{Addition, Hypothesis, extended};
+use crate::fit::{Evaluation, Fit, Parameter, Problem, Settings, minimise, parameter, robust_chi2};
+use crate::measurement::Point;
+use crate::model::Model;
+use crate::solver::cycle::Tolerance;
+use nalgebra::{DMatrix, DVector};
+
+/// Every such point of a curve is in the part on which a search begins.
+const STRIDE: usize = 3;
+/// Samples over the ranges of an effect of one, two, three, four parameters.
+const SAMPLES: [usize; 4] = [6, 14, 24, 32];
+/// Samples that are followed.
+const FOLLOWED: usize = 2;
+/// Evaluations of a fit on a part of the points, and on all.
+const EVALUATIONS: (usize, usize) = (24, 40);
+/// Cheaper solutions while searching.
+const COARSE: Tolerance = Tolerance { steps: 16, roughness: 1e-2 };
+
+/// What a search works on.
+pub struct Data<'a> {
+    /// All points.
+    pub points: &'a [Point],
+    /// A part of them, spread over every curve.
+    pub part: Vec<&'a Point>,
+    /// Residuals beyond this count linearly.
+    pub threshold: f64,
+    /// Seed of the samples.
+    pub seed: u32,
+}
+
+impl<'a> Data<'a> {
+    /// All points, and the part for searching: every third of a curve, at another offset in the next.
+    pub fn new(points: &'a [Point], of_condition: &[usize], threshold: f64, seed: u32) -> Self {
+        let mut part = Vec::new();
+        let (mut number, mut last) = (0, usize::MAX);
+        for (point, &condition) in points.iter().zip(of_condition) {
+            if condition != last {
+                (number, last) = (condition % STRIDE, condition);
+            }
+            if number % STRIDE == 0 {
+                part.push(point);
+            }
+            number += 1;
+        }
+        // Small tables are searched whole.
+        if part.len() < 40 {
+            part = points.iter().collect();
+        }
+        Self { points, part, threshold, seed }
+    }
+}
+
+/// A search for the best fit of one hypothesis.
+#[derive(Debug, Clone)]
+pub struct Found {
+    /// The fitted hypothesis (criterion not yet set).
+    pub hypothesis: Hypothesis,
+    /// Largest change that a plausible strength of the last addition makes to the predictions beyond what the parameters
+    /// before it can imitate: sum of squares in standard deviations, over all points.
+    pub visibility: f64,
+    /// The sample with that change.
+    pub strongest: Option<Model>,
+}
+
+/// Fits `from` with one more addition.
+pub fn search(data: &Data<'_>, from: &Hypothesis, addition: Addition, hint: Option<&[f64]>, full: bool) -> Found {
+    let mut additions = from.additions.clone();
+    additions.push(addition);
+    let before = from.fitted();
+    let base = Base::new(data, from);
+    let samples = samples(&before, addition, data.seed, hint);
+    let mut visibility: f64 = 0.0;
+    let mut strongest = None;
+    let mut tried: Vec<(f64, usize)> = Vec::new();
+    let scale = data.points.len() as f64 / data.part.len() as f64;
+    for (index, model) in samples.iter().enumerate() {
+        let mut problem = Problem::new(model.clone(), data.part.iter().copied(), Vec::new(), COARSE);
+        let residuals = problem.evaluate(&[], false).residuals;
+        let change = base.without(&(&residuals - &base.evaluation.residuals)).norm_squared() * scale;
+        if change > visibility {
+            (visibility, strongest) = (change, Some(model.clone()));
+        }
+        tried.push((robust_chi2(&base.without(&residuals), data.threshold), index));
+    }
+    tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut keys: Vec<String> = from.fit.parameters.iter().map(|p| p.key.clone()).collect();
+    keys.extend(addition.keys());
+    let mut best: Option<(Model, Fit)> = None;
+    for &(_, index) in tried.iter().take(FOLLOWED) {
+        let model = &samples[index];
+        let mut problem = Problem::new(model.clone(), data.part.iter().copied(), movable(model, &keys), COARSE);
+        let start = problem.values();
+        let settings = Settings { evaluations: EVALUATIONS.0, threshold: data.threshold };
+        let fit = minimise(&mut problem, &start, &settings);
+        if best.as_ref().is_none_or(|(_, b)| fit.objective < b.objective) {
+            best = Some((model.clone(), fit));
+        }
+    }
+    let (model, fit) = match best {
+        Some((model, fit)) => {
+            let fit = if full { on_all(data, &model, &fit) } else { fit };
+            (model, fit)
+        }
+        None => (extended(&before, &[addition]), from.fit.clone()),
+    };
+    Found { hypothesis: Hypothesis { additions, model, fit, bic: f64::INFINITY }, visibility, strongest }
+}
+
+/// The fit followed on all points at full accuracy.
+pub fn on_all(data: &Data<'_>, model: &Model, fit: &Fit) -> Fit {
+    let mut problem = Problem::new(model.clone(), data.points, fit.parameters.clone(), Tolerance::default());
+    let settings = Settings { evaluations: EVALUATIONS.1, threshold: data.threshold };
+    minimise(&mut problem, &fit.values, &settings)
+}
+
+/// Parameters of these keys, with the signs that the model has.
+pub fn movable(model: &Model, keys: &[String]) -> Vec<Parameter> {
+    keys.iter().filter_map(|key| parameter(model, key)).collect()
+}
+
+/// Models with the addition at samples of its ranges.
+fn samples(before: &Model, addition: Addition, seed: u32, hint: Option<&[f64]>) -> Vec<Model> {
+    let model = extended(before, &[addition]);
+    let parameters = movable(&model, &addition.keys());
+    let none: [&Point; 0] = [];
+    let with = |parameters: Vec<Parameter>, values: &[f64]| {
+        Problem::new(model.clone(), none, parameters, COARSE).model(values)
+    };
+    if let Addition::Recalibration(_) = addition {
+        // The stated value, and a little to either side.
+        let value = Problem::new(model.clone(), none, parameters.clone(), COARSE).values();
+        return [-0.05, 0.05]
+            .iter()
+            .map(|step| with(parameters.clone(), &[parameters[0].moved(value[0], *step)]))
+            .collect();
+    }
+    let mut all: Vec<Model> = hint.map(|values| with(parameters.clone(), values)).into_iter().collect();
+    let count = SAMPLES[parameters.len().clamp(1, 4) - 1];
+    for number in 0..count as u32 {
+        let shares: Vec<f64> = if parameters.len() == 1 {
+            vec![(f64::from(number) + 0.5) / count as f64]
+        } else {
+            (0..parameters.len()).map(|d| f64::from(sobol_burley::sample(number, d as u32, seed))).collect()
+        };
+        let signed = parameters.iter().any(|p| p.signed);
+        for negative in [false, true].into_iter().take(1 + usize::from(signed)) {
+            let turned: Vec<Parameter> =
+                parameters.iter().map(|p| if p.signed && negative { p.mirrored() } else { p.clone() }).collect();
+            let values: Vec<f64> = turned.iter().zip(&shares).map(|(p, &share)| p.within(share)).collect();
+            all.push(with(turned, &values));
+        }
+    }
+    all
+}
+
+/// The hypothesis that a search starts from, on the part of the points.
+struct Base {
+    evaluation: Evaluation,
+    /// Orthonormal columns that span what its parameters can do.
+    span: DMatrix<f64>,
+}
+
+impl Base {
+    fn new(data: &Data<'_>, from: &Hypothesis) -> Self {
+        let mut problem =
+            Problem::new(from.model.clone(), data.part.iter().copied(), from.fit.parameters.clone(), COARSE);
+        let evaluation = problem.evaluate(&from.fit.values, true);
+        let svd = evaluation.jacobian.clone().svd(true, false);
+        let largest = svd.singular_values.iter().copied().fold(0.0, f64::max);
+        let columns: Vec<usize> =
+            (0..svd.singular_values.len()).filter(|&i| svd.singular_values[i] > 1e-9 * largest).collect();
+        let span = match &svd.u {
+            Some(u) if !columns.is_empty() => u.select_columns(&columns),
+            _ => DMatrix::zeros(evaluation.residuals.len(), 0),
+        };
+        Self { evaluation, span }
+    }
+
+    /// A change of the residuals less what the parameters could undo.
+    fn without(&self, change: &DVector<f64>) -> DVector<f64> {
+        if self.span.ncols() == 0 {
+            return change.clone();
+        }
+        change - &self.span * (self.span.transpose() * change)
+    }
+}
