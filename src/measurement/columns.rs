@@ -1,6 +1,6 @@
 //! Which column of a table is which: by its header, by the scenario's mapping, or from the scenario where it is one value.
 
-use super::header::{self, AMPLITUDE, DRIVE, FREQUENCY, LOAD, Meaning, SPEED, STANDARD, Unit};
+use super::header::{self, AMPLITUDE, DRIVE, LOAD, Meaning, SPEED, STANDARD, Unit};
 use super::sheet::{Complaints, Sheet};
 use crate::scenario::Sweep;
 use crate::scenario::diagnostic::{nearest, quote};
@@ -74,13 +74,17 @@ pub(crate) fn layout(
         }
     }
     let aside: Vec<usize> = (0..taken.len()).filter(|index| !taken[*index]).collect();
-    for column in SPEED..=AMPLITUDE {
-        if slots[column].is_none() && !told[column] {
+    let mut lacking = Vec::new();
+    for column in (SPEED..=AMPLITUDE).filter(|column| !told[*column]) {
+        if slots[column].is_none() {
             slots[column] = swept(column, sweep, notes);
-            if slots[column].is_none() {
-                missing(sheet, column, sweep, &aside, complaints);
-            }
         }
+        if slots[column].is_none() {
+            lacking.push(column);
+        }
+    }
+    if !lacking.is_empty() {
+        missing(sheet, &lacking, sweep, &aside, complaints);
     }
     name_aside(sheet, &slots, &aside, notes);
     Layout { slots, aside }
@@ -164,29 +168,33 @@ pub(crate) fn only_value(column: usize, sweep: Option<&Sweep>, notes: &mut Vec<S
     }
 }
 
-fn missing(sheet: &Sheet, column: usize, sweep: Option<&Sweep>, aside: &[usize], complaints: &mut Complaints<'_>) {
-    let key = COLUMNS[column];
+/// Tells which columns are needed and not there, all at once.
+fn missing(sheet: &Sheet, lacking: &[usize], sweep: Option<&Sweep>, aside: &[usize], complaints: &mut Complaints<'_>) {
     let others: Vec<&str> = aside.iter().map(|index| sheet.header.cells[*index].as_str()).collect();
-    let near = near_header(STANDARD[column], &others).or_else(|| near_header(key, &others));
-    let label = match near {
-        Some(near) => format!("is it {}?", quote(near)),
-        None => format!("the columns that there are: {}", sheet.header.cells.len()),
+    let near = |column: &usize| {
+        let found = nearest(STANDARD[*column], others.iter().copied());
+        let found = found.or_else(|| nearest(COLUMNS[*column], others.iter().copied()))?;
+        Some(format!("is {} the {}?", quote(found), COLUMNS[*column]))
     };
-    let rename =
-        format!("name a column `{}` (or another unit), or map one: columns = {{ {key} = \"…\" }}", STANDARD[column]);
-    let swept = sweep_values(column, sweep).len();
-    let from_sweep = match column {
-        FREQUENCY | AMPLITUDE => String::new(),
-        _ if swept > 1 => format!("; one value in [sweep] would do, but it lists {swept}"),
-        _ => format!("; where one value holds for all rows, {key} = … in [sweep] will do"),
-    };
-    let title = format!("the table has no column for the {key}");
-    complaints.add(&sheet.row_place(&sheet.header), &title, &label, &(rename + &from_sweep));
-}
-
-/// A header that was probably meant to be `wanted`.
-fn near_header<'a>(wanted: &str, headers: &[&'a str]) -> Option<&'a str> {
-    nearest(wanted, headers.iter().copied())
+    let near: Vec<String> = lacking.iter().filter_map(near).collect();
+    let label = if near.is_empty() { "the columns that there are".to_string() } else { near.join(" ") };
+    let join = |list: Vec<String>| list.join(", ");
+    let mut help = format!(
+        "name columns {} (other units: speed_mm_s, drive_um, amplitude_urad, …), or map those that there are: columns = {{ {} }}",
+        join(lacking.iter().map(|column| STANDARD[*column].to_string()).collect()),
+        join(lacking.iter().map(|column| format!("{} = \"…\"", COLUMNS[*column])).collect()),
+    );
+    let fixed: Vec<usize> = lacking.iter().copied().filter(|column| *column <= DRIVE).collect();
+    if !fixed.is_empty() {
+        let one = |column: &usize| match sweep_values(*column, sweep).len() {
+            0 => format!("{} = …", COLUMNS[*column]),
+            n => format!("{} = … (it lists {n})", COLUMNS[*column]),
+        };
+        help += &format!("; one value for all rows may stand in [sweep]: {}", join(fixed.iter().map(one).collect()));
+    }
+    let names = join(lacking.iter().map(|column| COLUMNS[*column].to_string()).collect());
+    let title = format!("the table has no column for {names}");
+    complaints.add(&sheet.row_place(&sheet.header), &title, &label, &help);
 }
 
 /// Tells which columns are not used, and what they may have been meant to be.

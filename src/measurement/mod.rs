@@ -119,7 +119,9 @@ impl Table {
             noise += &format!(" and {word}{phase:.2} deg");
         }
         let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
-        let span = if low == high { format!("{low} Hz") } else { format!("{low}-{high} Hz") };
+        let number = |value| crate::units::format(value, "1");
+        let span =
+            if low == high { format!("{} Hz", number(low)) } else { format!("{}-{} Hz", number(low), number(high)) };
         let (points, conditions) = (count(self.points.len(), "point"), count(conditions, "condition"));
         format!("{points}, {conditions}, {span}, {kinds}, {noise}")
     }

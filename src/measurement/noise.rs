@@ -79,7 +79,8 @@ fn estimate(
                 "amplitude_sd_rad or amplitude_sd_percent"
             };
             let help = format!(
-                "add a column {column}, or measure at least 6 frequencies in one condition, or repeat readings; \
+                "add a column {column}, or measure at least 6 frequencies in one condition (same load, speed and drive), \
+                 or repeat readings; \
                  without a standard deviation no misfit can be judged"
             );
             return Err(Error::Input(whole_file(&title, &help)));

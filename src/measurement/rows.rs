@@ -204,7 +204,8 @@ impl Cells<'_, '_> {
         if !(info.minimum..=maximum).contains(&value) {
             let si = if unit.relative { "1" } else { info.unit };
             let limit = |value| units::format(value, si);
-            let title = format!("the {} is outside its physical range: {}", info.key.replace('_', " "), limit(value));
+            let name = if matches!(column, AMPLITUDE_SD | PHASE_SD) { info.meaning } else { info.key };
+            let title = format!("the {name} is outside its physical range: {}", limit(value));
             let label = format!("needs {} to {}", limit(info.minimum), limit(maximum));
             let help = format!("{what}, here read in {shown}; check the number, and the unit in the header");
             self.fail(index, &title, &label, &help);
