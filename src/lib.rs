@@ -5,6 +5,7 @@
 //! Imports only go up this list ([`error`] and [`units`] apart); `cli` assembles the steps.
 //!
 //! * [`scenario`] - raw serde TOML to validated scenario in SI: what was written and what is meant are two types.
+//! * [`measurement`] - tables of measured steady states with their uncertainties, from files that are only read.
 //! * [`effects`] - one registry; everything else knows an effect only through it.
 //! * [`model`] - rig, contact and effects assembled; no numerics.
 //! * [`solver`] - knows no physics: closed forms, Euler procedure, shooting.

@@ -1,9 +1,10 @@
-//! `stickslip check`: read and validate, nothing else.
+//! `stickslip check`: read and validate scenarios and their tables of measurements, nothing else.
 
 use std::io::Write as _;
 use std::path::PathBuf;
 
 use crate::error::{Error, Result};
+use crate::measurement::{self, Table};
 use crate::scenario::Scenario;
 
 use super::select::outcomes;
@@ -13,21 +14,24 @@ use super::select::outcomes;
 pub fn execute(paths: &[PathBuf]) -> Result<()> {
     let mut problems = Vec::new();
     for outcome in outcomes(paths) {
-        match outcome {
-            Ok(scenario) => print(&scenario)?,
+        let read = outcome.and_then(|scenario| Ok((measurement::load(&scenario)?, scenario)));
+        match read {
+            Ok((table, scenario)) => print(&scenario, table.as_ref())?,
             Err(error) => problems.push(error.to_string()),
         }
     }
     if problems.is_empty() { Ok(()) } else { Err(Error::Input(problems.join("\n\n"))) }
 }
 
-fn print(scenario: &Scenario) -> Result<()> {
-    let points = match &scenario.sweep {
-        Some(sweep) => format!("{} points", sweep.points()),
-        None => "measurements only".into(),
-    };
-    let line = writeln!(std::io::stdout().lock(), "ok  {}  {}  ({points})", scenario.id, scenario.title);
-    match line {
+fn print(scenario: &Scenario, table: Option<&Table>) -> Result<()> {
+    let swept = scenario.sweep.as_ref().map(|sweep| format!("{} points", sweep.points()));
+    let measured = table.map(|table| format!("measured: {}", table.summary()));
+    let what: Vec<String> = swept.into_iter().chain(measured).collect();
+    let mut text = format!("ok  {}  {}  ({})\n", scenario.id, scenario.title, what.join("; "));
+    for note in table.iter().flat_map(|table| &table.notes) {
+        text += &format!("    note: {note}\n");
+    }
+    match std::io::stdout().lock().write_all(text.as_bytes()) {
         // A reader such as `head` that has seen enough is no failure.
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         outcome => outcome.map_err(Error::io("write to", "standard output")),

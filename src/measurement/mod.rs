@@ -1,68 +1,207 @@
-//! STUB to be replaced.
-#![allow(missing_docs)]
-use crate::error::Result;
-use crate::scenario::Scenario;
-use std::path::PathBuf;
+//! Tables of measured steady states with their uncertainties. The measured file is read and never written.
+//!
+//! One file per input format: `delimited` (CSV and its relatives), `workbook` (Excel, OpenDocument; feature `xlsx`) and
+//! `universal` (dataset 58). The first two give a `sheet` of cells; `header` and `columns` find out what stands in which
+//! column and in which unit, `rows` turns cells into readings. From there all formats are one: `pool` unites repeated
+//! readings, `noise` gives every point its standard deviations, where none are stated from the [`scatter`](scatter()).
+
+mod columns;
+mod delimited;
+mod file;
+mod header;
+mod noise;
+mod pool;
+mod rows;
+mod scatter;
+mod sheet;
+mod universal;
+mod workbook;
+
+use std::path::{Path, PathBuf};
+
+pub use scatter::{Scatter, Spread, scatter};
+
+use crate::error::{Error, Result};
+use crate::scenario::diagnostic::whole_file;
+use crate::scenario::{MeasurementSource, Scenario};
+
+/// One measured steady state, SI units and rad.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Point {
+    /// Data row in the file, counted from 1, the header not counted; the first of them where readings were pooled.
     pub row: usize,
+    /// Line in the file, counted from 1.
     pub line: usize,
+    /// V, peripheral speed of the roller \[m/s\].
     pub speed: f64,
+    /// W, normal load \[N\].
     pub load: f64,
+    /// u0, amplitude of the actuator \[m\].
     pub drive: f64,
+    /// f, frequency of the drive \[Hz\].
     pub frequency: f64,
+    /// A, amplitude of the arm at that frequency \[rad\].
     pub amplitude: f64,
+    /// Phase relative to the actuator in (-pi, pi] \[rad\].
     pub phase: Option<f64>,
+    /// Standard deviation of the amplitude \[rad\].
     pub amplitude_sd: f64,
+    /// Standard deviation of the phase \[rad\]; there exactly where there is a phase.
     pub phase_sd: Option<f64>,
+    /// Mean angle of the arm \[rad\].
     pub mean: Option<f64>,
+    /// Number of readings that were pooled; 1 for a single one.
     pub replicates: usize,
 }
+
+/// Where standard deviations come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum NoiseSource {
+    /// The table states them.
     Stated,
+    /// The scatter about smooth curves.
     Estimated,
+    /// The spread of repeated readings.
     Replicates,
 }
-#[derive(Debug, Clone, serde::Serialize)]
+
+impl NoiseSource {
+    fn word(self) -> &'static str {
+        match self {
+            Self::Stated => "stated",
+            Self::Estimated => "estimated",
+            Self::Replicates => "from replicates",
+        }
+    }
+}
+
+/// A table of measured steady states, sorted by load, speed, drive and frequency whatever the order of its rows.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Table {
+    /// The file, as the scenario leads to it.
     pub file: PathBuf,
+    /// BLAKE3 hash of the file's bytes, in hexadecimal.
     pub hash: String,
+    /// The points.
     pub points: Vec<Point>,
+    /// Where the standard deviations of the amplitudes come from.
     pub amplitude_noise: NoiseSource,
+    /// Where those of the phases come from; `None` without phases.
     pub phase_noise: Option<NoiseSource>,
+    /// What the user should know about how the file was read, in plain words.
     pub notes: Vec<String>,
 }
-pub fn load(scenario: &Scenario) -> Result<Option<Table>> {
-    let Some(m) = &scenario.measurement else { return Ok(None) };
-    let text = std::fs::read_to_string(&m.file).unwrap();
-    let mut points = Vec::new();
-    for (i, l) in text.lines().skip(1).enumerate() {
-        let v: Vec<f64> = l.split(',').map(|x| x.parse().unwrap()).collect();
-        points.push(Point {
-            row: i + 1,
-            line: i + 2,
-            speed: v[0],
-            load: v[1],
-            drive: v[2],
-            frequency: v[3],
-            amplitude: v[4],
-            phase: Some(v[6]),
-            amplitude_sd: v[5],
-            phase_sd: Some(v[7]),
-            mean: None,
-            replicates: 1,
-        });
+
+impl Table {
+    /// One line for people: `312 points, 13 conditions, 52-98 Hz, amplitude and phase, noise stated 1.0 %`.
+    pub fn summary(&self) -> String {
+        let mut conditions = 0;
+        let mut last = None;
+        for point in &self.points {
+            let key = Some((point.load, point.speed, point.drive));
+            conditions += usize::from(key != last);
+            last = key;
+        }
+        let frequencies = || self.points.iter().map(|point| point.frequency);
+        let (low, high) = (frequencies().fold(f64::INFINITY, f64::min), frequencies().fold(0.0, f64::max));
+        let with_phase = self.points.iter().filter(|point| point.phase.is_some()).count();
+        let kinds = match with_phase {
+            0 => "amplitude",
+            n if n == self.points.len() => "amplitude and phase",
+            _ => "amplitude and some phases",
+        };
+        let relative = middle(self.points.iter().map(|point| point.amplitude_sd / point.amplitude));
+        let mut noise = format!("noise {} {:.1} %", self.amplitude_noise.word(), 100.0 * relative);
+        if let Some(source) = self.phase_noise {
+            let phase = middle(self.points.iter().filter_map(|point| point.phase_sd)).to_degrees();
+            let word = if source == self.amplitude_noise { String::new() } else { format!("{} ", source.word()) };
+            noise += &format!(" and {word}{phase:.2} deg");
+        }
+        let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
+        let number = |value| crate::units::format(value, "1");
+        let span =
+            if low == high { format!("{} Hz", number(low)) } else { format!("{}-{} Hz", number(low), number(high)) };
+        let (points, conditions) = (count(self.points.len(), "point"), count(conditions, "condition"));
+        format!("{points}, {conditions}, {span}, {kinds}, {noise}")
     }
-    points.sort_by(|a, b| {
-        (a.load, a.speed, a.drive, a.frequency).partial_cmp(&(b.load, b.speed, b.drive, b.frequency)).unwrap()
-    });
-    Ok(Some(Table {
-        file: m.file.clone(),
-        hash: String::new(),
-        points,
-        amplitude_noise: NoiseSource::Stated,
-        phase_noise: Some(NoiseSource::Stated),
-        notes: vec![],
-    }))
+}
+
+/// The median, 0 of nothing.
+fn middle(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    match values.len() {
+        0 => 0.0,
+        n => 0.5 * (values[(n - 1) / 2] + values[n / 2]),
+    }
+}
+
+/// Reads the table that a scenario names under `[measurement]`; `None` where it names none.
+///
+/// # Errors
+/// [`Error::Input`] with every problem of the table, up to a number that people read; [`Error::Io`] where the operating
+/// system refuses the file.
+pub fn load(scenario: &Scenario) -> Result<Option<Table>> {
+    let Some(wanted) = &scenario.measurement else { return Ok(None) };
+    let bytes = file::bytes(&wanted.file)?;
+    let mut notes = Vec::new();
+    let readings = match Format::of(&wanted.file)? {
+        Format::Delimited => {
+            let sheet = delimited::sheet(file::text(&wanted.file, &bytes, &mut notes)?, None)?;
+            rows::readings(&sheet, &wanted.columns, scenario.sweep.as_ref(), &mut notes)?
+        }
+        Format::Workbook => {
+            let sheet = workbook::sheet(&wanted.file, &bytes, wanted.sheet.as_deref(), &mut notes)?;
+            rows::readings(&sheet, &wanted.columns, scenario.sweep.as_ref(), &mut notes)?
+        }
+        Format::Universal => {
+            let source = file::text(&wanted.file, &bytes, &mut Vec::new())?;
+            universal::readings(&source, wanted.record, scenario.sweep.as_ref(), &mut notes)?
+        }
+    };
+    unused_keys(wanted, Format::of(&wanted.file)?, &mut notes);
+    let pooled = pool::pool(readings, &mut notes)?;
+    let (points, amplitude_noise, phase_noise) = noise::assign(pooled, &wanted.file, &mut notes)?;
+    let hash = blake3::hash(&bytes).to_hex().to_string();
+    Ok(Some(Table { file: wanted.file.clone(), hash, points, amplitude_noise, phase_noise, notes }))
+}
+
+/// Formats, by the extension of the file's name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Delimited,
+    Workbook,
+    Universal,
+}
+
+impl Format {
+    fn of(path: &Path) -> Result<Self> {
+        let extension = path.extension().map(|text| text.to_string_lossy().to_lowercase()).unwrap_or_default();
+        match extension.as_str() {
+            "csv" | "tsv" | "txt" | "dat" => Ok(Self::Delimited),
+            "xlsx" | "xlsm" | "xlsb" | "xls" | "ods" => Ok(Self::Workbook),
+            "uff" | "unv" | "uf" | "58" => Ok(Self::Universal),
+            _ => {
+                let title = format!("`{}` does not say by its extension what kind of table it is", path.display());
+                let help = "a table with commas, semicolons or tabs is .csv, .tsv, .txt or .dat; \
+                            a universal file .uff or .unv; a workbook .xlsx or .ods";
+                Err(Error::Input(whole_file(&title, help)))
+            }
+        }
+    }
+}
+
+/// Says which keys of `[measurement]` have no meaning for the format.
+fn unused_keys(wanted: &MeasurementSource, format: Format, notes: &mut Vec<String>) {
+    let mut unused = |key: &str, of: &str| notes.push(format!("`{key}` is not used: it belongs to {of}"));
+    if wanted.record.is_some() && format != Format::Universal {
+        unused("record", "universal files");
+    }
+    if wanted.sheet.is_some() && format != Format::Workbook {
+        unused("sheet", "workbooks");
+    }
+    if !wanted.columns.is_empty() && format == Format::Universal {
+        unused("columns", "tables with a header");
+    }
 }

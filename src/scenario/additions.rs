@@ -108,7 +108,7 @@ pub(crate) fn measurement(
         return Some(None);
     }
     let table = reader.table(entries, "measurement")?;
-    reader.keys(&table, &[("file", "text")], &["columns"]);
+    reader.keys(&table, &[("file", "text")], &["columns", "record", "sheet"]);
     let node = table.get("file")?;
     let name = reader.text("file", node)?;
     let folder = reader.source(&node.place).path.parent().unwrap_or(std::path::Path::new("")).to_path_buf();
@@ -123,7 +123,28 @@ pub(crate) fn measurement(
         Some(node) => columns(reader, node)?,
         None => Vec::new(),
     };
-    Some(Some(MeasurementSource { file, columns }))
+    let record = match table.get("record") {
+        Some(node) => Some(record(reader, node)?),
+        None => None,
+    };
+    let sheet = match table.get("sheet") {
+        Some(node) => Some(reader.text("sheet", node)?),
+        None => None,
+    };
+    Some(Some(MeasurementSource { file, columns, record, sheet }))
+}
+
+/// Which function of a universal file.
+fn record(reader: &mut Reader<'_>, node: &Node) -> Option<usize> {
+    match node.value {
+        Value::Number(number) if (1.0..=1e6).contains(&number) && number.fract() == 0.0 => Some(number as usize),
+        _ => {
+            let help =
+                "`record` says which frequency response function of a universal file is meant: write e.g. record = 2";
+            reader.fail(&node.place, "`record` needs a whole number from 1", "not such a number", help);
+            None
+        }
+    }
 }
 
 fn columns(reader: &mut Reader<'_>, node: &Node) -> Option<Vec<(String, String)>> {

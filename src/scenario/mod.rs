@@ -6,13 +6,13 @@
 
 mod additions;
 mod axes;
-mod diagnostic;
+pub(crate) mod diagnostic;
 mod embedded;
 mod extends;
 mod listing;
 pub mod parameters;
 mod reader;
-mod source;
+pub(crate) mod source;
 mod types;
 mod validate;
 mod written;

@@ -49,6 +49,19 @@ pub const SWEEP: &[ParameterInfo] = &[
 pub const COLUMNS: &[&str] =
     &["speed", "load", "drive", "frequency", "amplitude", "phase", "amplitude_sd", "phase_sd", "mean"];
 
+/// What those columns hold, in the same order; units without prefix.
+pub const MEASURED: &[ParameterInfo] = &[
+    SWEEP[1],
+    SWEEP[2],
+    SWEEP[3],
+    SWEEP[0],
+    info(("amplitude", "A", "rad"), (0.0, 1.0), "amplitude of the arm's angle at the frequency of the drive"),
+    info(("phase", "φ", "rad"), (-12.6, 12.6), "phase of the arm's angle relative to the actuator"),
+    info(("amplitude_sd", "", "rad"), (0.0, 1.0), "standard deviation of the amplitude"),
+    info(("phase_sd", "", "rad"), (0.0, 12.6), "standard deviation of the phase"),
+    info(("mean", "", "rad"), (-1.0, 1.0), "mean angle of the arm"),
+];
+
 /// Names of figures that a scenario may ask for.
 pub const FIGURES: &[&str] = &[
     "rig-sketch",
@@ -72,10 +85,15 @@ mod tests {
 
     #[test]
     fn every_parameter_has_a_readable_unit_a_range_and_a_meaning() {
-        for info in [RIG, CONTACT, INSTRUMENT, SWEEP].concat() {
+        for info in [RIG, CONTACT, INSTRUMENT, SWEEP, MEASURED].concat() {
             assert!(info.minimum < info.maximum && !info.meaning.is_empty(), "{}", info.key);
             let value = crate::units::parse(&format!("1 {}", info.unit), info.unit);
             assert_eq!(value, Ok(1.0), "{}", info.key);
         }
+    }
+
+    #[test]
+    fn every_column_says_what_it_holds() {
+        assert_eq!(MEASURED.iter().map(|info| info.key).collect::<Vec<_>>(), COLUMNS);
     }
 }

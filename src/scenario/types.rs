@@ -97,6 +97,10 @@ pub struct MeasurementSource {
     pub file: PathBuf,
     /// Mapping from the standard column name to the header in the table.
     pub columns: Vec<(String, String)>,
+    /// Which frequency response function of a universal file, counted from 1; needed where there are several.
+    pub record: Option<usize>,
+    /// Which sheet of a workbook; the first where it is not said.
+    pub sheet: Option<String>,
 }
 
 /// A validated scenario.

@@ -1,0 +1,113 @@
+//! Every point gets its standard deviations: stated, from repeated readings, or from the scatter about smooth curves.
+
+use std::path::Path;
+
+use super::pool::{Pooled, Repeats};
+use super::{NoiseSource, Point, Spread, middle, scatter};
+use crate::error::{Error, Result};
+use crate::scenario::diagnostic::whole_file;
+
+/// No instrument is believed to be better than this, relative and in rad.
+const FLOOR: f64 = 1e-6;
+
+/// Repetitions that suffice to tell the noise from them alone.
+const ENOUGH_REPEATS: usize = 5;
+
+/// Points with all deviations, and where those come from.
+pub(crate) fn assign(
+    pooled: Pooled,
+    file: &Path,
+    notes: &mut Vec<String>,
+) -> Result<(Vec<Point>, NoiseSource, Option<NoiseSource>)> {
+    let Pooled { mut points, spreads, amplitude_stated, phase_stated, amplitude_repeats, phase_repeats } = pooled;
+    let seen = scatter(&points);
+    let phases = points.iter().any(|point| point.phase.is_some());
+
+    let amplitude_noise = if amplitude_stated {
+        let stated = middle(points.iter().map(|p| p.amplitude_sd / p.amplitude * (p.replicates as f64).sqrt()));
+        contradiction("amplitude", stated, seen.amplitude, notes);
+        NoiseSource::Stated
+    } else {
+        let (sd, source) = estimate("amplitude", amplitude_repeats, seen.amplitude, file, notes)?;
+        for (point, (spread, _)) in points.iter_mut().zip(&spreads) {
+            let pooled = sd * point.amplitude / (point.replicates as f64).sqrt();
+            point.amplitude_sd = pooled.max(spread.unwrap_or(0.0));
+            if point.amplitude_sd <= 0.0 {
+                let title = format!("`{}`, line {}: the amplitude is zero", file.display(), point.line);
+                let help = "its standard deviation cannot be a share of it; state one, or remove the row";
+                return Err(Error::Input(whole_file(&title, help)));
+            }
+        }
+        source
+    };
+    if !phases {
+        return Ok((points, amplitude_noise, None));
+    }
+    let phase_noise = if phase_stated {
+        let single = |p: &Point| p.phase_sd.map(|sd| sd * (p.replicates as f64).sqrt());
+        contradiction("phase", middle(points.iter().filter_map(single)), seen.phase, notes);
+        NoiseSource::Stated
+    } else {
+        let (sd, source) = estimate("phase", phase_repeats, seen.phase, file, notes)?;
+        for (point, (_, spread)) in points.iter_mut().zip(&spreads) {
+            let pooled = sd / (point.replicates as f64).sqrt();
+            point.phase_sd = point.phase.map(|_| pooled.max(spread.unwrap_or(0.0)));
+        }
+        source
+    };
+    Ok((points, amplitude_noise, Some(phase_noise)))
+}
+
+/// Standard deviation of a single reading.
+fn estimate(
+    what: &str,
+    repeats: Repeats,
+    seen: Option<Spread>,
+    file: &Path,
+    notes: &mut Vec<String>,
+) -> Result<(f64, NoiseSource)> {
+    let repeated = || (repeats.squares / repeats.freedom as f64).sqrt().max(FLOOR);
+    let (sd, source) = match seen {
+        _ if repeats.freedom >= ENOUGH_REPEATS => (repeated(), NoiseSource::Replicates),
+        Some(spread) => (spread.sd.max(FLOOR), NoiseSource::Estimated),
+        None if repeats.freedom > 0 => (repeated(), NoiseSource::Replicates),
+        None => {
+            let title = format!("`{}` states no noise of the {what}, and it cannot be estimated", file.display());
+            let column = if what == "phase" {
+                "phase_sd_rad or phase_sd_deg"
+            } else {
+                "amplitude_sd_rad or amplitude_sd_percent"
+            };
+            let help = format!(
+                "add a column {column}, or measure at least 6 frequencies in one condition (same load, speed and drive), \
+                 or repeat readings; \
+                 without a standard deviation no misfit can be judged"
+            );
+            return Err(Error::Input(whole_file(&title, &help)));
+        }
+    };
+    let from = match source {
+        NoiseSource::Replicates => format!("the spread of repeated readings ({} degrees of freedom)", repeats.freedom),
+        _ => {
+            format!("the scatter about smooth curves ({} degrees of freedom)", seen.map_or(0, |s| s.degrees_of_freedom))
+        }
+    };
+    notes.push(format!("no noise of the {what} is stated: {} was estimated from {from}", shown(what, sd)));
+    Ok((sd, source))
+}
+
+fn shown(what: &str, sd: f64) -> String {
+    let digits = |value: f64| crate::units::format(format!("{value:.1e}").parse().unwrap_or(value), "1");
+    if what == "phase" { format!("{} deg", digits(sd.to_degrees())) } else { format!("{} %", digits(100.0 * sd)) }
+}
+
+/// Says where the stated noise is not what the readings show.
+fn contradiction(what: &str, stated: f64, seen: Option<Spread>, notes: &mut Vec<String>) {
+    let Some(seen) = seen.filter(|seen| seen.degrees_of_freedom >= 20 && stated > 0.0) else { return };
+    if !(0.5..=2.0).contains(&(seen.sd.max(FLOOR) / stated)) {
+        let (stated, seen) = (shown(what, stated), shown(what, seen.sd.max(FLOOR)));
+        notes.push(format!(
+            "the {what} scatters by {seen} about smooth curves, but {stated} is stated; check the column"
+        ));
+    }
+}

@@ -1,0 +1,224 @@
+//! Cells become readings in SI; every cell that is no such number is told with its place.
+
+use super::columns::{Layout, Slot, layout};
+use super::header::{AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LOAD, MEAN, PHASE, PHASE_SD, SPEED, Unit};
+use super::pool::{Reading, Readings};
+use super::sheet::{Complaints, Row, Sheet};
+use crate::error::Result;
+use crate::scenario::Sweep;
+use crate::scenario::diagnostic::quote;
+use crate::scenario::parameters::MEASURED;
+use crate::units;
+
+/// The readings of a sheet.
+pub(crate) fn readings(
+    sheet: &Sheet,
+    mapping: &[(String, String)],
+    sweep: Option<&Sweep>,
+    notes: &mut Vec<String>,
+) -> Result<Readings> {
+    let mut complaints = Complaints::of(&sheet.source);
+    let mut layout = layout(sheet, mapping, sweep, &mut complaints, notes);
+    if layout.slots[PHASE].is_none() && layout.slots[PHASE_SD].take().is_some() {
+        notes.push("the standard deviation of the phase is not used: there is no phase".into());
+    }
+    let commas = decimal_commas(sheet, &layout, &mut complaints);
+    let mut list = Vec::with_capacity(sheet.rows.len());
+    for (at, row) in sheet.rows.iter().enumerate() {
+        let mut cells = Cells { sheet, layout: &layout, row, commas, complaints: &mut complaints };
+        list.extend(cells.reading(at + 1));
+    }
+    complaints.check()?;
+    let blank = list.iter().filter(|reading| reading.phase.is_none()).count();
+    if layout.slots[PHASE].is_some() && blank > 0 {
+        notes.push(format!("{blank} of {} rows have no phase", list.len()));
+    }
+    let stated = |column: usize| layout.slots[column].is_some();
+    Ok(Readings {
+        source: sheet.source.clone(),
+        list,
+        amplitude_stated: stated(AMPLITUDE_SD),
+        phase_stated: stated(PHASE_SD),
+    })
+}
+
+/// Whether commas are decimal ones: only between semicolons, and not beside decimal points.
+fn decimal_commas(sheet: &Sheet, layout: &Layout, complaints: &mut Complaints<'_>) -> bool {
+    if sheet.delimiter != b';' {
+        return false;
+    }
+    let used: Vec<usize> = layout.slots.iter().flatten().filter_map(Slot::index).collect();
+    let find = |mark: char| {
+        let cells = sheet.rows.iter().flat_map(|row| used.iter().map(move |index| (row, *index)));
+        cells
+            .filter_map(|(row, index)| row.cells.get(index).map(|cell| (row, index, cell)))
+            .find(|(.., cell)| cell.contains(mark))
+    };
+    if let (Some((row, index, cell)), Some(point)) = (find(','), find('.')) {
+        let title = format!("the table has decimal commas, {}, and decimal points, {}", quote(cell), quote(point.2));
+        let label = format!("a point stands in line {}", point.0.line);
+        let help = "it cannot be told which of them separate thousands; write all numbers the same way";
+        complaints.add(&sheet.place(row, index), &title, &label, help);
+    }
+    find(',').is_some()
+}
+
+impl Slot {
+    fn index(&self) -> Option<usize> {
+        match self {
+            Self::Cells(index, _) => Some(*index),
+            Self::Value(_) => None,
+        }
+    }
+}
+
+/// The cells of one row.
+struct Cells<'a, 'b> {
+    sheet: &'a Sheet,
+    layout: &'a Layout,
+    row: &'a Row,
+    commas: bool,
+    complaints: &'a mut Complaints<'b>,
+}
+
+impl Cells<'_, '_> {
+    fn reading(&mut self, number: usize) -> Option<Reading> {
+        let (speed, load, drive) = (self.number(SPEED), self.number(LOAD), self.number(DRIVE));
+        let (frequency, amplitude) = (self.number(FREQUENCY), self.number(AMPLITUDE));
+        let (phase, mean) = (self.optional(PHASE), self.optional(MEAN));
+        let share = self.layout.slots[AMPLITUDE_SD].as_ref().is_some_and(|slot| match slot {
+            Slot::Cells(_, unit) => unit.relative,
+            Slot::Value(_) => false,
+        });
+        let amplitude_sd = self.deviation(AMPLITUDE_SD, true);
+        let phase_sd = self.deviation(PHASE_SD, !matches!(phase, Some(None)));
+        if let (Some(value), Some(sd)) = (amplitude, amplitude_sd) {
+            self.zero(value, sd.is_none() || share);
+        }
+        let aside = self.layout.aside.iter().filter_map(|index| self.row.cells.get(*index).cloned()).collect();
+        Some(Reading {
+            row: number,
+            line: self.row.line,
+            span: self.sheet.row_place(self.row).span,
+            speed: speed?,
+            load: load?,
+            drive: drive?,
+            frequency: frequency?,
+            amplitude: amplitude?,
+            phase: phase?.map(super::pool::wrap),
+            amplitude_sd: amplitude_sd?.map(|sd| if share { sd * amplitude.unwrap_or(0.0) } else { sd }),
+            phase_sd: phase_sd?,
+            mean: mean?,
+            aside,
+        })
+    }
+
+    /// A number that every row needs.
+    fn number(&mut self, column: usize) -> Option<f64> {
+        match self.layout.slots[column].as_ref()? {
+            Slot::Value(value) => Some(*value),
+            Slot::Cells(index, unit) => self.cell(column, *index, unit),
+        }
+    }
+
+    /// A number that may be left out; the outer option tells whether the cell is sound.
+    fn optional(&mut self, column: usize) -> Option<Option<f64>> {
+        match &self.layout.slots[column] {
+            Some(Slot::Cells(index, _)) if self.row.cells[*index].is_empty() => Some(None),
+            Some(_) => self.number(column).map(Some),
+            None => Some(None),
+        }
+    }
+
+    /// A standard deviation: where the column is there, needed in every row that has the reading.
+    fn deviation(&mut self, column: usize, needed: bool) -> Option<Option<f64>> {
+        if self.layout.slots[column].is_none() {
+            return Some(None);
+        }
+        if !needed {
+            return self.optional(column).map(|_| None);
+        }
+        let sd = self.number(column)?;
+        if sd == 0.0 {
+            let index = self.layout.slots[column].as_ref().and_then(Slot::index).unwrap_or(0);
+            let label = "needs to be more than zero";
+            let help = "a reading without uncertainty would outweigh all others; remove the column to have the noise estimated";
+            self.fail(index, "the standard deviation is zero", label, help);
+            return None;
+        }
+        Some(Some(sd))
+    }
+
+    /// An amplitude of zero has no relative uncertainty.
+    fn zero(&mut self, amplitude: f64, relative: bool) {
+        if amplitude == 0.0
+            && relative
+            && let Some(index) = self.layout.slots[AMPLITUDE].as_ref().and_then(Slot::index)
+        {
+            let help =
+                "its standard deviation cannot be a share of it; state one in amplitude_sd_rad, or remove the row";
+            self.fail(index, "the amplitude is zero", "zero", help);
+        }
+    }
+
+    fn cell(&mut self, column: usize, index: usize, unit: &Unit) -> Option<f64> {
+        let info = MEASURED[column];
+        let written = self.row.cells[index].as_str();
+        let shown = if unit.relative { "%" } else { unit.text.as_str() };
+        let what = format!("`{}` is the {}", info.key, info.meaning);
+        if written.is_empty() {
+            let help = match column {
+                AMPLITUDE_SD | PHASE_SD => format!("{what}; state it in every row, or in none to have it estimated"),
+                _ => format!("{what}; write it, or remove the row"),
+            };
+            self.fail(index, "the cell is empty", &format!("a number in {shown} is needed"), &help);
+            return None;
+        }
+        let number = written.replace('−', "-");
+        let number = if self.commas { number.replace(',', ".") } else { number };
+        let Ok(value) = number.parse::<f64>() else {
+            let help = if number.contains(',') && self.sheet.delimiter != b';' {
+                "decimal commas are read only where semicolons separate the cells; use decimal points".into()
+            } else {
+                format!("{what}; its unit belongs in the header; remove the row if there is no reading")
+            };
+            self.fail(
+                index,
+                &format!("{} is not a number", quote(written)),
+                &format!("a number in {shown} is needed"),
+                &help,
+            );
+            return None;
+        };
+        let value = if value.is_finite() { unit.convert(&number) } else { Ok(value) };
+        let value = match value {
+            Ok(value) if value.is_finite() => value,
+            _ => {
+                let label = format!("a finite number in {shown} is needed");
+                let help = format!("{what}; remove the row if there is no reading");
+                self.fail(index, &format!("{} is not finite", quote(written)), &label, &help);
+                return None;
+            }
+        };
+        let maximum = if unit.relative { 1e3 } else { info.maximum };
+        if !(info.minimum..=maximum).contains(&value) {
+            let si = if unit.relative { "1" } else { info.unit };
+            let limit = |value| units::format(value, si);
+            let name = if matches!(column, AMPLITUDE_SD | PHASE_SD) { info.meaning } else { info.key };
+            let title = format!("the {name} is outside its physical range: {}", limit(value));
+            let label = format!("needs {} to {}", limit(info.minimum), limit(maximum));
+            let help = format!("{what}, here read in {shown}; check the number, and the unit in the header");
+            self.fail(index, &title, &label, &help);
+            return None;
+        }
+        Some(value)
+    }
+
+    /// Notes a problem of a cell, with the name of its column.
+    fn fail(&mut self, index: usize, title: &str, label: &str, help: &str) {
+        let place = self.sheet.place(self.row, index);
+        let title = format!("column {}: {title}", quote(&self.sheet.header.cells[index]));
+        let label = self.sheet.cell_name(self.row, index) + label;
+        self.complaints.add(&place, &title, &label, help);
+    }
+}

@@ -1,0 +1,253 @@
+//! Noise from the data themselves: what is left of curves when everything smooth is removed.
+//!
+//! Windows of k+1 neighbouring frequencies are combined with divided-difference weights, which remove every polynomial
+//! of degree below k; what remains is noise of known weight. Near a resonance neither the logarithm of the amplitude nor
+//! the phase is nearly a polynomial, but the dynamic stiffness u0/(A exp(i phi)) is: of a linear oscillator it is one of
+//! degree 2, and its squared magnitude one of degree 4. So all of these are tried in orders 2 to 5. Whatever is not
+//! smooth enough for one of them makes that one too large, never too small; the answer is the middle of those that are
+//! not distinguishable from the smallest. Each scale is robust, so a jump, an outlier or one steep stretch does not matter.
+
+use std::f64::consts::PI;
+
+use super::Point;
+
+/// The noise of single readings as the curves show it.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Scatter {
+    /// Relative standard deviation of the amplitude.
+    pub amplitude: Option<Spread>,
+    /// Standard deviation of the phase \[rad\].
+    pub phase: Option<Spread>,
+}
+
+/// A standard deviation and how well it is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spread {
+    /// The standard deviation.
+    pub sd: f64,
+    /// Roughly how many independent deviations it comes from.
+    pub degrees_of_freedom: usize,
+    /// Order of the differences that were decisive.
+    pub order: usize,
+}
+
+/// Fewest points of a curve that tell noise from shape.
+const MIN_CURVE: usize = 6;
+/// Deviations beyond this many standard deviations do not count.
+const CUT: f64 = 2.5;
+/// Variance of a normal distribution that is cut there.
+const CUT_VARIANCE: f64 = 0.911_26;
+
+/// One estimate among several.
+#[derive(Debug, Clone, Copy)]
+struct Trial {
+    sd: f64,
+    windows: usize,
+    order: usize,
+}
+
+/// A reading of a curve: frequency, amplitude, unwrapped phase, number of readings pooled in it.
+#[derive(Debug, Clone, Copy)]
+struct Sample {
+    frequency: f64,
+    amplitude: f64,
+    phase: Option<f64>,
+    readings: f64,
+}
+
+/// Estimates the noise of single readings from the scatter of points about smooth curves of amplitude and phase against
+/// frequency, one curve per load, speed and drive. `None` where no curve has six points.
+pub fn scatter(points: &[Point]) -> Scatter {
+    let curves = curves(points);
+    if curves.iter().all(|curve| curve.len() < MIN_CURVE) {
+        return Scatter::default();
+    }
+    let (mut amplitude, mut phase) = (Vec::new(), Vec::new());
+    let with_phase: Vec<Vec<Sample>> =
+        curves.iter().map(|curve| curve.iter().copied().filter(|sample| sample.phase.is_some()).collect()).collect();
+    let phases = with_phase.iter().any(|curve| curve.len() >= MIN_CURVE);
+    for order in 2..=5 {
+        amplitude.extend(plain(&curves, order, |s| (s.amplitude.ln(), 1.0)));
+        amplitude.extend(plain(&curves, order, |s| (s.amplitude.powi(-2), 2.0 * s.amplitude.powi(-2))));
+        if phases {
+            phase.extend(plain(&with_phase, order, |s| (s.phase.unwrap_or(0.0), 1.0)));
+            if let Some((of_amplitude, of_phase)) = stiffness(&with_phase, order) {
+                amplitude.push(of_amplitude);
+                phase.push(of_phase);
+            }
+        }
+    }
+    Scatter { amplitude: verdict(amplitude), phase: verdict(phase) }
+}
+
+/// Curves sorted by frequency, phases unwrapped, amplitudes in units of the curve's largest.
+fn curves(points: &[Point]) -> Vec<Vec<Sample>> {
+    let mut sorted: Vec<&Point> = points.iter().filter(|point| point.amplitude > 0.0).collect();
+    let key = |p: &Point| [p.load, p.speed, p.drive, p.frequency, p.amplitude];
+    sorted.sort_by(|a, b| {
+        let pairs = key(a).into_iter().zip(key(b)).map(|(a, b)| a.total_cmp(&b));
+        pairs.fold(std::cmp::Ordering::Equal, std::cmp::Ordering::then)
+    });
+    let same = |a: &&Point, b: &&Point| key(a)[..3] == key(b)[..3];
+    let curve = |group: &[&Point]| {
+        let largest = group.iter().map(|point| point.amplitude).fold(0.0, f64::max);
+        let mut before: Option<f64> = None;
+        let mut samples: Vec<Sample> = Vec::with_capacity(group.len());
+        for point in group {
+            let phase = point.phase.map(|phase| before.map_or(phase, |last| last + super::pool::wrap(phase - last)));
+            before = phase.or(before);
+            if samples.last().is_some_and(|last| last.frequency == point.frequency) {
+                continue;
+            }
+            let (amplitude, readings) = (point.amplitude / largest, point.replicates.max(1) as f64);
+            samples.push(Sample { frequency: point.frequency, amplitude, phase, readings });
+        }
+        samples
+    };
+    sorted.chunk_by(same).map(curve).collect()
+}
+
+/// Weights that remove every polynomial of degree below the number of samples less one.
+fn weights(window: &[Sample]) -> Vec<f64> {
+    let width = window[window.len() - 1].frequency - window[0].frequency;
+    let inverse = |j: usize| -> f64 {
+        let others = window.iter().enumerate().filter(|(m, _)| *m != j);
+        others.map(|(_, other)| width / (window[j].frequency - other.frequency)).product()
+    };
+    (0..window.len()).map(inverse).collect()
+}
+
+/// Scale of the differences of a real quantity; `of` gives it and its change per relative change of the reading.
+fn plain(curves: &[Vec<Sample>], order: usize, of: impl Fn(&Sample) -> (f64, f64)) -> Option<Trial> {
+    let residual = |window: &[Sample]| {
+        let (mut sum, mut variance) = (0.0, 0.0);
+        for (weight, sample) in weights(window).iter().zip(window) {
+            let (value, slope) = of(sample);
+            sum += weight * value;
+            variance += (weight * slope).powi(2) / sample.readings;
+        }
+        sum / variance.sqrt()
+    };
+    let residuals: Vec<f64> = curves.iter().flat_map(|curve| curve.windows(order + 1).map(residual)).collect();
+    Some(Trial { sd: scale(&residuals)?, windows: residuals.len(), order })
+}
+
+/// Scales of the differences of the dynamic stiffness, of which the noise of amplitude and phase are the two parts.
+fn stiffness(curves: &[Vec<Sample>], order: usize) -> Option<(Trial, Trial)> {
+    // Real and imaginary part against the middle of the window, and the squared weights along and across it.
+    let part = |window: &[Sample]| {
+        let middle = window[order / 2].phase.unwrap_or(0.0);
+        let mut found = [0.0; 4];
+        for (weight, sample) in weights(window).iter().zip(window) {
+            let (sine, cosine) = (middle - sample.phase.unwrap_or(0.0)).sin_cos();
+            let (along, across) = (weight * cosine / sample.amplitude, weight * sine / sample.amplitude);
+            found[0] += along;
+            found[1] += across;
+            found[2] += along * along / sample.readings;
+            found[3] += across * across / sample.readings;
+        }
+        found
+    };
+    let parts: Vec<[f64; 4]> = curves.iter().flat_map(|curve| curve.windows(order + 1).map(part)).collect();
+    // The variance of phase over that of amplitude, found together with both.
+    let mut ratio: f64 = 1.0;
+    let mut found = (0.0, 0.0);
+    for _ in 0..12 {
+        let of_amplitude: Vec<f64> = parts.iter().map(|[re, _, a, b]| re / (a + ratio * b).sqrt()).collect();
+        let of_phase: Vec<f64> = parts.iter().map(|[_, im, a, b]| im / (a + b / ratio).sqrt()).collect();
+        found = (scale(&of_amplitude)?, scale(&of_phase)?);
+        ratio = (found.1 / found.0).powi(2);
+        ratio = if ratio.is_finite() { ratio.clamp(1e-3, 1e3) } else { 1.0 };
+    }
+    let trial = |sd: f64| Trial { sd, windows: parts.len(), order };
+    Some((trial(found.0), trial(found.1)))
+}
+
+/// Robust standard deviation about zero: from the median, then of all that lies within [`CUT`] of it.
+fn scale(residuals: &[f64]) -> Option<f64> {
+    let mut sizes: Vec<f64> = residuals.iter().map(|value| value.abs()).filter(|size| size.is_finite()).collect();
+    if sizes.len() < 3 {
+        return None;
+    }
+    sizes.sort_by(f64::total_cmp);
+    let mut sd = super::middle(sizes.iter().copied()) / 0.6745;
+    for _ in 0..50 {
+        let near = &sizes[..sizes.partition_point(|size| *size <= CUT * sd)];
+        let next = (near.iter().map(|size| size * size).sum::<f64>() / near.len().max(1) as f64 / CUT_VARIANCE).sqrt();
+        if near.is_empty() || next == sd {
+            break;
+        }
+        sd = next;
+    }
+    Some(sd)
+}
+
+/// The middle of the estimates that are no larger than the smallest by more than chance.
+fn verdict(trials: Vec<Trial>) -> Option<Spread> {
+    let most = trials.iter().map(|trial| trial.windows).max()?;
+    let mut trials: Vec<Trial> = trials.into_iter().filter(|trial| 2 * trial.windows >= most).collect();
+    trials.sort_by(|a, b| a.sd.total_cmp(&b.sd).then(a.order.cmp(&b.order)));
+    let limit = trials.first()?.sd * (1.0 + 1.5 / (most as f64).sqrt());
+    let alike: Vec<Trial> = trials.into_iter().take_while(|trial| trial.sd <= limit).collect();
+    let sd = super::middle(alike.iter().map(|trial| trial.sd));
+    let chosen = alike[(alike.len() - 1) / 2];
+    // Overlapping windows are correlated; this many of them count in the variance of their mean square.
+    let independent = 1.0 / (PI * chosen.order as f64 / 2.0).sqrt();
+    let degrees_of_freedom = ((chosen.windows as f64 * independent).round() as usize).max(1);
+    Some(Spread { sd, degrees_of_freedom, order: chosen.order })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn curve(frequencies: impl Iterator<Item = f64>, of: impl Fn(f64) -> (f64, f64)) -> Vec<Point> {
+        let point = |(row, frequency): (usize, f64)| {
+            let (amplitude, phase) = of(frequency);
+            let (speed, load, drive) = (0.01, 20.0, 2.5e-6);
+            let (phase, phase_sd) = (Some(super::super::pool::wrap(phase)), Some(f64::NAN));
+            let amplitude_sd = f64::NAN;
+            let (mean, replicates) = (None, 1);
+            Point {
+                row,
+                line: row,
+                speed,
+                load,
+                drive,
+                frequency,
+                amplitude,
+                phase,
+                amplitude_sd,
+                phase_sd,
+                mean,
+                replicates,
+            }
+        };
+        frequencies.enumerate().map(point).collect()
+    }
+
+    #[test]
+    fn a_linear_resonance_without_noise_leaves_nothing() {
+        let of = |f: f64| {
+            let (re, im) = (1.0 - (f / 72.0).powi(2), f / 72.0 / 7.0);
+            (1e-6 / re.hypot(im), -im.atan2(re))
+        };
+        let seen = scatter(&curve((0..24).map(|n| 52.0 + 2.0 * f64::from(n)), of));
+        assert!(seen.amplitude.is_some_and(|spread| spread.sd < 1e-9), "{seen:?}");
+        assert!(seen.phase.is_some_and(|spread| spread.sd < 1e-9), "{seen:?}");
+    }
+
+    #[test]
+    fn uneven_steps_and_a_turning_phase_are_smooth_too() {
+        let seen = scatter(&curve((0..30).map(|n| 50.0 * 1.02f64.powi(n)), |f| (1e-6 / f, -0.2 * f)));
+        assert!(seen.amplitude.is_some_and(|spread| spread.sd < 1e-6), "{seen:?}");
+        assert!(seen.phase.is_some_and(|spread| spread.sd < 1e-6), "{seen:?}");
+    }
+
+    #[test]
+    fn five_points_tell_nothing() {
+        let five = curve((0..5).map(|n| 50.0 + f64::from(n)), |f| (1e-6 * f, 0.0));
+        assert_eq!(scatter(&five), Scatter::default());
+        assert_eq!(scatter(&[]), Scatter::default());
+    }
+}

@@ -1,0 +1,109 @@
+//! A sheet of cells with their places, whatever file it came from.
+
+use std::ops::Range;
+
+use crate::error::{Error, Result};
+use crate::scenario::diagnostic::{Place, Problems};
+use crate::scenario::source::Source;
+
+/// Header and rows of a table.
+#[derive(Debug)]
+pub(crate) struct Sheet {
+    /// The text, for messages; of a workbook, its cells written with tabs.
+    pub source: Source,
+    /// What separates the cells in that text.
+    pub delimiter: u8,
+    /// Whether the text stands for a workbook, whose cells have names such as `C5`.
+    pub workbook: bool,
+    /// The header.
+    pub header: Row,
+    /// The rows that hold anything.
+    pub rows: Vec<Row>,
+}
+
+/// A row of cells.
+#[derive(Debug, Clone)]
+pub(crate) struct Row {
+    /// Line in the file, counted from 1.
+    pub line: usize,
+    /// Byte where it starts in the text.
+    pub start: usize,
+    /// Trimmed cells.
+    pub cells: Vec<String>,
+}
+
+impl Sheet {
+    /// Place of a cell; of the whole row where there is no such cell.
+    pub fn place(&self, row: &Row, index: usize) -> Place {
+        let spans = spans(&self.source.text, row.start, self.delimiter);
+        spans.get(index).map_or_else(|| self.row_place(row), |span| Place { file: 0, span: span.clone() })
+    }
+
+    /// Place of a whole row.
+    pub fn row_place(&self, row: &Row) -> Place {
+        let end = self.source.text[row.start..].find('\n').map_or(self.source.text.len(), |at| row.start + at);
+        Place { file: 0, span: row.start..end }
+    }
+
+    /// The name of a cell in a workbook as the start of a label, e.g. `cell C5: `; nothing for other files.
+    pub fn cell_name(&self, row: &Row, index: usize) -> String {
+        if !self.workbook {
+            return String::new();
+        }
+        let mut letters = Vec::new();
+        let mut rest = index + 1;
+        while rest > 0 {
+            letters.insert(0, char::from(b'A' + ((rest - 1) % 26) as u8));
+            rest = (rest - 1) / 26;
+        }
+        format!("cell {}{}: ", letters.iter().collect::<String>(), row.line)
+    }
+}
+
+/// Byte ranges of the cells of the record that starts at `start`, without surrounding blanks.
+fn spans(text: &str, start: usize, delimiter: u8) -> Vec<Range<usize>> {
+    let bytes = text.as_bytes();
+    let mut found = Vec::new();
+    let (mut from, mut at, mut quoted) = (start, start, false);
+    loop {
+        let byte = bytes.get(at).copied();
+        if byte == Some(b'"') {
+            quoted = !quoted;
+        }
+        let ends = byte.is_none() || !quoted && (byte == Some(b'\n') || byte == Some(delimiter));
+        if ends {
+            let cell = &text[from..at];
+            let blank = cell.len() - cell.trim_start().len();
+            let inner = if cell.trim().is_empty() { from..at } else { from + blank..from + blank + cell.trim().len() };
+            found.push(inner);
+            if byte != Some(delimiter) {
+                return found;
+            }
+            from = at + 1;
+        }
+        at += 1;
+    }
+}
+
+/// Problems of one file, told together.
+pub(crate) struct Complaints<'a> {
+    source: &'a Source,
+    problems: Problems,
+}
+
+impl<'a> Complaints<'a> {
+    /// None yet.
+    pub fn of(source: &'a Source) -> Self {
+        Self { source, problems: Problems::default() }
+    }
+
+    /// One more.
+    pub fn add(&mut self, place: &Place, title: &str, label: &str, help: &str) {
+        self.problems.push(std::slice::from_ref(self.source), place, title, label, help);
+    }
+
+    /// All of them as an error, where there are any.
+    pub fn check(self) -> Result<()> {
+        self.problems.into_message().map_or(Ok(()), |message| Err(Error::Input(message)))
+    }
+}

@@ -1,0 +1,230 @@
+//! Universal files (UFF, UNV): frequency response functions of dataset 58 in its ASCII form.
+//!
+//! The function is response over reference with the sign exp(+i omega t): its magnitude times the amplitude of the
+//! actuator is the amplitude of the arm, its argument the phase. Load, speed and drive come from the scenario's `[sweep]`.
+
+mod dataset;
+
+use std::f64::consts::TAU;
+
+use super::columns::only_value;
+use super::header::{AMPLITUDE, DRIVE, FREQUENCY, LOAD, SPEED};
+use super::pool::{Reading, Readings, wrap};
+use super::sheet::Complaints;
+use crate::error::{Error, Result};
+use crate::scenario::Sweep;
+use crate::scenario::diagnostic::{Place, quote, whole_file};
+use crate::scenario::parameters::MEASURED;
+use crate::scenario::source::Source;
+use crate::units;
+use dataset::{Characteristics, Dataset};
+
+/// The readings of the one function of a file, or of the one that is chosen.
+pub(crate) fn readings(
+    source: &Source,
+    record: Option<usize>,
+    sweep: Option<&Sweep>,
+    notes: &mut Vec<String>,
+) -> Result<Readings> {
+    let found = dataset::functions(source)?;
+    let chosen = choose(source, &found, record)?;
+    let mut complaints = Complaints::of(source);
+    let mut conditions = [0.0; 3];
+    for (value, column) in conditions.iter_mut().zip([SPEED, LOAD, DRIVE]) {
+        match only_value(column, sweep, notes) {
+            Ok(found) => *value = found,
+            Err(why) => {
+                let key = MEASURED[column].key;
+                let title = format!("a universal file does not state the {key}, and {why}");
+                let help =
+                    format!("write one value, {key} = \"… {}\", in [sweep] of the scenario", MEASURED[column].unit);
+                complaints.add(&chosen.place(), &title, "this function", &help);
+            }
+        }
+    }
+    let [speed, load, drive] = conditions;
+    let scale = scale(chosen, &mut complaints, notes);
+    let values = chosen.values(source, &mut complaints);
+    let (Some(scale), Some(values)) = (scale, values) else {
+        complaints.check()?;
+        return Err(Error::Input(whole_file(&format!("cannot read `{}`", source.name), "check the dataset")));
+    };
+    let mut list = Vec::with_capacity(values.len());
+    let mut resting = 0;
+    for (at, value) in values.iter().enumerate() {
+        let frequency = value.abscissa * scale.frequency;
+        if frequency == 0.0 {
+            resting += 1;
+            continue;
+        }
+        // Each derivative of the response is a factor i omega of the function.
+        let omega = TAU * frequency;
+        let amplitude = value.real.hypot(value.imaginary) * scale.size * omega.powi(-scale.derivatives) * drive;
+        let turn = std::f64::consts::FRAC_PI_2 * f64::from(scale.derivatives);
+        let place = Place { file: 0, span: value.span.clone() };
+        let mut sound = within(FREQUENCY, frequency, &place, &mut complaints);
+        sound &= within(AMPLITUDE, amplitude, &place, &mut complaints);
+        if !sound {
+            continue;
+        }
+        list.push(Reading {
+            row: at + 1,
+            line: value.line,
+            span: value.span.clone(),
+            speed,
+            load,
+            drive,
+            frequency,
+            amplitude,
+            phase: Some(wrap(value.imaginary.atan2(value.real) - turn)),
+            amplitude_sd: None,
+            phase_sd: None,
+            mean: None,
+            aside: Vec::new(),
+        });
+    }
+    complaints.check()?;
+    if resting > 0 {
+        notes.push("the value at 0 Hz is not used".into());
+    }
+    Ok(Readings { source: source.clone(), list, amplitude_stated: false, phase_stated: false })
+}
+
+fn within(column: usize, value: f64, place: &Place, complaints: &mut Complaints<'_>) -> bool {
+    let info = MEASURED[column];
+    let inside = (info.minimum..=info.maximum).contains(&value);
+    if !inside {
+        let limit = |value| units::format(value, info.unit);
+        let title = format!("the {} is outside its physical range: {}", info.key, limit(value));
+        let label = format!("needs {} to {}", limit(info.minimum), limit(info.maximum));
+        let help = "check that the function is the arm's angle in rad over the actuator's displacement in m, and u0 in [sweep]";
+        complaints.add(place, &title, &label, help);
+    }
+    inside
+}
+
+/// The function that is meant.
+fn choose<'a>(source: &Source, found: &'a [Dataset], record: Option<usize>) -> Result<&'a Dataset> {
+    let functions: Vec<&Dataset> = found.iter().filter(|set| set.is_response()).collect();
+    let refuse = |title: String, help: String| Err(Error::Input(whole_file(&title, &help)));
+    let list = || {
+        let line =
+            |(n, set): (usize, &&Dataset)| format!("\n          record = {}: line {}, {}", n + 1, set.line, set.name());
+        functions.iter().enumerate().map(line).collect::<String>()
+    };
+    let name = &source.name;
+    match (functions.as_slice(), record) {
+        ([], _) if found.is_empty() => refuse(
+            format!("`{name}` holds no dataset 58"),
+            "export the frequency response function as a universal file, dataset 58, ASCII".into(),
+        ),
+        ([], _) => {
+            let kinds: Vec<_> = found.iter().map(|set| format!("line {}: {}", set.line, set.kind())).collect();
+            refuse(
+                format!("`{name}` holds no frequency response function (function type 4)"),
+                format!("export the arm's angle over the actuator's displacement; there are {}", kinds.join("; ")),
+            )
+        }
+        ([one], None) => Ok(one),
+        (several, None) => refuse(
+            format!("`{name}` holds {} frequency response functions", several.len()),
+            format!("choose one in [measurement], one scenario for each:{}", list()),
+        ),
+        (several, Some(n)) => match several.get(n - 1) {
+            Some(one) => Ok(one),
+            None => refuse(format!("`{name}` has no record {n}"), format!("choose one of{}", list())),
+        },
+    }
+}
+
+/// How the numbers of the file become SI and a ratio of angle and displacement.
+struct Scale {
+    /// To Hz.
+    frequency: f64,
+    /// Of the function, to rad/m and its derivatives.
+    size: f64,
+    /// Derivatives in time of the response, less those of the reference.
+    derivatives: i32,
+}
+
+fn scale(set: &Dataset, complaints: &mut Complaints<'_>, notes: &mut Vec<String>) -> Option<Scale> {
+    let abscissa = &set.characteristics[0];
+    if !matches!(abscissa.kind, 0 | 18) {
+        let title = format!("the abscissa has the specific data type {}, not 18 (frequency)", abscissa.kind);
+        complaints.add(&abscissa.place(), &title, "not a frequency", "export the function against frequency in Hz");
+    }
+    let frequency = if abscissa.unit.to_lowercase().contains("rad") { 1.0 / TAU } else { 1.0 };
+    let response = derivatives(&set.characteristics[1], "response", complaints);
+    let reference = derivatives(&set.characteristics[2], "reference", complaints);
+    let derivatives = response? - reference?;
+    let size = size(&set.characteristics[1], &set.characteristics[2], response?, reference?, complaints, notes)?;
+    let over = match derivatives {
+        0 => "taken as it is".to_string(),
+        n if n > 0 => format!("divided by (i omega)^{n}"),
+        n => format!("multiplied by (i omega)^{}", -n),
+    };
+    notes.push(format!(
+        "{}: the function, {over}, is the arm's angle over the actuator's displacement with the sign exp(+i omega t); \
+         response {}, reference {}, their directions as they are",
+        set.name(),
+        set.response,
+        set.reference
+    ));
+    if !matches!(abscissa.kind, 0 | 18) {
+        return None;
+    }
+    Some(Scale { frequency, size, derivatives })
+}
+
+/// How many times a quantity is differentiated in time.
+fn derivatives(of: &Characteristics, role: &str, complaints: &mut Complaints<'_>) -> Option<i32> {
+    match of.kind {
+        0 | 1 | 8 => Some(0),
+        11 => Some(1),
+        12 => Some(2),
+        kind => {
+            let title = format!("the {role} has the specific data type {kind}, not 8, 11 or 12");
+            let help = "export the angle of the arm (displacement, velocity or acceleration) over the displacement of the actuator";
+            complaints.add(&of.place(), &title, "not displacement, velocity or acceleration", help);
+            None
+        }
+    }
+}
+
+/// Size of the function's unit; what cannot be read is taken to be SI and said to be so.
+fn size(
+    response: &Characteristics,
+    reference: &Characteristics,
+    of_response: i32,
+    of_reference: i32,
+    complaints: &mut Complaints<'_>,
+    notes: &mut Vec<String>,
+) -> Option<f64> {
+    let per = |base: &str, times: i32| match times {
+        0 => base.to_string(),
+        1 => format!("{base}/s"),
+        n => format!("{base}/s^{n}"),
+    };
+    let expected = [per("rad", of_response), per("m", of_reference)];
+    let both =
+        format!("rad/{}", if of_reference == 0 { "m".to_string() } else { format!("({})", per("m", of_reference)) });
+    if of_response == 0 && reference.unit.is_empty() && units::parse(&format!("1 {}", response.unit), &both).is_ok() {
+        return units::parse(&format!("1 {}", response.unit), &both).ok();
+    }
+    let mut sizes = [1.0; 2];
+    for ((size, what), expected) in sizes.iter_mut().zip([response, reference]).zip(&expected) {
+        let unit = what.unit.as_str();
+        match units::parse(&format!("1 {unit}"), expected) {
+            Ok(found) => *size = found,
+            Err(units::UnitError::Dimension { .. }) => {
+                let title = format!("the unit {} does not serve, one like {expected} is needed", quote(unit));
+                let help = "the response is an angle in rad; a reading of length has to be divided by its arm before it is exported";
+                complaints.add(&what.place(), &title, "not such a unit", help);
+                return None;
+            }
+            Err(_) if unit.is_empty() => notes.push(format!("a unit is not stated and taken to be {expected}")),
+            Err(_) => notes.push(format!("the unit {} is not known and taken to be {expected}", quote(unit))),
+        }
+    }
+    Some(sizes[0] / sizes[1])
+}

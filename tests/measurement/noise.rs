@@ -1,0 +1,144 @@
+//! Standard deviations: stated, from repeated readings, from the scatter about smooth curves.
+
+use stickslip::measurement::{NoiseSource, Point, Scatter, scatter};
+
+use super::{PRACTICE, csv};
+
+#[test]
+fn repeated_readings_are_pooled() {
+    let head = "speed_m_s,load_n,drive_m,frequency_hz,amplitude_rad,amplitude_sd_rad,phase_deg,phase_sd_deg";
+    let table = csv(&format!(
+        "{head}\n0,20,1e-6,60,1e-6,1e-8,179,1\n0,20,1e-6,60,1.03e-6,2e-8,-179,1\n0,20,1e-6,61,1e-6,1e-8,0,1\n"
+    ));
+    let point = &table.points[0];
+    assert_eq!((point.replicates, point.row, table.points.len()), (2, 1, 2));
+    // Weights 4 : 1, and 1/sd^2 = (1/4 + 1) 1e16; the phases lie on both sides of 180 degrees.
+    assert!(
+        (point.amplitude / 1.006e-6 - 1.0).abs() < 1e-12 && (point.amplitude_sd / 0.8f64.sqrt() - 1e-8).abs() < 1e-20
+    );
+    assert!((point.phase.expect("a phase").abs() - std::f64::consts::PI).abs() < 1e-12);
+    assert!((point.phase_sd.expect("sd") - 1f64.to_radians() / 2f64.sqrt()).abs() < 1e-12);
+    assert!(table.notes[0].contains("3 rows are 2 points"), "{:?}", table.notes);
+    // Three readings that differ by more than they state: spread 0.1/sqrt(3) of the mean 1.1.
+    let table = csv(&format!(
+        "{head}\n0,20,1e-6,60,1e-6,1e-9,0,1\n0,20,1e-6,60,1.1e-6,1e-9,1,1\n0,20,1e-6,60,1.2e-6,1e-9,2,1\n"
+    ));
+    assert!((table.points[0].amplitude_sd / (1e-7 / 3f64.sqrt()) - 1.0).abs() < 1e-9);
+    // A column of one's own tells a repetition with equal digits from a copy.
+    let table = csv(
+        "run,speed_m_s,load_n,drive_m,frequency_hz,amplitude_rad,amplitude_sd_rad\n1,0,20,1e-6,60,1e-6,1e-8\n2,0,20,1e-6,60,1e-6,1e-8\n",
+    );
+    assert_eq!(table.points[0].replicates, 2);
+}
+
+/// Normal deviates from a fixed seed.
+pub struct Noise(pub u64);
+
+impl Noise {
+    pub fn uniform(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn normal(&mut self) -> f64 {
+        let (a, b) = (self.uniform().max(1e-300), self.uniform());
+        (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
+    }
+}
+
+/// A resonance at 72 Hz with Q = 7, 24 frequencies; relative noise of the amplitude, noise of the phase.
+fn resonance(noise: &mut Noise, relative: f64, turn: Option<f64>) -> Vec<Point> {
+    let point = |n: usize| {
+        let frequency = 52.0 + 2.0 * n as f64;
+        let (re, im) = (1.0 - (frequency / 72.0).powi(2), frequency / 72.0 / 7.0);
+        let amplitude = 1e-6 / re.hypot(im) * (1.0 + relative * noise.normal());
+        let phase = turn.map(|turn| -im.atan2(re) + turn * noise.normal());
+        let (amplitude_sd, phase_sd) = (relative * amplitude, turn);
+        Point {
+            row: n + 1,
+            line: n + 2,
+            speed: 0.0,
+            load: 20.0,
+            drive: 2.5e-6,
+            frequency,
+            amplitude,
+            phase,
+            amplitude_sd,
+            phase_sd,
+            mean: None,
+            replicates: 1,
+        }
+    };
+    (0..24).map(point).collect()
+}
+
+#[test]
+fn the_noise_of_a_resonance_is_found() {
+    let mut noise = Noise(0x9e37_79b9_7f4a_7c15);
+    for (relative, turn) in [
+        (0.003, Some(0.003)),
+        (0.01, Some(0.01)),
+        (0.03, Some(0.03)),
+        (0.003, None),
+        (0.01, None),
+        (0.03, None),
+        (0.01, Some(0.03)),
+        (0.003, Some(0.01)),
+    ] {
+        let seen: Vec<Scatter> = (0..100).map(|_| scatter(&resonance(&mut noise, relative, turn))).collect();
+        let mean = |of: fn(&Scatter) -> f64| seen.iter().map(of).sum::<f64>() / seen.len() as f64;
+        let amplitude = mean(|s| s.amplitude.expect("24 points").sd) / relative;
+        assert!((amplitude - 1.0).abs() < 0.15, "amplitude, {relative} {turn:?}: {amplitude}");
+        if let Some(turn) = turn {
+            let phase = mean(|s| s.phase.expect("24 points").sd) / turn;
+            assert!((phase - 1.0).abs() < 0.15, "phase, {relative} {turn}: {phase}");
+        }
+    }
+}
+
+#[test]
+fn outliers_and_jumps_do_not_count_as_noise() {
+    let mut noise = Noise(0x1234_5678_9abc_def1);
+    let mean = (0..100).map(|_| {
+        let mut points = resonance(&mut noise, 0.01, Some(0.01));
+        points[5].amplitude *= 1.5;
+        points.iter_mut().skip(18).for_each(|point| point.amplitude *= 1.2);
+        scatter(&points).amplitude.expect("24 points").sd / 100.0
+    });
+    let mean: f64 = mean.sum();
+    assert!((0.008..0.016).contains(&mean), "{mean}");
+}
+
+#[test]
+fn noise_that_is_not_stated_is_estimated_and_said_to_be() {
+    let bare = |line: &str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        [&cells[..5], &cells[6..7]].concat().join(",")
+    };
+    let table = csv(&PRACTICE.lines().map(bare).collect::<Vec<_>>().join("\n"));
+    assert_eq!((table.amplitude_noise, table.phase_noise), (NoiseSource::Estimated, Some(NoiseSource::Estimated)));
+    for point in &table.points {
+        let (relative, phase) = (point.amplitude_sd / point.amplitude, point.phase_sd.expect("estimated"));
+        assert!((0.0085..0.0115).contains(&relative) && (0.0085..0.0115).contains(&phase), "{relative} {phase}");
+    }
+    assert!(
+        table.notes[0].starts_with("no noise of the amplitude is stated: 1 % was estimated")
+            || table.notes[0].contains("1.1 %"),
+        "{:?}",
+        table.notes
+    );
+    let mut noise = Noise(77);
+    let rows = (0..60).map(|n| {
+        let frequency = 60 + n / 6;
+        format!("0,20,1e-6,{frequency},{:e}\n", 1e-6 * (1.0 + 0.02 * noise.normal()))
+    });
+    let table = csv(&format!("speed_m_s,load_n,drive_m,frequency_hz,amplitude_rad\n{}", rows.collect::<String>()));
+    assert_eq!((table.amplitude_noise, table.phase_noise, table.points.len()), (NoiseSource::Replicates, None, 10));
+    let relative =
+        table.points.iter().map(|p| p.amplitude_sd / p.amplitude).fold(f64::INFINITY, f64::min) * 6f64.sqrt();
+    assert!((0.016..0.024).contains(&relative), "{relative}");
+    let wrong = csv(&PRACTICE.replace(",0.01\n", ",0.0001\n"));
+    assert!(wrong.notes[0].contains("check the column"), "{:?}", wrong.notes);
+}
