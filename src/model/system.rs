@@ -77,6 +77,25 @@ pub struct Forcing {
     pub velocity: f64,
 }
 
+/// What of a mode is affine in the states, the algebraic unknown and the forcing, with coefficients that do not change
+/// in time: a solver need not look for it by Newton's method.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Affine {
+    /// Rates of the states, row by row.
+    pub rows: [bool; MAX_STATES],
+    /// The constraint.
+    pub constraint: bool,
+    /// The margins of the mode.
+    pub margins: bool,
+}
+
+impl Affine {
+    /// Whether everything is.
+    pub fn all(&self) -> bool {
+        self.constraint && self.margins && self.rows.iter().all(|&row| row)
+    }
+}
+
 /// A periodically forced system with modes.
 pub trait HybridSystem {
     /// Number of differential states.
@@ -93,8 +112,15 @@ pub trait HybridSystem {
     fn forcing(&self, t: f64) -> Forcing;
     /// f, g and their Jacobians.
     fn evaluate(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut Evaluation);
-    /// Positive while the mode holds; scaled so that 1 is large.
-    fn event(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode) -> f64;
+    /// What of a mode is affine.
+    fn affine(&self, mode: Mode) -> Affine;
+    /// Both positive while the mode holds; scaled so that 1 is large.
+    fn margins(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode) -> [f64; 2];
+    /// Positive while the mode holds: the smaller margin.
+    fn event(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode) -> f64 {
+        let [one, other] = self.margins(forcing, z, s, mode);
+        one.min(other)
+    }
     /// The mode that follows an event, with a first value of s.
     fn next_mode(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode) -> (Mode, f64);
     /// Moves states that the equations cannot hold onto the nearest that they can; returns the state that was moved.

@@ -3,7 +3,10 @@
 // Indices run over several matrices at once here.
 #![allow(clippy::needless_range_loop)]
 
+use super::dense::solve;
+use super::flow::{self, Flow, Leg};
 use super::radau::{A, C, State, Stepper};
+use super::sensitivity::{self, Gradient, Stretch};
 use crate::model::system::{HybridSystem, MAX_COLUMNS, MAX_STATES, Mode, ParameterColumns};
 
 /// Square matrix over the states.
@@ -74,6 +77,27 @@ pub struct Cycle {
     pub columns: Option<ColumnDerivatives>,
 }
 
+impl Cycle {
+    /// Adds an exact stretch, a share of the period in one mode.
+    fn follow(&mut self, leg: &Leg, mode: Mode, share: f64, n: usize) {
+        let mut through = [[0.0; MAX_STATES]; MAX_STATES];
+        multiply(n, n, &leg.transition, &self.monodromy, &mut through);
+        self.fundamental.0 += leg.fundamental.0;
+        self.fundamental.1 += leg.fundamental.1;
+        for (by_start, column) in self.fundamental_by_start.iter_mut().zip(0..n) {
+            for (row, by) in self.monodromy.iter().zip(&leg.fundamental_by_start).take(n) {
+                by_start.0 += by.0 * row[column];
+                by_start.1 += by.1 * row[column];
+            }
+        }
+        self.monodromy = through;
+        self.mean += leg.mean;
+        self.force = (self.force.0.min(leg.force.0), self.force.1.max(leg.force.1));
+        self.stick_fraction += if mode == Mode::Stick { share } else { 0.0 };
+        self.steps += 1;
+    }
+}
+
 /// Derivatives of one period by the parameter columns at a fixed start.
 #[derive(Debug, Clone)]
 pub struct ColumnDerivatives {
@@ -83,166 +107,300 @@ pub struct ColumnDerivatives {
     pub fundamental: Vec<(f64, f64)>,
 }
 
-/// Integrates one period from `start`, on the branch that continues `entry` ([`HybridSystem::enter`]). Errors say where and why in words.
-pub fn integrate(
-    system: &dyn HybridSystem,
-    start: &State,
-    entry: Option<(Mode, f64)>,
-    tolerance: &Tolerance,
-    with_columns: bool,
-    mut recorder: Option<&mut dyn FnMut(&Record)>,
-) -> Result<Cycle, String> {
-    let n = system.states();
-    let period = system.period();
-    // The method damps an oscillation by (w h)^5/7200 a radian; that must be little against its own damping.
-    let ratio = system.damping_ratio().clamp(1e-6, 1.0);
-    let needed = std::f64::consts::TAU / (7200.0 * NUMERICAL_DAMPING * ratio).powf(0.2);
-    let steps = tolerance.steps as f64;
-    // An infinite roughness asks for just these steps, to measure the order of convergence.
-    let largest = period / if tolerance.roughness.is_finite() { needed.max(steps) } else { steps };
-    let slip_scale = system.slip_scale();
-    let mut stepper = Stepper::default();
-    let (mut t, mut z, mut h) = (0.0, *start, largest);
-    let moved = system.project(&system.forcing(0.0), &mut z);
-    let entered = system.enter(&system.forcing(0.0), &z, entry);
-    let (mut mode, mut s) = entered;
-    let mut cycle = Cycle {
-        end: z,
-        branch: [entered; 2],
-        monodromy: identity(),
-        fundamental: (0.0, 0.0),
-        fundamental_by_start: [(0.0, 0.0); MAX_STATES],
-        mean: 0.0,
-        stick_fraction: 0.0,
-        force: (f64::INFINITY, f64::NEG_INFINITY),
-        steps: 0,
-        events: 0,
-        columns: None,
-    };
-    if let Some(index) = moved {
-        cycle.monodromy[index][index] = 0.0;
+/// Integrates period after period of one system, keeping what does not depend on where it starts.
+pub struct Integrator<'a> {
+    system: &'a dyn HybridSystem,
+    tolerance: Tolerance,
+    /// Modes met so far, with their exact flows where they have one.
+    flows: Vec<(Mode, Option<Box<dyn Flow>>)>,
+    stepper: Option<Stepper>,
+}
+
+impl<'a> Integrator<'a> {
+    /// An integrator of `system`.
+    pub fn new(system: &'a dyn HybridSystem, tolerance: &Tolerance) -> Self {
+        Self { system, tolerance: *tolerance, flows: Vec::new(), stepper: None }
     }
-    let mut tangents = [[[0.0; MAX_STATES]; MAX_STATES]; 3];
-    let mut gather = with_columns.then(|| ColumnGatherer::new(system.columns()));
-    while period - t > 1e-12 * period {
-        if cycle.steps > MAX_STEPS {
-            return Err(format!("more than {MAX_STEPS} steps in one cycle, stopped at {:.4} of the cycle", t / period));
+
+    /// The system.
+    pub fn system(&self) -> &'a dyn HybridSystem {
+        self.system
+    }
+
+    /// Exact flow of a mode, unless the order of the method is to be measured.
+    fn flow(&mut self, mode: Mode) -> Option<&dyn Flow> {
+        if !self.tolerance.roughness.is_finite() {
+            return None;
         }
-        let mut size = h.min(period - t);
-        let mut event = false;
-        let at_start = system.event(&system.forcing(t), &z, s, mode);
-        let at_stages = |stepper: &Stepper| {
-            std::array::from_fn::<f64, 3, _>(|i| system.event(&stepper.forcing[i], &stepper.z[i], stepper.s[i], mode))
+        let index = self.flows.iter().position(|(known, _)| *known == mode).unwrap_or_else(|| {
+            self.flows.push((mode, flow::flow(self.system, mode, self.tolerance.steps)));
+            self.flows.len() - 1
+        });
+        self.flows[index].1.as_deref()
+    }
+
+    /// Integrates one period from `start`, on the branch that continues `entry` ([`HybridSystem::enter`]). Errors say where
+    /// and why in words.
+    pub fn cycle(&mut self, start: &State, entry: Option<(Mode, f64)>) -> Result<Cycle, String> {
+        self.integrate(start, entry, false, None, None)
+    }
+
+    /// The same with the derivatives by the parameter columns.
+    pub fn cycle_with_columns(&mut self, start: &State, entry: Option<(Mode, f64)>) -> Result<Cycle, String> {
+        self.integrate(start, entry, true, None, None)
+    }
+
+    /// The same with a record of every step.
+    pub fn trace(
+        &mut self,
+        start: &State,
+        entry: Option<(Mode, f64)>,
+        recorder: &mut dyn FnMut(&Record),
+    ) -> Result<(), String> {
+        self.integrate(start, entry, false, Some(recorder), None).map(|_| ())
+    }
+
+    /// Derivatives of the fundamental by the parameter columns on a periodic orbit that consists of exact flows;
+    /// `None` where it does not.
+    pub fn exact_columns(&mut self, start: &State, entry: (Mode, f64)) -> Option<Vec<(f64, f64)>> {
+        let mut stretches = Vec::new();
+        let cycle = self.integrate(start, Some(entry), false, None, Some(&mut stretches)).ok()?;
+        let n = self.system.states();
+        if stretches.is_empty() || cycle.stick_fraction > 1.0 - 1e-9 {
+            return None;
+        }
+        // Adjoint at the end: l (1 - monodromy) = derivative by the start.
+        let scales = self.system.scales();
+        let transposed: Matrix = std::array::from_fn(|i| {
+            std::array::from_fn(|j| f64::from(u8::from(i == j)) - cycle.monodromy[j][i] * scales[i] / scales[j])
+        });
+        let by_start = |part: fn((f64, f64)) -> f64| -> State {
+            std::array::from_fn(|i| part(cycle.fundamental_by_start[i]) * scales[i])
         };
-        let mut e;
-        loop {
-            if size < 1e-10 * period {
+        let (re, im) = (solve(n, transposed, by_start(|z| z.0))?, solve(n, transposed, by_start(|z| z.1))?);
+        let mut adjoint = std::array::from_fn(|i| (re[i] / scales[i], im[i] / scales[i]));
+        let mut gradients: Vec<(Mode, Gradient)> = Vec::new();
+        for (mut stretch, leg) in stretches.into_iter().rev() {
+            stretch.adjoint = adjoint;
+            adjoint = leg.fundamental_by_start;
+            for j in 0..n {
+                for i in 0..n {
+                    adjoint[j].0 += stretch.adjoint[i].0 * leg.transition[i][j];
+                    adjoint[j].1 += stretch.adjoint[i].1 * leg.transition[i][j];
+                }
+            }
+            let index = gradients.iter().position(|(mode, _)| *mode == stretch.mode).unwrap_or_else(|| {
+                gradients.push((stretch.mode, Gradient::default()));
+                gradients.len() - 1
+            });
+            self.flow(stretch.mode)?.gather(&stretch, &mut gradients[index].1);
+        }
+        let mut columns = vec![(0.0, 0.0); self.system.columns()];
+        let determined = gradients
+            .iter()
+            .all(|(mode, gradient)| sensitivity::through_columns(self.system, *mode, gradient, &mut columns));
+        determined.then_some(columns)
+    }
+
+    fn integrate(
+        &mut self,
+        start: &State,
+        entry: Option<(Mode, f64)>,
+        with_columns: bool,
+        mut recorder: Option<&mut dyn FnMut(&Record)>,
+        mut stretches: Option<&mut Vec<(Stretch, Leg)>>,
+    ) -> Result<Cycle, String> {
+        let (system, tolerance) = (self.system, self.tolerance);
+        let exact = recorder.is_none() && !with_columns;
+        let n = system.states();
+        let period = system.period();
+        // The method damps an oscillation by (w h)^5/7200 a radian; that must be little against its own damping.
+        let ratio = system.damping_ratio().clamp(1e-6, 1.0);
+        let needed = std::f64::consts::TAU / (7200.0 * NUMERICAL_DAMPING * ratio).powf(0.2);
+        let steps = tolerance.steps as f64;
+        // An infinite roughness asks for just these steps, to measure the order of convergence.
+        let largest = period / if tolerance.roughness.is_finite() { needed.max(steps) } else { steps };
+        let slip_scale = system.slip_scale();
+        let mut stepper = self.stepper.take();
+        let (mut t, mut z, mut h) = (0.0, *start, largest);
+        let moved = system.project(&system.forcing(0.0), &mut z);
+        let entered = system.enter(&system.forcing(0.0), &z, entry);
+        let (mut mode, mut s) = entered;
+        let mut cycle = Cycle {
+            end: z,
+            branch: [entered; 2],
+            monodromy: identity(),
+            fundamental: (0.0, 0.0),
+            fundamental_by_start: [(0.0, 0.0); MAX_STATES],
+            mean: 0.0,
+            stick_fraction: 0.0,
+            force: (f64::INFINITY, f64::NEG_INFINITY),
+            steps: 0,
+            events: 0,
+            columns: None,
+        };
+        if let Some(index) = moved {
+            cycle.monodromy[index][index] = 0.0;
+        }
+        let mut tangents = [[[0.0; MAX_STATES]; MAX_STATES]; 3];
+        let mut gather = with_columns.then(|| ColumnGatherer::new(system.columns()));
+        while period - t > 1e-12 * period {
+            if cycle.steps > MAX_STEPS {
                 return Err(format!(
-                    "the step size fell below 1e-10 of the cycle at {:.4} of it in {mode:?}",
+                    "more than {MAX_STEPS} steps in one cycle, stopped at {:.4} of the cycle",
                     t / period
                 ));
             }
-            if !stepper.step(system, t, &z, s, size, mode) {
-                size *= 0.25;
+            if exact && let Some(flow) = self.flow(mode) {
+                let leg = flow.leg(t, &z, period, start[0]);
+                if !leg.state.iter().all(|z| z.is_finite()) {
+                    return Err(format!("the motion grew without bound at {:.4} of the cycle", t / period));
+                }
+                cycle.follow(&leg, mode, (leg.time - t) / period, n);
+                if let Some(stretches) = &mut stretches {
+                    let stretch = Stretch {
+                        mode,
+                        time: [t, leg.time],
+                        states: [z, leg.state],
+                        adjoint: Default::default(),
+                        period,
+                    };
+                    stretches.push((stretch, leg.clone()));
+                }
+                (t, z, s, h) = (leg.time, leg.state, leg.slip, largest);
+                if leg.ended {
+                    cycle.events += 1;
+                    if cycle.events > MAX_EVENTS {
+                        return Err(format!("more than {MAX_EVENTS} changes between stick and slip in one cycle"));
+                    }
+                    (mode, s) = system.next_mode(&system.forcing(t), &z, s, mode);
+                }
                 continue;
             }
-            e = at_stages(&stepper);
-            let roughness = (Stepper::roughness(s, stepper.s) / slip_scale / tolerance.roughness).max(
-                Stepper::roughness(at_start, e) / (EVENT_ROUGHNESS * e.iter().fold(1e-7, |m: f64, e| m.max(e.abs()))),
-            );
-            if roughness > 1.0 && size > 1e-6 * period {
-                size *= (0.9 / roughness.cbrt()).clamp(0.2, 0.7);
-                continue;
+            if stretches.is_some() {
+                return Err("not all of the cycle has an exact flow".into());
             }
-            h = (size * (0.9 / roughness.max(1e-9).cbrt()).min(2.0)).min(largest);
-            break;
-        }
-        if crosses(at_start, e) {
-            event = true;
-            let full = size;
-            for _ in 0..40 {
-                let tau = first_root(at_start, e);
-                let trial = (size * tau).max(1e-14 * full);
-                if !stepper.step(system, t, &z, s, trial, mode) {
-                    return Err(format!("an event at {:.4} of the cycle could not be located", t / period));
+            let stepper = stepper.get_or_insert_default();
+            let mut size = h.min(period - t);
+            let mut event = false;
+            let at_start = system.event(&system.forcing(t), &z, s, mode);
+            let at_stages = |stepper: &Stepper| {
+                std::array::from_fn::<f64, 3, _>(|i| {
+                    system.event(&stepper.forcing[i], &stepper.z[i], stepper.s[i], mode)
+                })
+            };
+            let mut e;
+            loop {
+                if size < 1e-10 * period {
+                    return Err(format!(
+                        "the step size fell below 1e-10 of the cycle at {:.4} of it in {mode:?}",
+                        t / period
+                    ));
                 }
-                let changed = (trial - size).abs();
-                size = trial;
-                e = at_stages(&stepper);
-                if e[2].abs() < 1e-11 || changed < 1e-13 * period {
-                    break;
+                if !stepper.step(system, t, &z, s, size, mode) {
+                    size *= 0.25;
+                    continue;
                 }
-                if e.iter().all(|&e| e > 0.0) {
-                    // Undershot: extend by the slope at the end.
-                    let slope = (1.0 - Stepper::interpolate(at_start, e, 1.0 - 1e-4) / e[2].max(1e-300)) / 1e-4;
-                    let extend = if slope < 0.0 { (-1.0 / slope).min(0.5) } else { 0.5 };
-                    let longer = size * (1.0 + extend);
-                    if !stepper.step(system, t, &z, s, longer, mode) {
+                e = at_stages(stepper);
+                let roughness = (Stepper::roughness(s, stepper.s) / slip_scale / tolerance.roughness).max(
+                    Stepper::roughness(at_start, e)
+                        / (EVENT_ROUGHNESS * e.iter().fold(1e-7, |m: f64, e| m.max(e.abs()))),
+                );
+                if roughness > 1.0 && size > 1e-6 * period {
+                    size *= (0.9 / roughness.cbrt()).clamp(0.2, 0.7);
+                    continue;
+                }
+                h = (size * (0.9 / roughness.max(1e-9).cbrt()).min(2.0)).min(largest);
+                break;
+            }
+            if crosses(at_start, e) {
+                event = true;
+                let full = size;
+                for _ in 0..40 {
+                    let tau = first_root(at_start, e);
+                    let trial = (size * tau).max(1e-14 * full);
+                    if !stepper.step(system, t, &z, s, trial, mode) {
                         return Err(format!("an event at {:.4} of the cycle could not be located", t / period));
                     }
-                    size = longer;
-                    e = at_stages(&stepper);
-                    if e[2].abs() < 1e-11 {
+                    let changed = (trial - size).abs();
+                    size = trial;
+                    e = at_stages(stepper);
+                    if e[2].abs() < 1e-11 || changed < 1e-13 * period {
                         break;
                     }
+                    if e.iter().all(|&e| e > 0.0) {
+                        // Undershot: extend by the slope at the end.
+                        let slope = (1.0 - Stepper::interpolate(at_start, e, 1.0 - 1e-4) / e[2].max(1e-300)) / 1e-4;
+                        let extend = if slope < 0.0 { (-1.0 / slope).min(0.5) } else { 0.5 };
+                        let longer = size * (1.0 + extend);
+                        if !stepper.step(system, t, &z, s, longer, mode) {
+                            return Err(format!("an event at {:.4} of the cycle could not be located", t / period));
+                        }
+                        size = longer;
+                        e = at_stages(stepper);
+                        if e[2].abs() < 1e-11 {
+                            break;
+                        }
+                    }
                 }
+                h = largest;
             }
-            h = largest;
-        }
-        // Tangents and observables of the accepted step.
-        let exact = with_columns && stepper.refactorise(system, size, mode);
-        stepper.tangent(system, &mut tangents);
-        let weight = 2.0 * size / period;
-        let mut through = [[[0.0; MAX_STATES]; MAX_STATES]; 3];
-        for i in 0..3 {
-            // Of the inner stages only the first state is read.
-            let rows = if i == 2 { n } else { 1 };
-            multiply(rows, n, &tangents[i], &cycle.monodromy, &mut through[i]);
-            // A = (2i/T) integral of z0 e^{-iwt}
-            let (sine, cosine) = (stepper.forcing[i].sine, stepper.forcing[i].cosine);
-            let w = weight * A[2][i];
-            // A constant has no fundamental: taken off, the large static angle does not enter through rounding.
-            let swing = stepper.z[i][0] - start[0];
-            cycle.fundamental.0 += w * sine * swing;
-            cycle.fundamental.1 += w * cosine * swing;
-            for j in 0..n {
-                cycle.fundamental_by_start[j].0 += w * sine * through[i][0][j];
-                cycle.fundamental_by_start[j].1 += w * cosine * through[i][0][j];
+            // Tangents and observables of the accepted step.
+            let factorised = with_columns && stepper.refactorise(system, size, mode);
+            stepper.tangent(system, &mut tangents);
+            let weight = 2.0 * size / period;
+            let mut through = [[[0.0; MAX_STATES]; MAX_STATES]; 3];
+            for i in 0..3 {
+                // Of the inner stages only the first state is read.
+                let rows = if i == 2 { n } else { 1 };
+                multiply(rows, n, &tangents[i], &cycle.monodromy, &mut through[i]);
+                // A = (2i/T) integral of z0 e^{-iwt}
+                let (sine, cosine) = (stepper.forcing[i].sine, stepper.forcing[i].cosine);
+                let w = weight * A[2][i];
+                // A constant has no fundamental: taken off, the large static angle does not enter through rounding.
+                let swing = stepper.z[i][0] - start[0];
+                cycle.fundamental.0 += w * sine * swing;
+                cycle.fundamental.1 += w * cosine * swing;
+                for j in 0..n {
+                    cycle.fundamental_by_start[j].0 += w * sine * through[i][0][j];
+                    cycle.fundamental_by_start[j].1 += w * cosine * through[i][0][j];
+                }
+                cycle.mean += 0.5 * w * stepper.z[i][0];
+                let (force, _) = system.force(&stepper.forcing[i], &stepper.z[i], stepper.s[i]);
+                cycle.force = (cycle.force.0.min(force), cycle.force.1.max(force));
             }
-            cycle.mean += 0.5 * w * stepper.z[i][0];
-            let (force, _) = system.force(&stepper.forcing[i], &stepper.z[i], stepper.s[i]);
-            cycle.force = (cycle.force.0.min(force), cycle.force.1.max(force));
-        }
-        if let Some(gather) = &mut gather {
-            if !exact {
-                return Err("the Jacobian is singular on the periodic solution".into());
+            if let Some(gather) = &mut gather {
+                if !factorised {
+                    return Err("the Jacobian is singular on the periodic solution".into());
+                }
+                gather.add(system, stepper, size, mode, n, weight, &tangents);
             }
-            gather.add(system, &stepper, size, mode, n, weight, &tangents);
-        }
-        if mode == Mode::Stick {
-            cycle.stick_fraction += size / period;
-        }
-        if let Some(record) = &mut recorder {
-            record(&Record { time: t, size, start: &z, slip: s, stepper: &stepper, mode });
-        }
-        cycle.monodromy = through[2];
-        t += size;
-        z = stepper.z[2];
-        s = stepper.s[2];
-        cycle.steps += 1;
-        if event {
-            cycle.events += 1;
-            if cycle.events > MAX_EVENTS {
-                return Err(format!("more than {MAX_EVENTS} changes between stick and slip in one cycle"));
+            if mode == Mode::Stick {
+                cycle.stick_fraction += size / period;
             }
-            let (next, slip) = system.next_mode(&stepper.forcing[2], &z, s, mode);
-            (mode, s) = (next, slip);
+            if let Some(record) = &mut recorder {
+                record(&Record { time: t, size, start: &z, slip: s, stepper, mode });
+            }
+            cycle.monodromy = through[2];
+            t += size;
+            z = stepper.z[2];
+            s = stepper.s[2];
+            cycle.steps += 1;
+            if event {
+                cycle.events += 1;
+                if cycle.events > MAX_EVENTS {
+                    return Err(format!("more than {MAX_EVENTS} changes between stick and slip in one cycle"));
+                }
+                let (next, slip) = system.next_mode(&stepper.forcing[2], &z, s, mode);
+                (mode, s) = (next, slip);
+            }
         }
+        self.stepper = stepper;
+        cycle.end = z;
+        cycle.branch[1] = (mode, s);
+        cycle.columns = gather.map(|g| ColumnDerivatives { end: g.end, fundamental: g.fundamental });
+        Ok(cycle)
     }
-    cycle.end = z;
-    cycle.branch[1] = (mode, s);
-    cycle.columns = gather.map(|g| ColumnDerivatives { end: g.end, fundamental: g.fundamental });
-    Ok(cycle)
 }
 
 /// Largest deviation of the event function from its polynomial over a step, relative to its own size: with more, a crossing

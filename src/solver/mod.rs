@@ -3,10 +3,14 @@
 pub mod analytic;
 pub mod cycle;
 mod integrated;
+mod dense;
+pub mod exponential;
+pub mod flow;
 pub mod lu;
 pub mod paper_euler;
 pub mod parallel;
 pub mod radau;
+pub mod sensitivity;
 pub mod shooting;
 mod steady;
 pub mod time;

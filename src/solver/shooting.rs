@@ -3,7 +3,8 @@
 // Indices run over several matrices at once here.
 #![allow(clippy::needless_range_loop)]
 
-use super::cycle::{self, Cycle, Record, Tolerance};
+use super::cycle::{Cycle, Integrator, Record, Tolerance};
+use super::dense;
 use super::radau::State;
 use crate::model::system::{HybridSystem, MAX_STATES, Mode};
 use nalgebra::{DMatrix, DVector};
@@ -37,6 +38,12 @@ const MAX_CYCLES: usize = 150;
 
 /// Finds the periodic solution from `guess` (or from the system's own first guess). Errors say why in words.
 pub fn solve(system: &dyn HybridSystem, guess: Option<&Start>, tolerance: &Tolerance) -> Result<Periodic, String> {
+    search(&mut Integrator::new(system, tolerance), guess)
+}
+
+/// The same with an integrator that has been in use for the system.
+pub fn search(integrator: &mut Integrator, guess: Option<&Start>) -> Result<Periodic, String> {
+    let system = integrator.system();
     let n = system.states();
     let scales = system.scales();
     let (mut start, mut entry) = match guess {
@@ -51,7 +58,7 @@ pub fn solve(system: &dyn HybridSystem, guess: Option<&Start>, tolerance: &Toler
     let mut sound: Option<Start> = None;
     while cycles < MAX_CYCLES {
         cycles += 1;
-        let cycle = match cycle::integrate(system, &start, entry, tolerance, false, None) {
+        let cycle = match integrator.cycle(&start, entry) {
             Ok(cycle) => cycle,
             // A warm start that leads nowhere is dropped; a step of Newton's is taken back and the transient followed.
             Err(why) => {
@@ -95,14 +102,14 @@ pub fn solve(system: &dyn HybridSystem, guess: Option<&Start>, tolerance: &Toler
             continue;
         }
         best = best.min(size);
-        let matrix = DMatrix::from_fn(n, n, |i, j| jacobian[i][j] * scales[j] / scales[i]);
-        match matrix.lu().solve(&DVector::from_fn(n, |i, _| -residual[i])) {
-            Some(delta) if delta.iter().all(|d| d.is_finite()) => {
+        let matrix = std::array::from_fn(|i| std::array::from_fn(|j| jacobian[i][j] * scales[j] / scales[i]));
+        match dense::solve(n, matrix, residual.map(|r| -r)) {
+            Some(delta) => {
                 for i in 0..n {
                     start[i] += delta[i] * scales[i];
                 }
             }
-            _ => start = cycle.end,
+            None => start = cycle.end,
         }
     }
     Err(format!("no periodic state within {MAX_CYCLES} cycles"))
@@ -168,14 +175,14 @@ fn largest_multiplier(system: &dyn HybridSystem, cycle: &Cycle) -> f64 {
 }
 
 /// Derivative of the fundamental by each parameter column: at a fixed start plus through the start.
-pub fn column_derivatives(
-    system: &dyn HybridSystem,
-    periodic: &Periodic,
-    tolerance: &Tolerance,
-) -> Result<Vec<(f64, f64)>, String> {
+pub fn column_derivatives(integrator: &mut Integrator, periodic: &Periodic) -> Result<Vec<(f64, f64)>, String> {
+    if let Some(columns) = integrator.exact_columns(&periodic.start, periodic.entry) {
+        return Ok(columns);
+    }
+    let system = integrator.system();
     let n = system.states();
     let scales = system.scales();
-    let cycle = cycle::integrate(system, &periodic.start, Some(periodic.entry), tolerance, true, None)?;
+    let cycle = integrator.cycle_with_columns(&periodic.start, Some(periodic.entry))?;
     let (_, jacobian) = defect(system, &periodic.start, &cycle, false);
     let columns = cycle.columns.as_ref().ok_or("no derivatives were gathered")?;
     let open = if cycle.stick_fraction > 1.0 - 1e-9 {
@@ -207,5 +214,5 @@ pub fn trace(
     tolerance: &Tolerance,
     recorder: &mut dyn FnMut(&Record),
 ) -> Result<(), String> {
-    cycle::integrate(system, &periodic.start, Some(periodic.entry), tolerance, false, Some(recorder)).map(|_| ())
+    Integrator::new(system, tolerance).trace(&periodic.start, Some(periodic.entry), recorder)
 }

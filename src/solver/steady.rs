@@ -1,7 +1,7 @@
 //! From a model and an operating point to the observables of its steady state.
 
 use super::analytic::wrap;
-use super::cycle::{Record, Tolerance};
+use super::cycle::{Integrator, Record, Tolerance};
 use super::paper_euler::{self, PaperContact};
 use super::radau::{State, Stepper};
 use super::{Method, Orbit, Status, SteadyState, parallel, shooting, shooting::Periodic, shooting::Start, time};
@@ -100,7 +100,8 @@ fn search(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_>, 
     if let Some(continuum) = problem.continuum() {
         return parallel_state(model, at, &problem, &continuum, with);
     }
-    let found = shooting::solve(&problem, warm.0.as_ref(), tolerance)
+    let mut integrator = Integrator::new(&problem, tolerance);
+    let found = shooting::search(&mut integrator, warm.0.as_ref())
         .or_else(|why| from_full_slip(model, at, &problem, tolerance).ok_or(why));
     let periodic = match found {
         Ok(periodic) => periodic,
@@ -118,7 +119,7 @@ fn search(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_>, 
         return lock_in(&problem, why);
     }
     let gradient = derivatives.then(|| {
-        let columns = shooting::column_derivatives(&problem, &periodic, tolerance)?;
+        let columns = shooting::column_derivatives(&mut integrator, &periodic)?;
         let mut by_parameter = vec![(0.0, 0.0); MAX_PARAMETERS];
         for (p, out) in by_parameter.iter_mut().enumerate() {
             let (mut dre, mut dim) = (free_re.gradient[p], free_im.gradient[p]);

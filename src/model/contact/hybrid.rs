@@ -1,7 +1,10 @@
 //! The equations as the shooting solver sees them: rates, constraint, Jacobians, modes and their ends.
 
 use super::Problem;
-use crate::model::system::{Evaluation, Forcing, HybridSystem, MAX_STATES, Mode, ParameterColumns};
+use crate::model::system::{Affine, Evaluation, Forcing, HybridSystem, MAX_STATES, Mode, ParameterColumns};
+
+/// Slip rate, relative to its scale, from which on the branch beyond a weakening threshold is looked for.
+const SMALL_SLIP: f64 = 1e-6;
 
 impl HybridSystem for Problem {
     fn states(&self) -> usize {
@@ -177,15 +180,40 @@ impl HybridSystem for Problem {
         }
     }
 
-    fn event(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode) -> f64 {
+    fn affine(&self, mode: Mode) -> Affine {
+        let friction = self.laws.iter().any(|(e, p)| e.friction(p, 0.0, 0.0).is_some());
+        let (torque, heated) = (self.laws.iter().any(|(e, p)| e.torque(p, 0.0, 0.0).is_some()), self.heat.is_some());
+        let stick = mode == Mode::Stick;
+        let mut rows = [true; MAX_STATES];
+        rows[1] = !torque;
+        if let Some(i) = self.heat {
+            rows[i] = stick;
+        }
+        if let Some(i) = self.psi {
+            rows[i] = false;
+        }
+        // Friction in proportion to a load that the arm moves, as long as it cannot lift off.
+        let constant = !heated && self.psi.is_none() && self.never_lifts();
+        match mode {
+            Mode::Stick => Affine { rows, constraint: true, margins: constant },
+            Mode::SlipForward | Mode::SlipBackward => {
+                Affine { rows, constraint: constant && !friction && self.cc > 0.0, margins: true }
+            }
+            Mode::RateForward | Mode::RateBackward => Affine { rows, constraint: false, margins: true },
+        }
+    }
+
+    fn margins(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode) -> [f64; 2] {
+        let alone = |margin: f64| [margin, margin];
         match mode {
             Mode::Stick => {
                 let p = self.point(forcing, z, 0.0);
-                (p.mu * p.normal - p.force.abs()) / self.force_scale()
+                let scale = 1.0 / self.force_scale();
+                [(p.mu * p.normal - p.force) * scale, (p.mu * p.normal + p.force) * scale]
             }
-            Mode::SlipForward | Mode::SlipBackward => Self::sign(mode) * s / self.slip_scale(),
+            Mode::SlipForward | Mode::SlipBackward => alone(Self::sign(mode) * s / self.slip_scale()),
             Mode::RateForward | Mode::RateBackward => {
-                Self::sign(mode) * self.point(forcing, z, s).v / self.slip_scale()
+                alone(Self::sign(mode) * self.point(forcing, z, s).v / self.slip_scale())
             }
         }
     }
@@ -203,7 +231,9 @@ impl HybridSystem for Problem {
                 let resistance = self.cc + slope * p.normal;
                 let s = if resistance < 0.0 {
                     // Weakening steeper than the bristles' damping: the slip rate jumps to the next stable branch.
-                    sign * self.slip_root(forcing, z, sign).unwrap_or(0.0)
+                    // Looked for from a small rate, since the force at the end of stick is at its limit to rounding only.
+                    let small = SMALL_SLIP * self.slip_scale();
+                    sign * self.slip_root_above(forcing, z, sign, (0.0, small)).unwrap_or(0.0)
                 } else if resistance == 0.0 {
                     // Nothing damps the bristles: they stop stretching at once.
                     p.v

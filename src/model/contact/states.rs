@@ -4,6 +4,9 @@ use super::Problem;
 use crate::model::dual::Dual;
 use crate::model::system::MAX_STATES;
 
+/// Amplitudes without contact that no motion reaches.
+const MANY_SWINGS: f64 = 30.0;
+
 /// A steady state in closed form.
 #[derive(Debug, Clone, Copy)]
 pub struct LimitingState {
@@ -49,6 +52,13 @@ impl Problem {
             }
         }
         None
+    }
+
+    /// Whether no motion of the arm that is worth looking for takes the load off the contact.
+    pub(super) fn never_lifts(&self) -> bool {
+        let static_angle = self.b * self.mu * self.load * self.inverse_inertia / self.k;
+        let swing = MANY_SWINGS * self.stroke / self.b;
+        self.load_stiffness.abs() * self.b * (2.0 * static_angle + swing) < self.load
     }
 
     /// Case II: bristles that stick to a roller at rest throughout, started from rest.

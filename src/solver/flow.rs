@@ -1,0 +1,543 @@
+//! The exact flow of a mode whose equations are affine: z' = M z + m + (terms in sin wt and cos wt).
+//!
+//! With the particular solution p(t) = ps sin wt + pc cos wt the rest y = z - p obeys y' = M y + m, whose maps over a
+//! step and its halves are computed once. The margins of the mode are sampled once a step, with their slopes; an end of the
+//! mode is located on the power series of y. Of a whole stretch only the exponential is formed; the fundamental follows
+//! from the states at its ends, since (iw - M) int y e^{-iwt} dt = -[y e^{-iwt}] + m int e^{-iwt} dt.
+
+// Indices run over several matrices at once here.
+#![allow(clippy::needless_range_loop)]
+
+use super::cycle::Matrix;
+use super::exponential::{Map, Square, apply, dot, exponential, norm};
+use super::radau::State;
+use crate::model::system::{Evaluation, Forcing, HybridSystem, MAX_STATES, Mode};
+
+/// A complex number (real, imaginary).
+pub type Complex = (f64, f64);
+
+/// Norm of M t up to which the power series of y is summed.
+const SERIES: f64 = 2.0;
+/// Terms of that series: what is left out is 2^22/22! = 4e-15.
+const TERMS: usize = 22;
+/// Margins below this count as crossed.
+const CROSSED: f64 = -1e-11;
+
+/// What a stretch of one mode leaves behind.
+#[derive(Debug, Clone)]
+pub struct Leg {
+    /// Time at the end \[s\].
+    pub time: f64,
+    /// States at the end.
+    pub state: State,
+    /// Algebraic unknown at the end.
+    pub slip: f64,
+    /// Whether the mode ended there.
+    pub ended: bool,
+    /// Derivative of the states at the end by those at the start.
+    pub transition: Matrix,
+    /// Part of the fundamental of state 0.
+    pub fundamental: Complex,
+    /// Its derivatives by the states at the start.
+    pub fundamental_by_start: [Complex; MAX_STATES],
+    /// Part of the mean of state 0.
+    pub mean: f64,
+    /// Extremes of the force.
+    pub force: (f64, f64),
+}
+
+/// The flow of one mode, whatever the number of states.
+pub trait Flow {
+    /// Follows the mode from a state at a time to its end, or to the end of the period; the fundamental is that of
+    /// state 0 less `offset`.
+    fn leg(&self, start: f64, z: &State, period: f64, offset: f64) -> Leg;
+    /// Adds the derivatives of an output by the coefficients of the equations over a stretch; see [`super::sensitivity`].
+    fn gather(&self, leg: &super::sensitivity::Stretch, into: &mut super::sensitivity::Gradient);
+}
+
+/// a y + constant + sine sin wt + cosine cos wt, and the same for its slope.
+#[derive(Debug, Clone, Copy)]
+struct Reading<const N: usize> {
+    a: [f64; N],
+    constant: f64,
+    sine: f64,
+    cosine: f64,
+    slope_a: [f64; N],
+    slope_constant: f64,
+    omega: f64,
+}
+
+impl<const N: usize> Reading<N> {
+    #[inline]
+    fn value(&self, y: &[f64; N], (sine, cosine): (f64, f64)) -> f64 {
+        dot(&self.a, y) + self.constant + self.sine * sine + self.cosine * cosine
+    }
+    #[inline]
+    fn slope(&self, y: &[f64; N], (sine, cosine): (f64, f64)) -> f64 {
+        dot(&self.slope_a, y) + self.slope_constant + self.omega * (self.sine * cosine - self.cosine * sine)
+    }
+}
+
+/// The flow of one mode of a system of N states, in units of their scales.
+pub struct Affine<const N: usize> {
+    pub(super) omega: f64,
+    pub(super) scales: [f64; N],
+    pub(super) m: Square<N>,
+    pub(super) constant: [f64; N],
+    /// (ps, pc).
+    pub(super) particular: [[f64; N]; 2],
+    /// (iw - M)^-1.
+    pub(super) resolvent: [[Complex; N]; N],
+    step: f64,
+    rotation: (f64, f64),
+    ladder: Vec<Map<N>>,
+    dense: usize,
+    slip: Reading<N>,
+    margins: [Reading<N>; 2],
+    two_margins: bool,
+    force: Reading<N>,
+    angle: Reading<N>,
+}
+
+/// The flow of a mode that is affine altogether; `None` for another one or where it cannot be followed.
+pub fn flow(system: &dyn HybridSystem, mode: Mode, steps: usize) -> Option<Box<dyn Flow>> {
+    if !system.affine(mode).all() {
+        return None;
+    }
+    macro_rules! of {
+        ($n:literal) => {
+            Affine::<$n>::new(system, mode, steps).map(|flow| Box::new(flow) as Box<dyn Flow>)
+        };
+    }
+    match system.states() {
+        3 => of!(3),
+        4 => of!(4),
+        5 => of!(5),
+        6 => of!(6),
+        _ => None,
+    }
+}
+
+/// The equations of an affine mode with the algebraic unknown eliminated: values for z = 0, and slopes.
+pub struct Eliminated {
+    /// f, g and their Jacobians at rest without forcing.
+    pub base: Evaluation,
+    /// Parts of f and g of sin wt and cos wt.
+    pub forced: [(State, f64); 2],
+}
+
+impl Eliminated {
+    /// The coefficients of a mode; `None` where the constraint does not determine s.
+    pub fn new(system: &dyn HybridSystem, mode: Mode) -> Option<Self> {
+        let zero = [0.0; MAX_STATES];
+        let (mut base, mut out) = (Evaluation::default(), Evaluation::default());
+        system.evaluate(&Forcing::default(), &zero, 0.0, mode, &mut base);
+        if base.gs == 0.0 {
+            return None;
+        }
+        let forced = [0.25 * system.period(), 0.0].map(|t| {
+            system.evaluate(&system.forcing(t), &zero, 0.0, mode, &mut out);
+            (std::array::from_fn(|i| out.f[i] - base.f[i]), out.g - base.g)
+        });
+        Some(Self { base, forced })
+    }
+
+    /// s at the states `z` under (constant, sine, cosine) parts of the forcing.
+    pub fn slip(&self, z: &State, parts: [f64; 3]) -> f64 {
+        let e = &self.base;
+        let forced = self.forced[0].1 * parts[1] + self.forced[1].1 * parts[2];
+        -(e.gz.iter().zip(z).map(|(g, z)| g * z).sum::<f64>() + parts[0] * e.g + forced) / e.gs
+    }
+}
+
+impl<const N: usize> Affine<N> {
+    fn new(system: &dyn HybridSystem, mode: Mode, steps: usize) -> Option<Self> {
+        let equations = Eliminated::new(system, mode)?;
+        let (e, all_scales) = (&equations.base, system.scales());
+        let scales: [f64; N] = std::array::from_fn(|i| all_scales[i]);
+        let through: [f64; N] = std::array::from_fn(|i| e.fs[i] / e.gs);
+        let m: Square<N> = std::array::from_fn(|i| {
+            std::array::from_fn(|j| (e.fz[i][j] - through[i] * e.gz[j]) * scales[j] / scales[i])
+        });
+        let constant: [f64; N] = std::array::from_fn(|i| (e.f[i] - through[i] * e.g) / scales[i]);
+        let forced: [[f64; N]; 2] = std::array::from_fn(|part| {
+            let (f, g) = &equations.forced[part];
+            std::array::from_fn(|i| (f[i] - through[i] * g) / scales[i])
+        });
+        let period = system.period();
+        let omega = std::f64::consts::TAU / period;
+        let resolvent = resolvent(&m, omega)?;
+        let particular = particular(&resolvent, &forced);
+        let step = period / steps as f64;
+        let ladder = Map::ladder(&m, &constant, step)?;
+        let size = norm(&m) * step;
+        let dense = (0..ladder.len()).find(|&k| size <= SERIES * (1u64 << k) as f64).unwrap_or(ladder.len() - 1);
+        // Readings by probing: each is affine in states and forcing.
+        let crests = [system.forcing(0.25 * period), system.forcing(0.0)];
+        let probe = |value: &dyn Fn(&Forcing, &State, f64) -> f64| {
+            let zero = [0.0; MAX_STATES];
+            let base = value(&Forcing::default(), &zero, equations.slip(&zero, [1.0, 0.0, 0.0]));
+            let sine = value(&crests[0], &zero, equations.slip(&zero, [1.0, 1.0, 0.0])) - base;
+            let cosine = value(&crests[1], &zero, equations.slip(&zero, [1.0, 0.0, 1.0])) - base;
+            let a: [f64; N] = std::array::from_fn(|i| {
+                let mut z = zero;
+                z[i] = scales[i];
+                value(&Forcing::default(), &z, equations.slip(&z, [1.0, 0.0, 0.0])) - base
+            });
+            Reading {
+                a,
+                constant: base,
+                sine: sine + dot(&a, &particular[0]),
+                cosine: cosine + dot(&a, &particular[1]),
+                slope_a: std::array::from_fn(|j| (0..N).map(|i| a[i] * m[i][j]).sum()),
+                slope_constant: dot(&a, &constant),
+                omega,
+            }
+        };
+        let margins = [0, 1].map(|j| probe(&|forcing, z, s| system.margins(forcing, z, s, mode)[j]));
+        let two_margins = margins[0].a != margins[1].a || margins[0].constant != margins[1].constant;
+        let flow = Self {
+            omega,
+            scales,
+            m,
+            constant,
+            particular,
+            resolvent,
+            step,
+            rotation: (omega * step).sin_cos(),
+            ladder,
+            dense,
+            slip: probe(&|_, _, s| s),
+            margins,
+            two_margins,
+            force: probe(&|forcing, z, s| system.force(forcing, z, s).0),
+            angle: probe(&|_, z, _| z[0]),
+        };
+        Some(flow)
+    }
+
+    /// y at a state.
+    pub(super) fn rest(&self, z: &State, (sine, cosine): (f64, f64)) -> [f64; N] {
+        let [ps, pc] = &self.particular;
+        std::array::from_fn(|i| z[i] / self.scales[i] - ps[i] * sine - pc[i] * cosine)
+    }
+
+    /// y'.
+    fn rate(&self, y: &[f64; N]) -> [f64; N] {
+        let mut out = apply(&self.m, y);
+        for i in 0..N {
+            out[i] += self.constant[i];
+        }
+        out
+    }
+
+    fn state(&self, y: &[f64; N], (sine, cosine): (f64, f64)) -> State {
+        let [ps, pc] = &self.particular;
+        let mut z = [0.0; MAX_STATES];
+        for i in 0..N {
+            z[i] = (y[i] + ps[i] * sine + pc[i] * cosine) * self.scales[i];
+        }
+        z
+    }
+
+    /// y after a part of a step.
+    fn after(&self, y: &[f64; N], time: f64) -> [f64; N] {
+        let (mut y, mut rest, mut size) = (*y, time, self.step);
+        for map in &self.ladder[..self.dense] {
+            if rest >= size {
+                y = map.apply(&y);
+                rest -= size;
+            }
+            size *= 0.5;
+        }
+        let series = self.series(&y);
+        sum(&series, rest)
+    }
+
+    /// Power series of y.
+    fn series(&self, y: &[f64; N]) -> [[f64; N]; TERMS] {
+        let mut series = [[0.0; N]; TERMS];
+        series[0] = *y;
+        series[1] = self.rate(y);
+        for k in 2..TERMS {
+            let next = apply(&self.m, &series[k - 1]);
+            let inverse = 1.0 / k as f64;
+            series[k] = next.map(|v| v * inverse);
+        }
+        series
+    }
+
+    /// Whether a margin falls below zero on the way between two samples; a dip between them is looked at exactly.
+    fn falls(&self, reading: &Reading<N>, from: &Sample<N>, to: &Sample<N>, before: f64, after: f64) -> bool {
+        if after < CROSSED {
+            return true;
+        }
+        let size = to.time - from.time;
+        let (g0, g1) = (reading.slope(&from.y, from.turn), reading.slope(&to.y, to.turn));
+        if g0 >= 0.0 || g1 <= 0.0 {
+            return false;
+        }
+        let (tau, least) = turning_point(before, g0 * size, after, g1 * size);
+        // Clearly positive, given the accuracy of a cubic between samples.
+        if least > 0.05 * before.abs().max(after.abs()) + 1e-6 {
+            return false;
+        }
+        let turn = (self.omega * (from.time + tau * size)).sin_cos();
+        reading.value(&self.after(&from.y, tau * size), turn) < CROSSED
+    }
+
+    /// Where a margin that [`Self::falls`] first does so: time after `from` and y there.
+    fn root(&self, reading: &Reading<N>, from: &Sample<N>, to: &Sample<N>) -> (f64, [f64; N]) {
+        let (mut from, mut to) = (*from, *to);
+        // Halve until the power series holds.
+        let mut size = self.step;
+        for map in &self.ladder[1..=self.dense] {
+            size *= 0.5;
+            let time = from.time + size;
+            if time >= to.time {
+                continue;
+            }
+            let middle = Sample { time, y: map.apply(&from.y), turn: (self.omega * time).sin_cos() };
+            let (a, b) = (reading.value(&from.y, from.turn), reading.value(&middle.y, middle.turn));
+            if self.falls(reading, &from, &middle, a, b) { to = middle } else { from = middle }
+        }
+        let series = self.series(&from.y);
+        let scalar: [f64; TERMS] = std::array::from_fn(|k| dot(&reading.a, &series[k]));
+        let (sine, cosine) = from.turn;
+        let value = |d: f64| {
+            let (s, c) = (self.omega * d).sin_cos();
+            let turn = (sine * c + cosine * s, cosine * c - sine * s);
+            let (mut v, mut slope) = (0.0, 0.0);
+            for k in (0..TERMS).rev() {
+                slope = slope * d + v;
+                v = v * d + scalar[k];
+            }
+            let (x, y) = (reading.sine, reading.cosine);
+            (v + reading.constant + x * turn.0 + y * turn.1, slope + self.omega * (x * turn.1 - y * turn.0))
+        };
+        let (mut low, mut high) = (0.0, to.time - from.time);
+        if value(high).0 >= 0.0 {
+            // A dip between the samples: its lowest point bounds the root.
+            let (f0, f1) = (value(low), value(high));
+            high *= turning_point(f0.0, f0.1 * high, f1.0, f1.1 * high).0;
+        }
+        let mut d = high;
+        for _ in 0..60 {
+            let (v, slope) = value(d);
+            if v > 0.0 {
+                low = d
+            } else {
+                high = d
+            }
+            let newton = d - v / slope;
+            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            let change = (next - d).abs();
+            d = next;
+            if change < 1e-13 * self.step {
+                break;
+            }
+        }
+        (from.time + d, sum(&series, d))
+    }
+}
+
+/// A point on the way.
+#[derive(Clone, Copy)]
+struct Sample<const N: usize> {
+    time: f64,
+    y: [f64; N],
+    turn: (f64, f64),
+}
+
+impl<const N: usize> Flow for Affine<N> {
+    fn leg(&self, start: f64, z: &State, period: f64, offset: f64) -> Leg {
+        let turn = (self.omega * start).sin_cos();
+        let first = Sample { time: start, y: self.rest(z, turn), turn };
+        let mut from = first;
+        let margins = &self.margins[..if self.two_margins { 2 } else { 1 }];
+        let mut before = [0.0; 2];
+        for (value, margin) in before.iter_mut().zip(margins) {
+            *value = margin.value(&from.y, from.turn);
+        }
+        let force_at = |at: &Sample<N>| (self.force.value(&at.y, at.turn), self.force.slope(&at.y, at.turn));
+        let angle_at = |at: &Sample<N>| {
+            let (bend, turn) = (apply(&self.m, &self.rate(&at.y)), at.turn);
+            let [ps, pc] = [self.particular[0][0], self.particular[1][0]];
+            let second = bend[0] - self.omega * self.omega * (ps * turn.0 + pc * turn.1);
+            (self.angle.value(&at.y, turn), self.angle.slope(&at.y, turn), second * self.scales[0])
+        };
+        let (mut force, mut angle) = (force_at(&from), angle_at(&from));
+        let mut extremes = (force.0, force.0);
+        let mut area = 0.0;
+        let mut ended = false;
+        while !ended && period - from.time > 1e-12 * period {
+            let left = period - from.time;
+            let mut to = if left >= self.step * (1.0 - 1e-9) {
+                let ((s0, c0), (s, c)) = (from.turn, self.rotation);
+                let turn = (s0 * c + c0 * s, c0 * c - s0 * s);
+                Sample { time: from.time + self.step, y: self.ladder[0].apply(&from.y), turn }
+            } else {
+                Sample { time: period, y: self.after(&from.y, left), turn: (self.omega * period).sin_cos() }
+            };
+            let mut after = [0.0; 2];
+            for (j, margin) in margins.iter().enumerate() {
+                after[j] = margin.value(&to.y, to.turn);
+                if self.falls(margin, &from, &to, before[j], after[j]) {
+                    ended = true;
+                    let (time, y) = self.root(margin, &from, &to);
+                    to = Sample { time, y, turn: (self.omega * time).sin_cos() };
+                }
+            }
+            let size = to.time - from.time;
+            let (next_force, next_angle) = (force_at(&to), angle_at(&to));
+            for value in [next_force.0, between(force, next_force, size)] {
+                extremes = (extremes.0.min(value), extremes.1.max(value));
+            }
+            // The polynomial with these values and first and second slopes at both ends.
+            let bend = size / 12.0 * (angle.2 + next_angle.2);
+            area += size * (0.5 * (angle.0 + next_angle.0) + size / 10.0 * (angle.1 - next_angle.1 + bend));
+            (from, before, force, angle) = (to, after, next_force, next_angle);
+        }
+        let mut leg = Leg {
+            time: from.time,
+            state: self.state(&from.y, from.turn),
+            slip: self.slip.value(&from.y, from.turn),
+            ended,
+            transition: [[0.0; MAX_STATES]; MAX_STATES],
+            fundamental: (0.0, 0.0),
+            fundamental_by_start: [(0.0, 0.0); MAX_STATES],
+            mean: area / period,
+            force: extremes,
+        };
+        self.fundamental(&first, &from, 2.0 / period, offset / self.scales[0], &mut leg);
+        leg
+    }
+
+    fn gather(&self, leg: &super::sensitivity::Stretch, into: &mut super::sensitivity::Gradient) {
+        super::sensitivity::gather(self, leg, into);
+    }
+}
+
+impl<const N: usize> Affine<N> {
+    /// Fundamental of state 0 over a stretch, and the derivatives by its start; `weight` is 2/T.
+    fn fundamental(&self, from: &Sample<N>, to: &Sample<N>, weight: f64, offset: f64, leg: &mut Leg) {
+        let transition = exponential(&self.m, to.time - from.time);
+        let (e0, e1) = ((from.turn.1, -from.turn.0), (to.turn.1, -to.turn.0));
+        let row = &self.resolvent[0];
+        // int e^{-iwt} dt = (e0 - e1)/(iw)
+        let bare = ((e0.1 - e1.1) / self.omega, -(e0.0 - e1.0) / self.omega);
+        let mut integral = (-offset * bare.0, -offset * bare.1);
+        for i in 0..N {
+            let c = self.constant[i];
+            let x = from.y[i] * e0.0 - to.y[i] * e1.0 + c * bare.0;
+            let y = from.y[i] * e0.1 - to.y[i] * e1.1 + c * bare.1;
+            integral.0 += row[i].0 * x - row[i].1 * y;
+            integral.1 += row[i].0 * y + row[i].1 * x;
+        }
+        let [sine2, cosine2, both] = products(self.omega, to.time - from.time, from.turn, to.turn);
+        let [ps, pc] = [self.particular[0][0], self.particular[1][0]];
+        let factor = weight * self.scales[0];
+        leg.fundamental =
+            (factor * (-integral.1 + ps * sine2 + pc * both), factor * (integral.0 + ps * both + pc * cosine2));
+        for j in 0..N {
+            let (mut x, mut y) = (0.0, 0.0);
+            for i in 0..N {
+                let d = (e0.0 * f64::from(u8::from(i == j)) - e1.0 * transition[i][j], {
+                    e0.1 * f64::from(u8::from(i == j)) - e1.1 * transition[i][j]
+                });
+                x += row[i].0 * d.0 - row[i].1 * d.1;
+                y += row[i].0 * d.1 + row[i].1 * d.0;
+                leg.transition[i][j] = transition[i][j] * self.scales[i] / self.scales[j];
+            }
+            leg.fundamental_by_start[j] = (-factor * y / self.scales[j], factor * x / self.scales[j]);
+        }
+    }
+}
+
+/// Integrals of sin^2 wt, cos^2 wt and sin wt cos wt over a stretch of length `time`.
+pub fn products(omega: f64, time: f64, from: (f64, f64), to: (f64, f64)) -> [f64; 3] {
+    let wave = (to.0 * to.1 - from.0 * from.1) / (2.0 * omega);
+    [0.5 * time - wave, 0.5 * time + wave, (to.0 * to.0 - from.0 * from.0) / (2.0 * omega)]
+}
+
+/// Sum of a power series at `d`.
+fn sum<const N: usize>(series: &[[f64; N]; TERMS], d: f64) -> [f64; N] {
+    let mut out = [0.0; N];
+    for term in series.iter().rev() {
+        for i in 0..N {
+            out[i] = out[i] * d + term[i];
+        }
+    }
+    out
+}
+
+/// Fraction of the way at which a cubic with slopes of opposite sign at its ends turns round, and its value there.
+fn turning_point(f0: f64, g0: f64, f1: f64, g1: f64) -> (f64, f64) {
+    // f = f0 + g0 t + b t^2 + c t^3
+    let (b, c) = (3.0 * (f1 - f0) - 2.0 * g0 - g1, g0 + g1 - 2.0 * (f1 - f0));
+    let slope = |t: f64| g0 + t * (2.0 * b + 3.0 * c * t);
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..30 {
+        let middle = 0.5 * (low + high);
+        if (slope(middle) < 0.0) == (g0 < 0.0) { low = middle } else { high = middle }
+    }
+    let t = 0.5 * (low + high);
+    (t, f0 + t * (g0 + t * (b + c * t)))
+}
+
+/// Value at the turning point between two samples (value, slope), or the first value where there is none.
+fn between(from: (f64, f64), to: (f64, f64), size: f64) -> f64 {
+    if from.1 * to.1 < 0.0 { turning_point(from.0, from.1 * size, to.0, to.1 * size).1 } else { from.0 }
+}
+
+/// (iw - M)^-1 by elimination; `None` where it is singular.
+fn resolvent<const N: usize>(m: &Square<N>, omega: f64) -> Option<[[Complex; N]; N]> {
+    let mut a: [[Complex; N]; N] =
+        std::array::from_fn(|i| std::array::from_fn(|j| (-m[i][j], if i == j { omega } else { 0.0 })));
+    let mut inverse: [[Complex; N]; N] =
+        std::array::from_fn(|i| std::array::from_fn(|j| (f64::from(u8::from(i == j)), 0.0)));
+    let square = |z: Complex| z.0 * z.0 + z.1 * z.1;
+    for k in 0..N {
+        let pivot = (k..N).max_by(|&i, &j| square(a[i][k]).total_cmp(&square(a[j][k])))?;
+        a.swap(k, pivot);
+        inverse.swap(k, pivot);
+        let size = square(a[k][k]);
+        if size < 1e-18 * omega * omega || !size.is_finite() {
+            return None;
+        }
+        let reciprocal = (a[k][k].0 / size, -a[k][k].1 / size);
+        a[k] = a[k].map(|z| times(z, reciprocal));
+        inverse[k] = inverse[k].map(|z| times(z, reciprocal));
+        for i in 0..N {
+            let factor = a[i][k];
+            if i == k || factor == (0.0, 0.0) {
+                continue;
+            }
+            for j in 0..N {
+                let (x, y) = (times(factor, a[k][j]), times(factor, inverse[k][j]));
+                a[i][j] = (a[i][j].0 - x.0, a[i][j].1 - x.1);
+                inverse[i][j] = (inverse[i][j].0 - y.0, inverse[i][j].1 - y.1);
+            }
+        }
+    }
+    Some(inverse)
+}
+
+/// Product of two complex numbers.
+#[inline]
+pub fn times(a: Complex, b: Complex) -> Complex {
+    (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0)
+}
+
+/// (ps, pc) from those parts of the forcing: P = R m with P = ps + i pc.
+fn particular<const N: usize>(resolvent: &[[Complex; N]; N], forced: &[[f64; N]; 2]) -> [[f64; N]; 2] {
+    let mut out = [[0.0; N]; 2];
+    for i in 0..N {
+        for j in 0..N {
+            let p = times(resolvent[i][j], (forced[0][j], forced[1][j]));
+            out[0][i] += p.0;
+            out[1][i] += p.1;
+        }
+    }
+    out
+}
