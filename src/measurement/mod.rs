@@ -35,7 +35,8 @@ pub struct Table {
 }
 pub fn load(scenario: &Scenario) -> Result<Option<Table>> {
     let Some(m) = &scenario.measurement else { return Ok(None) };
-    let text = std::fs::read_to_string(&m.file).unwrap();
+    let text = crate::scenario::embedded_text(&m.file)
+        .map_or_else(|| std::fs::read_to_string(&m.file).unwrap(), str::to_string);
     let mut points = Vec::new();
     for (i, l) in text.lines().skip(1).enumerate() {
         let v: Vec<f64> = l.split(',').map(|x| x.parse().unwrap()).collect();
