@@ -4,6 +4,7 @@
 //! It writes no identifiers, so drawings may share a page.
 
 use super::FigureError;
+use super::compact::compact;
 pub use super::pen::{Anchor, Dash, Stroke, Type};
 use super::style::{Color, WHITE, text_width, typeface};
 use plotters::coord::Shift;
@@ -63,7 +64,7 @@ pub fn document(
 /// corners of lines, and baselines exactly where they were asked for.
 fn dress(svg: &str, (width, height): (f64, f64), (title, alt): (&str, &str)) -> String {
     let body = svg.split_once('\n').map_or("", |(_, body)| body);
-    let body = body.replace(r#" dy="-0.5ex""#, "").replace(r#" opacity="1""#, "");
+    let body = compact(&body.replace(r#" dy="-0.5ex""#, "").replace(r#" opacity="1""#, ""));
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {} {}\" role=\"img\" \
          stroke-linejoin=\"round\">\n<title>{}</title>\n<desc>{}</desc>\n{body}",
@@ -146,6 +147,11 @@ impl<'a> Canvas<'a> {
         self.put(Circle::new(pixel(center), fine(radius), line(outline)));
     }
 
+    /// A filled circle without outline.
+    pub fn dot(&mut self, center: Point, radius: f64, color: Color) {
+        self.put(Circle::new(pixel(center), fine(radius), fill(color)));
+    }
+
     /// A text; `_c` in it lowers the c, for which Unicode has no character.
     pub fn text(&mut self, (mut x, y): Point, text: &str, style: Type) {
         if !text.contains("_c") {
@@ -219,9 +225,9 @@ mod tests {
             document((40.0, 10.0), ("", ""), line).unwrap()
         };
         let dashed = draw(Dash::Dashes(6.0, 4.0));
-        assert_eq!(dashed.matches("<polyline").count(), 4);
+        assert_eq!(dashed.matches('M').count(), 4, "{dashed}");
         let dotted = draw(Dash::DashDots(6.0, 4.0));
-        assert_eq!((dotted.matches("<polyline").count(), dotted.matches("<circle").count()), (4, 4));
-        assert!(dotted.contains(r#"cx="128" cy="80" r="16""#), "{dotted}");
+        assert_eq!((dotted.matches('H').count(), dotted.matches("h0").count()), (4, 4), "{dotted}");
+        assert!(dotted.contains(r#"stroke-width="32" stroke-linecap="round" d="M128,80h0"#), "{dotted}");
     }
 }

@@ -1,4 +1,5 @@
-//! Figures: a [`crate::sweep::Outcome`] in, SVG, CSV and caption out; PNG from the SVG. Nothing is simulated here.
+//! Figures: a [`crate::sweep::Outcome`] or a [`crate::compare::Comparison`] in, SVG, CSV and caption out; PNG from the
+//! SVG. Nothing is simulated here.
 //!
 //! One file per figure: a pure function extracts what is shown, another draws it. [`style`] holds everything they look
 //! alike in, [`canvas`] a thin layer over plotters, [`axes`] panels and ticks on its coordinates, [`data`] selections.
@@ -8,6 +9,8 @@ pub mod axes;
 pub mod canvas;
 pub mod clip;
 pub mod collapse;
+mod compact;
+pub mod comparison;
 pub mod data;
 pub mod formulations;
 pub mod friction_independence;

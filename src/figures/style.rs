@@ -20,6 +20,19 @@ pub const FONT: &str = "DejaVu Sans, Verdana, sans-serif";
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Color(pub u8, pub u8, pub u8);
 
+impl Color {
+    /// The colour at `share` of the way to another one.
+    pub fn mix(self, other: Self, share: f64) -> Self {
+        let mix = |a: u8, b: u8| (f64::from(a) + (f64::from(b) - f64::from(a)) * share).round() as u8;
+        Self(mix(self.0, other.0), mix(self.1, other.1), mix(self.2, other.2))
+    }
+
+    /// The same, faded towards the background.
+    pub fn faded(self) -> Self {
+        self.mix(WHITE, 0.72)
+    }
+}
+
 /// Text and frames.
 pub const INK: Color = Color(0x22, 0x22, 0x22);
 /// Secondary lines.
@@ -59,6 +72,24 @@ pub const DASHES: [Dash; 4] = [Dash::Solid, Dash::Dashes(11.0, 4.0), Dash::Dashe
 pub fn viridis(t: f64) -> Color {
     let RGBColor(red, green, blue) = ViridisRGB.get_color(if t.is_finite() { t.clamp(0.0, 1.0) } else { 0.0 });
     Color(red, green, blue)
+}
+
+/// Blue for -1, near white for 0, red for 1 (ColorBrewer's RdBu, told apart by colour-blind readers), for areas.
+pub fn diverging(t: f64) -> Color {
+    const STOPS: [Color; 9] = [
+        Color(0x05, 0x30, 0x61),
+        Color(0x21, 0x66, 0xac),
+        Color(0x5f, 0xa5, 0xcd),
+        Color(0xbf, 0xdc, 0xec),
+        Color(0xf7, 0xf7, 0xf7),
+        Color(0xfb, 0xcf, 0xb7),
+        Color(0xe5, 0x83, 0x68),
+        Color(0xb2, 0x18, 0x2b),
+        Color(0x67, 0x00, 0x1f),
+    ];
+    let place = if t.is_finite() { 4.0 * (t.clamp(-1.0, 1.0) + 1.0) } else { 4.0 };
+    let index = (place as usize).min(7);
+    STOPS[index].mix(STOPS[index + 1], place - index as f64)
 }
 
 /// Colour of line `index` of `count`: viridis without its pale end, so that lines stay readable on white.

@@ -63,6 +63,9 @@ pub struct Correlation {
 /// the data do not see have huge variance.
 fn covariance(fit: &Fit) -> DMatrix<f64> {
     let n = fit.parameters.len();
+    if n == 0 {
+        return DMatrix::zeros(0, 0);
+    }
     let mut jacobian = fit.evaluation.jacobian.clone();
     for (column, (parameter, &value)) in fit.parameters.iter().zip(&fit.values).enumerate() {
         let slope = parameter.natural_slope(value);

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 use crate::scenario::diagnostic::whole_file;
+use crate::scenario::embedded_text;
 use crate::scenario::source::Source;
 
 /// Largest table that is read.
@@ -12,6 +13,9 @@ const MAX_BYTES: u64 = 64 << 20;
 
 /// All bytes of an ordinary file of a sensible size.
 pub(crate) fn bytes(path: &Path) -> Result<Vec<u8>> {
+    if let Some(text) = embedded_text(path) {
+        return Ok(text.as_bytes().to_vec());
+    }
     let name = path.display();
     let refuse = |title: String, help: &str| Err(Error::Input(whole_file(&title, help)));
     let metadata = std::fs::metadata(path).map_err(|error| match error.kind() {

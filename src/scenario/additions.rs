@@ -2,6 +2,7 @@
 
 use super::LoadOptions;
 use super::diagnostic::{nearest, quote, suggestion};
+use super::embedded;
 use super::parameters::{COLUMNS, CONTACT, INSTRUMENT, RIG};
 use super::reader::{Reader, Table};
 use super::source::Store;
@@ -112,13 +113,16 @@ pub(crate) fn measurement(
     let node = table.get("file")?;
     let name = reader.text("file", node)?;
     let folder = reader.source(&node.place).path.parent().unwrap_or(std::path::Path::new("")).to_path_buf();
-    let file = folder.join(&name);
-    if name.is_empty() || store == Store::Disk && !file.is_file() {
+    let file = match store {
+        Store::Disk => Some(folder.join(&name)).filter(|file| file.is_file()),
+        Store::Embedded => embedded::marked(&folder.join(&name)),
+    };
+    let Some(file) = file else {
         let title = format!("there is no measurement table {}", quote(&name));
         let help = "the path is relative to the file that contains it; check its spelling";
         reader.fail(&node.place, &title, "no such file", help);
         return None;
-    }
+    };
     let columns = match table.get("columns") {
         Some(node) => columns(reader, node)?,
         None => Vec::new(),

@@ -1,5 +1,7 @@
 //! The scenarios inside the binary, so that the command works in an empty folder.
 
+use std::path::{Path, PathBuf};
+
 macro_rules! files {
     ($($name:literal),* $(,)?) => {
         /// Every file below `scenarios/`: its path there and its text.
@@ -22,6 +24,22 @@ files![
     "paper/regime-map.toml",
     "paper/ridge.toml",
     "paper/rig.toml",
+    "practice/1/measurements.csv",
+    "practice/1/scenario.toml",
+    "practice/2/measurements.csv",
+    "practice/2/scenario.toml",
+    "practice/3/measurements.csv",
+    "practice/3/scenario.toml",
+    "practice/4/measurements.csv",
+    "practice/4/scenario.toml",
+    "practice/5/measurements.csv",
+    "practice/5/scenario.toml",
+    "practice/6/measurements.csv",
+    "practice/6/scenario.toml",
+    "practice/7/measurements.csv",
+    "practice/7/scenario.toml",
+    "practice/8/measurements.csv",
+    "practice/8/scenario.toml",
 ];
 
 /// The commented scenario for one's own rig; valid as it stands.
@@ -32,10 +50,24 @@ pub fn file(name: &str) -> Option<&'static str> {
     FILES.iter().find(|(path, _)| *path == name).map(|(_, text)| *text)
 }
 
+/// Marks the path of a file inside the binary, so that it is never taken for one on disk.
+const MARK: &str = "built-in:";
+
+/// The path under which [`text`] finds an embedded file, given its path below `scenarios/`; none where there is no such
+/// file.
+pub(crate) fn marked(path: &Path) -> Option<PathBuf> {
+    let name = path.to_string_lossy().replace('\\', "/");
+    file(&name).map(|_| PathBuf::from(format!("{MARK}{name}")))
+}
+
+/// The text behind a path that the table of an embedded scenario has; none for files on disk.
+pub fn text(path: &Path) -> Option<&'static str> {
+    path.to_str()?.strip_prefix(MARK).and_then(file)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::Path;
 
     /// Fails where a file below `scenarios/` was added, renamed or removed without its line in the list above.
     #[test]
@@ -52,7 +84,7 @@ mod tests {
         }
         let mut found = Vec::new();
         collect(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios"), "", &mut found);
-        found.retain(|name| name.ends_with(".toml"));
+        found.retain(|name| name.ends_with(".toml") || name.ends_with(".csv"));
         found.sort();
         let mut listed: Vec<_> = FILES.iter().map(|(name, _)| *name).collect();
         listed.sort_unstable();

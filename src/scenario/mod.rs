@@ -20,7 +20,7 @@ mod written;
 use std::path::Path;
 
 pub use additions::parameter_keys;
-pub use embedded::{FILES as EMBEDDED_FILES, TEMPLATE, file as embedded_file};
+pub use embedded::{FILES as EMBEDDED_FILES, TEMPLATE, file as embedded_file, text as embedded_text};
 pub use listing::{discover, embedded_names};
 pub use types::*;
 

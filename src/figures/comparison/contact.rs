@@ -1,0 +1,347 @@
+//! What the contact must have done: dynamic stiffness and damping from the readings and the rig alone, beside those of the
+//! model; against frequency, or against the amplitude of the arm's speed.
+
+use super::columns::{Column, Curve, columns};
+use super::limits::{Limits, Outside};
+use super::words::{self, count};
+use super::{ComparisonFigure, drawing};
+use crate::compare::{Comparison, ContactPoint};
+use crate::figures::axes::{Axis, Panel, range};
+use crate::figures::canvas::{Canvas, Point, Stroke, Type, document};
+use crate::figures::style::{DASH_SLIP, DOTS, INK, Table, Unit, WIDTH, cell, significant, text_width};
+use crate::figures::{Drawing, FigureError};
+
+const LEFT: f64 = 92.0;
+/// Right of the panels: names of the reference lines.
+const RIGHT: f64 = 84.0;
+const GAP: f64 = 30.0;
+/// Heights of the two rows.
+const HEIGHTS: [f64; 2] = [280.0, 240.0];
+/// Height of a line of a column's legend.
+const LINE: f64 = 19.0;
+
+/// Against frequency or against speed amplitude.
+pub struct Contact {
+    by_speed: bool,
+}
+
+/// Against frequency.
+pub const FREQUENCY: Contact = Contact { by_speed: false };
+/// Against the amplitude of the arm's speed.
+pub const SPEED: Contact = Contact { by_speed: true };
+
+/// Stiffness or damping: how it is read and shown.
+pub(super) struct Row {
+    pub value: fn(&ContactPoint) -> f64,
+    pub sd: fn(&ContactPoint) -> f64,
+    pub unit: Unit,
+    label: String,
+    /// Value of the calibrated contact in sticking.
+    pub stuck: f64,
+    names: (&'static str, &'static str),
+}
+
+struct Data<'a> {
+    c: &'a Comparison,
+    by_speed: bool,
+    columns: Vec<Column<'a>>,
+    rows: [Row; 2],
+    limits: [Limits; 2],
+}
+
+impl<'a> Data<'a> {
+    fn of(c: &'a Comparison, by_speed: bool) -> Self {
+        let columns = columns(c);
+        let (stiffness, damping) = (c.model.contact.stiffness, c.model.contact.damping);
+        let unit = Unit::fitting(stiffness, "N/m");
+        let rows = [
+            Row {
+                value: |p| p.stiffness_n_m,
+                sd: |p| p.stiffness_sd_n_m,
+                label: format!("dynamic stiffness k [{}]", unit.label),
+                unit,
+                stuck: stiffness,
+                names: ("stick: k_c", "slip: 0"),
+            },
+            Row {
+                value: |p| p.damping_n_s_m,
+                sd: |p| p.damping_sd_n_s_m,
+                unit: Unit::new(1.0, "N s/m"),
+                label: "damping c [N s/m]".into(),
+                stuck: damping,
+                names: ("stick: c_c", "slip: 0"),
+            },
+        ];
+        let curves = || columns.iter().flat_map(|column| &column.curves);
+        let limits = [&rows[0], &rows[1]].map(|row| {
+            Limits::of(curves().flat_map(|curve| &curve.measured), curves().flat_map(|curve| &curve.model), row)
+        });
+        Self { c, by_speed, columns, rows, limits }
+    }
+
+    fn x(&self, p: &ContactPoint) -> f64 {
+        if self.by_speed { Unit::speed().of(p.speed_amplitude_m_s) } else { p.frequency_hz }
+    }
+
+    fn axis(&self) -> Axis {
+        let all = self.c.contact.iter().chain(&self.c.contact_model).map(|p| self.x(p));
+        if self.by_speed {
+            return Axis::logarithmic("speed amplitude bωα [mm/s]", all, 0.05);
+        }
+        let (low, high) = range(all);
+        let margin = if high > low { 0.02 * (high - low) } else { 0.0 };
+        Axis::linear("frequency f [Hz]", low - margin, high + margin)
+    }
+
+    fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
+        let n = self.columns.len() as f64;
+        let width = (WIDTH - LEFT - RIGHT - GAP * (n - 1.0)) / n;
+        let most = self.columns.iter().map(|column| column.curves.len()).max().unwrap_or(1);
+        let top = 38.0 + LINE * most as f64;
+        let axis = self.axis();
+        let height = top + HEIGHTS.iter().sum::<f64>() + 18.0 + 62.0;
+        document((WIDTH, height), (title, alt), |canvas| {
+            for (index, column) in self.columns.iter().enumerate() {
+                let left = LEFT + (width + GAP) * index as f64;
+                self.legend(canvas, (left, 22.0), column);
+                let mut y = top;
+                for (row, limits) in self.rows.iter().zip(&self.limits) {
+                    let lower = std::ptr::eq(row, &self.rows[1]);
+                    let height = HEIGHTS[usize::from(lower)];
+                    let axis_y = Axis::linear(row.label.clone(), limits.low, limits.high);
+                    let panel = Panel { left, top: y, width, height, x: axis.clone(), y: axis_y };
+                    panel.frame(canvas, lower, index == 0);
+                    self.references(canvas, &panel, row, index + 1 == self.columns.len());
+                    if self.by_speed {
+                        speeds(canvas, &panel, column, !lower);
+                    }
+                    self.panel(canvas, &panel, column, (row, limits));
+                    y += height + 18.0;
+                }
+            }
+        })
+    }
+
+    fn legend(&self, canvas: &mut Canvas, (left, y): Point, column: &Column<'_>) {
+        canvas.text((left, y), &column.heading, Type::default().bold());
+        for (index, curve) in column.curves.iter().enumerate() {
+            let y = y + LINE * (index + 1) as f64;
+            canvas.line((left, y - 4.5), (left + 24.0, y - 4.5), Stroke::solid(curve.color, 1.6));
+            canvas.mark(curve.mark, (left + 12.0, y - 4.5), 3.4, curve.color, Stroke::solid(curve.color, 0.4));
+            canvas.text((left + 30.0, y), &curve.label, Type { size: 13.0, ..Type::default() });
+        }
+    }
+
+    /// Lines of full sticking and full slip, named beside the last panel.
+    fn references(&self, canvas: &mut Canvas, panel: &Panel, row: &Row, named: bool) {
+        let stuck = panel.py(row.unit.of(row.stuck));
+        let slip = panel.py(0.0);
+        canvas.line((panel.left, stuck), (panel.right(), stuck), Stroke::dashed(INK, 1.4, DASH_SLIP));
+        canvas.line((panel.left, slip), (panel.right(), slip), Stroke::solid(INK, 1.1));
+        if named {
+            // Names keep apart where the lines do not.
+            let apart = (0.5 * (18.0 - (slip - stuck))).max(0.0);
+            let at = |y: f64| (panel.right() + 8.0, y + 5.0);
+            canvas.text(at(stuck - apart), row.names.0, Type { size: 14.0, ..Type::default() });
+            canvas.text(at(slip + apart), row.names.1, Type { size: 14.0, ..Type::default() });
+        }
+    }
+
+    fn panel(&self, canvas: &mut Canvas, panel: &Panel, column: &Column<'_>, (row, limits): (&Row, &Limits)) {
+        let place = |p: &ContactPoint| (self.x(p), row.unit.of((row.value)(p)));
+        let bar = |canvas: &mut Canvas, p: &ContactPoint, color, width| {
+            let ((x, y), sd) = (place(p), row.unit.of((row.sd)(p)));
+            panel.curve(canvas, &[(x, y - sd), (x, y + sd)], Stroke::solid(color, width));
+        };
+        for curve in &column.curves {
+            for p in curve.measured.iter().filter(|p| limits.vague(p, row)) {
+                bar(canvas, p, curve.color.faded(), 0.9);
+                panel.marks(canvas, &[place(p)], curve.mark, 2.4, curve.color.faded(), true);
+            }
+        }
+        for curve in &column.curves {
+            let line: Vec<Point> = curve.model.iter().map(|p| place(p)).collect();
+            panel.curve(canvas, &line, Stroke::solid(curve.color, 1.5));
+        }
+        for curve in &column.curves {
+            let clear = || curve.measured.iter().filter(|p| !limits.vague(p, row));
+            clear().for_each(|p| bar(canvas, p, curve.color, 1.1));
+            for p in clear() {
+                mark(canvas, panel, place(p), curve);
+            }
+        }
+        for (curve, p) in column.curves.iter().flat_map(|curve| curve.measured.iter().map(move |p| (curve, p))) {
+            let color = if limits.vague(p, row) { curve.color.faded() } else { curve.color };
+            let x = panel.px(self.x(p));
+            let tip =
+                |edge: f64, inwards: f64| [(x, edge), (x - 3.6, edge + 7.0 * inwards), (x + 3.6, edge + 7.0 * inwards)];
+            match limits.outside(p, row) {
+                Some(Outside::Above) => canvas.polygon(&tip(panel.top + 1.0, 1.0), color, None),
+                Some(Outside::Below) => canvas.polygon(&tip(panel.bottom() - 1.0, -1.0), color, None),
+                None => {}
+            }
+        }
+    }
+
+    fn csv(&self) -> String {
+        let header = [
+            "source",
+            "speed [m/s]",
+            "load [N]",
+            "drive [m]",
+            "row",
+            "frequency [Hz]",
+            "speed amplitude [m/s]",
+            "stiffness [N/m]",
+            "sd of stiffness [N/m]",
+            "damping [N s/m]",
+            "sd of damping [N s/m]",
+        ];
+        let mut table = Table::new(&header);
+        for (source, points) in [("measured", &self.c.contact), ("model", &self.c.contact_model)] {
+            for p in points {
+                let s = self.c.conditions[p.condition].setting;
+                let before = [s.speed, s.load, s.drive].map(cell);
+                let after = [
+                    p.frequency_hz,
+                    p.speed_amplitude_m_s,
+                    p.stiffness_n_m,
+                    p.stiffness_sd_n_m,
+                    p.damping_n_s_m,
+                    p.damping_sd_n_s_m,
+                ];
+                let cells = std::iter::once(source.to_string()).chain(before);
+                table.row(cells.chain([p.row.to_string()]).chain(after.map(cell)));
+            }
+        }
+        table.finish()
+    }
+
+    fn caption(&self) -> String {
+        let against = if self.by_speed {
+            "against the amplitude bωα of the arm's speed; dotted, the speed V of the roller"
+        } else {
+            "against frequency"
+        };
+        let mut remarks = String::new();
+        let points = || self.columns.iter().flat_map(|column| &column.curves).flat_map(|curve| &curve.measured);
+        let pairs = || self.rows.iter().zip(&self.limits);
+        let vague = points().filter(|p| pairs().any(|(row, limits)| limits.vague(p, row))).count();
+        let outside = points().filter(|p| pairs().any(|(row, limits)| limits.outside(p, row).is_some())).count();
+        if vague > 0 {
+            remarks += &format!(
+                " Faded: {} whose standard deviation is more than {} times the typical one.",
+                count(vague, "reading"),
+                super::limits::VAGUE
+            );
+        }
+        if outside > 0 {
+            let verb = if outside == 1 { "lies" } else { "lie" };
+            remarks += &format!(" Arrows at the edges: {} that {verb} beyond the axes.", count(outside, "reading"));
+        }
+        format!(
+            "Dynamic stiffness k (above) and damping c (below) of the contact, {against}: marks with bars of one standard \
+             deviation, from the readings and the calibrated rig alone, with no law of the contact assumed; lines, those of the \
+             model at the same points. Dashed: the contact stuck throughout; zero: full slip, no elastic force.{}{remarks}",
+            words::shown(self.c).1
+        )
+    }
+
+    fn notes(&self) -> Vec<(String, String)> {
+        let [k, c] = &self.rows;
+        let worst = |row: &Row, of: &dyn Fn(&ContactPoint) -> (f64, f64)| {
+            let pairs = self.c.contact.iter().zip(&self.c.contact_model);
+            let square: Vec<f64> = pairs
+                .filter_map(|(p, q)| {
+                    let r = ((row.value)(p) - (row.value)(q)) / of(p).1;
+                    r.is_finite().then_some(r * r)
+                })
+                .collect();
+            significant((square.iter().sum::<f64>() / square.len().max(1) as f64).sqrt(), 3)
+        };
+        let sd = |row: &Row| worst(row, &|p| ((row.value)(p), (row.sd)(p)));
+        vec![
+            (
+                "Contact of the model, stuck".into(),
+                format!("k = {}, c = {}", k.unit.show(k.stuck, 3), c.unit.show(c.stuck, 3)),
+            ),
+            ("Measured against model, root mean square".into(), format!("{} σ in k, {} σ in c", sd(k), sd(c))),
+        ]
+    }
+}
+
+fn mark(canvas: &mut Canvas, panel: &Panel, at: Point, curve: &Curve<'_>) {
+    use crate::figures::marks::Mark;
+    let (x, y) = (panel.px(at.0), panel.py(at.1));
+    if curve.mark != Mark::Circle {
+        panel.marks(canvas, &[at], curve.mark, 2.9, curve.color, true);
+    } else if (panel.top..=panel.bottom()).contains(&y) {
+        canvas.dot((x, y), 2.7, curve.color);
+    }
+}
+
+/// Dotted lines at the speeds of the roller; those beyond the axis are named at its end.
+fn speeds(canvas: &mut Canvas, panel: &Panel, column: &Column<'_>, named: bool) {
+    let small = Type { size: 13.0, ..Type::default() };
+    for (index, &speed) in column.speeds.iter().filter(|speed| **speed > 0.0).enumerate() {
+        let x = panel.px(Unit::speed().of(speed));
+        let beyond = if x > panel.right() {
+            Some("V = {} →")
+        } else if x < panel.left {
+            Some("← V = {}")
+        } else {
+            None
+        };
+        if beyond.is_none() {
+            canvas.line((x, panel.top), (x, panel.bottom()), Stroke::dashed(INK, 1.5, DOTS));
+        }
+        if named {
+            let text = beyond.unwrap_or("V = {}").replace("{}", &significant(Unit::speed().of(speed), 3));
+            let width = text_width(&text, 13.0, false);
+            let left = (x + 5.0).clamp(panel.left + 5.0, panel.right() - width - 5.0);
+            canvas.text((left, panel.top + 17.0 + 17.0 * index as f64), &text, small);
+        }
+    }
+}
+
+impl ComparisonFigure for Contact {
+    fn name(&self) -> &'static str {
+        if self.by_speed { "contact-amplitude" } else { "contact-fingerprint" }
+    }
+
+    fn title(&self) -> &'static str {
+        if self.by_speed { "What the contact did, against the arm's speed" } else { "What the contact must have done" }
+    }
+
+    fn draw(&self, comparison: &Comparison) -> Result<Drawing, FigureError> {
+        if comparison.contact.is_empty() {
+            return Err(FigureError::missing(self.name(), "measured phases"));
+        }
+        let data = Data::of(comparison, self.by_speed);
+        let alt = format!(
+            "Two rows of panels, stiffness and damping of the contact {}, in {} by speed: marks with error bars for the \
+             measurements, lines for the model, and lines at full stick and full slip.",
+            if self.by_speed { "against the arm's speed amplitude" } else { "against frequency" },
+            count(data.columns.len(), "column")
+        );
+        let svg = data.draw(self.title(), &alt)?;
+        let reading = if self.by_speed {
+            [
+                "Marks on the lines. At rest k is flat; a sliding contact leaves the dashed line where bωα comes near V, \
+                 for the arm then overtakes the roller.",
+                "A fall that comes earlier, later or more gently than the model's, or a level that depends on V beyond it.",
+                "A fall at other bωα/V: friction that depends on the slip rate. A level that depends on bωα alone: \
+                 stiffness or damping that depends on amplitude.",
+            ]
+        } else {
+            [
+                "Marks on the lines: k and c of a stuck contact level with the dashed lines, of a slipping one at zero.",
+                "k that rises or falls with frequency everywhere, at rest too: mass or stiffness is missing in the rig or the \
+                 contact. k above zero in slip: friction that is not Coulomb's.",
+                "Find the conditions in which marks and lines part. At rest: the material or the rig. In slip: the law of \
+                 friction. Then compare with the fingerprints in the atlas.",
+            ]
+        };
+        Ok(drawing(self, (data.caption(), alt), (svg, data.csv()), (data.notes(), reading)))
+    }
+}

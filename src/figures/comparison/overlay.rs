@@ -1,0 +1,302 @@
+//! Measured points with error bars over the curve of the model, one panel per condition, the error beneath each.
+
+use super::grid::{Cell, Grid, LEFT, Rows, heading};
+use super::sigma::{BAND, Sigma};
+use super::words::{self, Amplitude, count};
+use super::{ComparisonFigure, drawing};
+use crate::compare::{Compared, Comparison, Setting};
+use crate::figures::axes::{Axis, Panel, range};
+use crate::figures::canvas::{Anchor, Canvas, Point, Stroke, Type, document};
+use crate::figures::legend::{Entry, Key};
+use crate::figures::marks::Mark;
+use crate::figures::resonance::{phase_axis, unbroken};
+use crate::figures::style::{Color, GREY, INK, LABEL_SIZE, SHADE, SLIP, STATIC, Table, WIDTH, cell, significant};
+use crate::figures::{Drawing, FigureError};
+use crate::solver::Status;
+use std::f64::consts::PI;
+
+/// Standard deviations on either side of a point that its bar spans.
+const BAR: f64 = 1.96;
+const MODEL: Color = STATIC;
+
+/// Amplitudes, or their companion for phases.
+pub struct Overlay {
+    phase: bool,
+}
+
+/// Amplitudes.
+pub const AMPLITUDE: Overlay = Overlay { phase: false };
+/// Phases.
+pub const PHASE: Overlay = Overlay { phase: true };
+
+/// What is shown.
+struct Data<'a> {
+    c: &'a Comparison,
+    phase: bool,
+    wraps: bool,
+    amplitude: Amplitude,
+    scale: Sigma,
+    shown: Vec<usize>,
+}
+
+impl<'a> Data<'a> {
+    fn of(c: &'a Comparison, phase: bool) -> Self {
+        let (low, high) = range(c.points.iter().flat_map(|p| [p.point.phase, Some(p.model.phase)]).flatten());
+        let residuals = c.points.iter().flat_map(|p| [Some(p.amplitude_residual).filter(|_| !phase), p.phase_residual]);
+        Self {
+            c,
+            phase,
+            wraps: high > 0.5 * PI && low < -0.5 * PI,
+            amplitude: Amplitude::of(c),
+            scale: Sigma::over(residuals.flatten()),
+            shown: words::shown(c).0,
+        }
+    }
+
+    /// A phase in degrees; on the branch from -270° to 90° where the data cross -180°.
+    fn degrees(&self, phase: f64) -> f64 {
+        (if self.wraps && phase > 0.5 * PI { phase - 2.0 * PI } else { phase }).to_degrees()
+    }
+
+    fn setting(&self, condition: usize) -> &Setting {
+        &self.c.conditions[condition].setting
+    }
+
+    fn points(&self, condition: usize) -> impl Iterator<Item = &'a Compared> + use<'a> {
+        self.c.points.iter().filter(move |p| p.condition == condition)
+    }
+
+    /// Frequency, value and half the length of the bar.
+    fn measured(&self, condition: usize) -> Vec<(f64, f64, f64)> {
+        let setting = *self.setting(condition);
+        let of = |p: &Compared| {
+            let f = p.point.frequency;
+            if self.phase {
+                return Some((f, self.degrees(p.point.phase?), BAR * p.point.phase_sd.unwrap_or(0.0).to_degrees()));
+            }
+            let value = |a: f64| self.amplitude.value(a, &setting);
+            Some((f, value(p.point.amplitude), BAR * value(p.point.amplitude_sd)))
+        };
+        self.points(condition).filter_map(of).collect()
+    }
+
+    fn curve(&self, condition: usize) -> Vec<Point> {
+        let curve = &self.c.curves[condition];
+        let setting = *self.setting(condition);
+        let pairs = curve.frequency.iter().zip(if self.phase { &curve.phase } else { &curve.amplitude });
+        pairs
+            .map(|(&f, &y)| (f, if self.phase { self.degrees(y) } else { self.amplitude.value(y, &setting) }))
+            .collect()
+    }
+
+    fn axes(&self) -> (Axis, Axis) {
+        let (low, high) = range(self.c.points.iter().map(|p| p.point.frequency));
+        let margin = if high > low { 0.02 * (high - low) } else { 0.0 };
+        let x = Axis::linear("", low - margin, high + margin);
+        let bars = self.shown.iter().flat_map(|&i| self.measured(i)).flat_map(|(_, y, bar)| [y - bar, y + bar]);
+        let values = bars.chain(self.shown.iter().flat_map(|&i| self.curve(i)).map(|p| p.1));
+        (x, if self.phase { phase_axis(values) } else { Axis::around("", values) })
+    }
+
+    fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
+        let rows = Rows::of(self.legend());
+        let grid = Grid::of(self.shown.len(), rows.height());
+        let (x, y) = self.axes();
+        let y = Axis { label: String::new(), ..y };
+        document((WIDTH, grid.bottom()), (title, alt), |canvas| {
+            rows.draw(canvas);
+            let upright = Type { size: LABEL_SIZE, anchor: Anchor::Middle, upwards: true, ..Type::default() };
+            let label = if self.phase { "phase φ [°]".into() } else { self.amplitude.label() };
+            canvas.text((LEFT - 74.0, grid.middle()), &label, upright);
+            for (index, &condition) in self.shown.iter().enumerate() {
+                let at = grid.cell(index);
+                let Cell { left, top, width, .. } = at;
+                let main = Panel { left, top, width, height: grid.main, x: x.clone(), y: y.clone() };
+                self.main(canvas, &main, condition, at.first);
+                let strip = Panel { top: at.strip, height: grid.strip, y: Axis::linear("", -1.0, 1.0), ..main };
+                self.strip(canvas, &strip, condition, &at);
+            }
+        })
+    }
+
+    fn main(&self, canvas: &mut Canvas, panel: &Panel, condition: usize, beside: bool) {
+        panel.frame(canvas, false, beside);
+        let setting = self.setting(condition);
+        heading(canvas, panel, (&words::speed(setting), &words::load_and_drive(setting)));
+        let curve = self.curve(condition);
+        for run in unbroken(&curve) {
+            panel.curve(canvas, run, Stroke::solid(MODEL, 2.2));
+        }
+        let points = self.measured(condition);
+        for &(f, y, bar) in &points {
+            panel.curve(canvas, &[(f, y - bar), (f, y + bar)], Stroke::solid(INK, 1.2));
+        }
+        for &(f, y, _) in &points {
+            canvas.dot((panel.px(f), panel.py(y)), 2.3, INK);
+        }
+        let far: Vec<Point> = self.outliers(condition).collect();
+        panel.marks(canvas, &far, Mark::Diamond, 5.5, SLIP, true);
+    }
+
+    /// Places of the readings that stand out.
+    fn outliers(&self, condition: usize) -> impl Iterator<Item = Point> + '_ {
+        let column = if self.phase { "phase_rad" } else { "amplitude_rad" };
+        let rows: Vec<usize> = self.c.outliers.iter().filter(|o| o.column == column).map(|o| o.row).collect();
+        self.points(condition).filter(move |p| rows.contains(&p.point.row)).filter_map(move |p| {
+            let amplitude = self.amplitude.value(p.point.amplitude, self.setting(condition));
+            let y = if self.phase { self.degrees(p.point.phase?) } else { amplitude };
+            Some((p.point.frequency, y))
+        })
+    }
+
+    fn strip(&self, canvas: &mut Canvas, panel: &Panel, condition: usize, at: &Cell) {
+        let band = self.scale.place(BAND);
+        canvas.rectangle((panel.left, panel.py(band)), panel.width, panel.py(-band) - panel.py(band), SHADE, None);
+        canvas.line((panel.left, panel.py(0.0)), (panel.right(), panel.py(0.0)), Stroke::solid(GREY, 0.8));
+        let residual = |p: &Compared| (p.point.frequency, self.scale.place(p.amplitude_residual));
+        if !self.phase {
+            let line: Vec<Point> = self.points(condition).map(residual).collect();
+            self.residuals(canvas, panel, &line, MODEL);
+        }
+        let place = |p: &Compared| Some((p.point.frequency, self.scale.place(p.phase_residual?)));
+        let line: Vec<Point> = self.points(condition).filter_map(place).collect();
+        self.residuals(canvas, panel, &line, if self.phase { MODEL } else { SLIP });
+        panel.border(canvas, 0.0);
+        let foot = Panel { x: Axis { label: "frequency f [Hz]".into(), ..panel.x.clone() }, ..panel.clone() };
+        foot.labels(canvas, at.last, false);
+        if at.first {
+            let small = Type { size: 13.0, ..Type::at(Anchor::End) };
+            let top = self.scale.top();
+            for (tick, text) in [(top, significant(top, 3)), (0.0, "0".into()), (-top, significant(-top, 3))] {
+                canvas.text((panel.left - 6.0, panel.py(self.scale.place(tick)) + 4.5), &text, small);
+            }
+            let upright = Type { size: 13.0, anchor: Anchor::Middle, upwards: true, ..Type::default() };
+            canvas.text((panel.left - 52.0, panel.top + 0.5 * panel.height), "error [σ]", upright);
+        }
+    }
+
+    fn residuals(&self, canvas: &mut Canvas, panel: &Panel, points: &[Point], color: Color) {
+        panel.curve(canvas, points, Stroke::solid(color, 0.9));
+        for &(f, y) in points {
+            canvas.dot((panel.px(f), panel.py(y)), 1.9, color);
+        }
+    }
+
+    fn legend(&self) -> Vec<Entry> {
+        let mut entries = vec![
+            (Key::Mark(Mark::Circle, INK, true), "measured, 95 % bars".into()),
+            (Key::Line(Stroke::solid(MODEL, 2.2)), "model".into()),
+        ];
+        if self.phase {
+            entries.push((Key::Mark(Mark::Circle, MODEL, true), "error of phase".into()));
+        } else {
+            entries.push((Key::Mark(Mark::Circle, MODEL, true), "error of amplitude".into()));
+            if self.c.points.iter().any(|p| p.phase_residual.is_some()) {
+                entries.push((Key::Mark(Mark::Circle, SLIP, true), "error of phase".into()));
+            }
+        }
+        entries.push((Key::Patch(SHADE), format!("within ±{BAND} σ")));
+        if self.shown.iter().any(|&i| self.outliers(i).next().is_some()) {
+            entries.push((Key::Mark(Mark::Diamond, SLIP, true), "outlier".into()));
+        }
+        entries
+    }
+
+    fn csv(&self) -> String {
+        let value = if self.phase { "phase [deg]".into() } else { self.amplitude.label() };
+        let (sd, model) = (format!("sd of {value}"), format!("model {value}"));
+        let header =
+            ["kind", "condition", "row", "frequency [Hz]", &value, &sd, &model, "error [sigma]", "phase error [sigma]"];
+        let mut table = Table::new(&header);
+        for condition in 0..self.c.conditions.len() {
+            let setting = *self.setting(condition);
+            let name = words::condition(&setting);
+            let measured = self.measured(condition);
+            let points = self.points(condition).filter(|p| !self.phase || p.point.phase.is_some());
+            for (p, (f, y, bar)) in points.zip(measured) {
+                let of_phase = p.phase_residual.unwrap_or(f64::NAN);
+                let (model, error) = match self.phase {
+                    true => (self.degrees(p.model.phase), of_phase),
+                    false => (self.amplitude.value(p.model.amplitude, &setting), p.amplitude_residual),
+                };
+                let numbers = [f, y, bar / BAR, model, error, of_phase].map(cell);
+                table.row(["reading".into(), name.clone(), p.point.row.to_string()].into_iter().chain(numbers));
+            }
+            for (f, y) in self.curve(condition) {
+                let blank = String::new;
+                let cells = [cell(f), blank(), blank(), cell(y), blank(), blank()];
+                table.row(["curve".into(), name.clone(), blank()].into_iter().chain(cells));
+            }
+        }
+        table.finish()
+    }
+
+    fn caption(&self) -> String {
+        let (what, companion) = match self.phase {
+            true => ("Phase φ relative to the actuator", ""),
+            false => {
+                ("Amplitude", " The strip below each panel shows the errors of amplitude and, where measured, phase.")
+            }
+        };
+        let lost = self.c.points.iter().filter(|p| p.model.status != Status::Steady).count();
+        let unsteady = match lost {
+            0 => String::new(),
+            n => format!(" At {} the model has no steady state.", count(n, "point")),
+        };
+        format!(
+            "{what} against frequency, one panel per condition: measured points with 95 % error bars over the curve of the \
+             calibrated model.{companion} {}{}{unsteady}",
+            self.scale.sentence(),
+            words::shown(self.c).1
+        )
+    }
+
+    fn notes(&self) -> Vec<(String, String)> {
+        let m = &self.c.overall;
+        let (error, noise) = match self.phase {
+            true => (m.rms_phase_deg, m.noise_phase_deg),
+            false => (Some(m.rms_error_percent), Some(m.noise_percent)),
+        };
+        let unit = if self.phase { "°" } else { " %" };
+        let show = |value: Option<f64>| format!("{}{unit}", significant(value.unwrap_or(f64::NAN), 3));
+        let residual = |p: &Compared| if self.phase { p.phase_residual } else { Some(p.amplitude_residual) };
+        let beyond = self.c.points.iter().filter_map(residual).filter(|r| r.abs() > BAND).count();
+        let all = self.c.points.iter().filter_map(residual).count();
+        vec![
+            ("Root mean square error".into(), format!("{} (noise {})", show(error), show(noise))),
+            (
+                "Readings beyond ±2 σ".into(),
+                format!("{beyond} of {all}; noise alone: about {:.0}", 0.0455 * all as f64),
+            ),
+        ]
+    }
+}
+
+impl ComparisonFigure for Overlay {
+    fn name(&self) -> &'static str {
+        if self.phase { "overlay-phase" } else { "overlay" }
+    }
+
+    fn title(&self) -> &'static str {
+        if self.phase { "Measured and modelled phase" } else { "Measured and modelled amplitude" }
+    }
+
+    fn draw(&self, comparison: &Comparison) -> Result<Drawing, FigureError> {
+        if self.phase && comparison.points.iter().all(|p| p.point.phase.is_none()) {
+            return Err(FigureError::missing(self.name(), "measured phases"));
+        }
+        let data = Data::of(comparison, self.phase);
+        let alt = format!(
+            "Small multiples, {}: measured points with error bars and a line for the model against frequency, and below \
+             each a strip of errors with a band of plus and minus two standard deviations.",
+            count(data.shown.len(), "panel")
+        );
+        let svg = data.draw(self.title(), &alt)?;
+        let reading = [
+            "Errors scattered about zero inside the band, about one in twenty outside.",
+            "Errors that swing smoothly along the frequency: the model has the wrong shape there, however small they are.",
+            "See in which panels the swing grows, with speed, load or drive; then read the contact below.",
+        ];
+        Ok(drawing(self, (data.caption(), alt), (svg, data.csv()), (data.notes(), reading)))
+    }
+}

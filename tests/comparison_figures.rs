@@ -1,0 +1,155 @@
+//! Figures of a comparison: everything draws for full, sparse and awkward tables, nothing overlaps, the numbers are right.
+
+#[path = "figures/layout.rs"]
+mod layout;
+
+use layout::check_layout;
+use stickslip::compare::{Comparison, Options, compare};
+use stickslip::figures::comparison::{REGISTRY, find};
+use stickslip::figures::{self, Drawing, FigureError};
+use stickslip::measurement::{self, Table};
+use stickslip::scenario::{self, Scenario};
+
+fn practice(number: usize) -> (Scenario, Table) {
+    let scenario = scenario::load_embedded(&format!("practice/{number}/scenario")).unwrap();
+    let table = measurement::load(&scenario).unwrap().unwrap();
+    (scenario, table)
+}
+
+fn compared(number: usize, change: impl FnOnce(&mut Scenario, &mut Table)) -> Comparison {
+    let (mut scenario, mut table) = practice(number);
+    change(&mut scenario, &mut table);
+    compare(&scenario, &table, &Options { seed: 0 })
+}
+
+fn one_condition(table: &mut Table) {
+    let first = table.points[0].clone();
+    table.points.retain(|p| (p.speed, p.load, p.drive) == (first.speed, first.load, first.drive));
+}
+
+fn without_phase(table: &mut Table) {
+    for point in &mut table.points {
+        (point.phase, point.phase_sd) = (None, None);
+    }
+    table.phase_noise = None;
+}
+
+/// Tables of users: full, amplitudes only, one condition, a handful of points, a hostile title, twenty conditions.
+fn variants() -> Vec<(&'static str, Comparison)> {
+    let hostile = |scenario: &mut Scenario, table: &mut Table| {
+        scenario.title = "</svg><script>alert(1)</script> µ 漢".into();
+        table.points.retain(|p| p.speed > 0.0);
+    };
+    let fixed = |scenario: &mut Scenario, table: &mut Table| {
+        scenario.free.clear();
+        table.points.retain(|p| p.row % 7 == 0);
+    };
+    let many = |scenario: &mut Scenario, table: &mut Table| {
+        scenario.free.clear();
+        for point in &mut table.points {
+            point.load += 1.0 + f64::from((point.frequency as u32 / 2) % 2) * 0.25;
+        }
+        table.points.sort_by(|a, b| {
+            (a.load, a.speed, a.drive, a.frequency).partial_cmp(&(b.load, b.speed, b.drive, b.frequency)).unwrap()
+        });
+    };
+    vec![
+        ("full", compared(1, |_, _| {})),
+        ("amplitudes", compared(2, |_, table| without_phase(table))),
+        ("one", compared(4, |_, table| one_condition(table))),
+        ("hostile", compared(7, hostile)),
+        ("sparse", compared(8, fixed)),
+        ("many", compared(3, many)),
+        ("one-drive", compared(6, |_, table| table.points.retain(|p| p.drive < 5e-6 && p.load > 15.0))),
+    ]
+}
+
+fn drawn(comparison: &Comparison) -> Vec<Drawing> {
+    let draw = |figure: &&dyn figures::comparison::ComparisonFigure| match figure.draw(comparison) {
+        Ok(drawing) => Some(drawing),
+        Err(FigureError::MissingData(_)) => None,
+        Err(why) => panic!("{}: {why}", figure.name()),
+    };
+    REGISTRY.iter().filter_map(draw).collect()
+}
+
+fn rows(drawing: &Drawing) -> Vec<Vec<String>> {
+    let mut reader = csv::Reader::from_reader(drawing.csv.as_bytes());
+    reader.records().map(|record| record.unwrap().iter().map(String::from).collect()).collect()
+}
+
+#[test]
+fn every_figure_draws_every_table_twice_alike_with_room_for_every_text() {
+    for (name, comparison) in variants() {
+        let drawings = drawn(&comparison);
+        assert_eq!(drawings, drawn(&comparison), "{name}");
+        for drawing in &drawings {
+            let what = format!("{name}: {}", drawing.name);
+            assert!(drawing.caption.len() > 80 && drawing.alt.len() > 40, "{what}");
+            assert!(drawing.notes.len() >= 4 && drawing.notes.iter().all(|(_, text)| !text.is_empty()), "{what}");
+            assert!(drawing.svg.contains(r##"fill="#FFFFFF""##), "{what} has no background");
+            assert!(!drawing.svg.contains("NaN") && !drawing.svg.contains("inf"), "{what} has a broken coordinate");
+            assert!(drawing.svg.len() < 120_000, "{what}: {} bytes", drawing.svg.len());
+            assert!(!drawing.svg.contains("script"), "{what}");
+            let page = stickslip::report::svg::inline(&drawing.svg, "f-").unwrap_or_else(|| panic!("{what}"));
+            assert_eq!(page.matches("<svg").count(), 1);
+            check_layout(drawing);
+        }
+    }
+}
+
+#[test]
+fn figures_of_phases_need_phases() {
+    let names = |comparison: &Comparison| drawn(comparison).into_iter().map(|d| d.name).collect::<Vec<_>>();
+    let full: Vec<String> = REGISTRY.iter().map(|figure| figure.name().to_string()).collect();
+    assert_eq!(names(&compared(4, |_, _| {})), full);
+    let amplitudes = names(&compared(4, |_, table| without_phase(table)));
+    assert_eq!(amplitudes, ["overlay", "misfit-map", "peaks", "error-budget"]);
+}
+
+#[test]
+fn tables_hold_every_reading_and_the_numbers_of_the_comparison() {
+    let comparison = compared(1, |_, _| {});
+    let csv = |name: &str| rows(&find(name).unwrap().draw(&comparison).unwrap());
+    let readings = comparison.points.len();
+    assert_eq!(csv("misfit-map").len(), readings);
+    assert_eq!(csv("contact-fingerprint").len(), 2 * readings);
+    assert_eq!(csv("peaks").len(), comparison.conditions.len());
+    let overlay = csv("overlay");
+    let of_points: Vec<_> = overlay.iter().filter(|row| row[0] == "reading").collect();
+    assert_eq!(of_points.len(), readings);
+    for (row, point) in of_points.iter().zip(&comparison.points) {
+        assert_eq!(row[2], point.point.row.to_string());
+        let number = |i: usize| row[i].parse::<f64>().unwrap();
+        assert!((number(4) * point.point.drive / point.point.amplitude - 1.0).abs() < 1e-8);
+        let residual = (number(6) - number(4)) / number(5);
+        assert!((residual - number(7)).abs() < 1e-5 * (1.0 + residual.abs()), "{residual} {}", number(7));
+    }
+}
+
+#[test]
+fn the_fingerprint_keeps_its_range_where_readings_say_nothing() {
+    let calm = compared(4, |_, _| {});
+    let wild = compared(4, |_, table| {
+        for point in table.points.iter_mut().filter(|p| p.row % 40 == 0) {
+            point.amplitude *= 0.02;
+            point.amplitude_sd = 3.0 * point.amplitude;
+        }
+    });
+    let drawing = |c: &Comparison| find("contact-fingerprint").unwrap().draw(c).unwrap();
+    assert!(drawing(&wild).caption.contains("Faded: ") && drawing(&wild).caption.contains("Arrows at the edges: "));
+    assert!(!drawing(&calm).caption.contains("Faded: "), "{}", drawing(&calm).caption);
+}
+
+/// Writes every figure as PNG to `$STICKSLIP_FIGURES`, for looking at; does nothing where that is not set.
+#[test]
+fn gallery() {
+    let Some(folder) = std::env::var_os("STICKSLIP_FIGURES") else { return };
+    std::fs::create_dir_all(&folder).unwrap();
+    for (name, comparison) in variants() {
+        for drawing in drawn(&comparison) {
+            let path = std::path::Path::new(&folder).join(format!("{name}-{}.png", drawing.name));
+            std::fs::write(path, figures::png(&drawing.svg, 1.0).unwrap()).unwrap();
+        }
+    }
+}
