@@ -29,9 +29,9 @@ pub(crate) fn assign(
         NoiseSource::Stated
     } else {
         let (sd, source) = estimate("amplitude", amplitude_repeats, seen.amplitude, file, notes)?;
-        for (point, (spread, _)) in points.iter_mut().zip(&spreads) {
+        for (point, own) in points.iter_mut().zip(&spreads) {
             let pooled = sd * point.amplitude / (point.replicates as f64).sqrt();
-            point.amplitude_sd = pooled.max(spread.unwrap_or(0.0));
+            point.amplitude_sd = pooled.max(own.amplitude.unwrap_or(0.0));
             if point.amplitude_sd <= 0.0 {
                 let title = format!("`{}`, line {}: the amplitude is zero", file.display(), point.line);
                 let help = "its standard deviation cannot be a share of it; state one, or remove the row";
@@ -49,9 +49,9 @@ pub(crate) fn assign(
         NoiseSource::Stated
     } else {
         let (sd, source) = estimate("phase", phase_repeats, seen.phase, file, notes)?;
-        for (point, (_, spread)) in points.iter_mut().zip(&spreads) {
-            let pooled = sd / (point.replicates as f64).sqrt();
-            point.phase_sd = point.phase.map(|_| pooled.max(spread.unwrap_or(0.0)));
+        for (point, own) in points.iter_mut().zip(&spreads) {
+            let pooled = sd / (own.phases.max(1) as f64).sqrt();
+            point.phase_sd = point.phase.map(|_| pooled.max(own.phase.unwrap_or(0.0)));
         }
         source
     };

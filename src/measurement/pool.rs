@@ -45,13 +45,24 @@ pub(crate) struct Repeats {
     pub freedom: usize,
 }
 
+/// What the readings of one point tell about its noise.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Own {
+    /// Standard deviation of the pooled amplitude, from three or more readings.
+    pub amplitude: Option<f64>,
+    /// Standard deviation of the pooled phase, from three or more readings.
+    pub phase: Option<f64>,
+    /// Readings that have a phase.
+    pub phases: usize,
+}
+
 /// Points without estimated deviations yet, and what repetition tells about them.
 #[derive(Debug)]
 pub(crate) struct Pooled {
     /// Deviations that are not stated are NaN.
     pub points: Vec<Point>,
-    /// Per point, standard deviations of the pooled amplitude and phase from three or more readings.
-    pub spreads: Vec<(Option<f64>, Option<f64>)>,
+    /// Per point, what its own readings tell.
+    pub spreads: Vec<Own>,
     pub amplitude_stated: bool,
     pub phase_stated: bool,
     /// Of relative amplitudes.
@@ -216,7 +227,8 @@ fn unite(group: &[Reading], pooled: &mut Pooled) {
         mean: (!means.is_empty()).then(|| means.iter().sum::<f64>() / means.len() as f64),
         replicates: group.len(),
     });
-    pooled.spreads.push((amplitude.spread, phase.and_then(|(_, mean, _)| mean.spread)));
+    let of_phase = phase.and_then(|(_, mean, _)| mean.spread);
+    pooled.spreads.push(Own { amplitude: amplitude.spread, phase: of_phase, phases: angles.len() });
 }
 
 /// Direction of the weighted sum of unit vectors.

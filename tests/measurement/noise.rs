@@ -142,3 +142,30 @@ fn noise_that_is_not_stated_is_estimated_and_said_to_be() {
     let wrong = csv(&PRACTICE.replace(",0.01\n", ",0.0001\n"));
     assert!(wrong.notes[0].contains("check the column"), "{:?}", wrong.notes);
 }
+
+#[test]
+fn the_order_of_rows_does_not_change_estimates_by_a_bit() {
+    let mut noise = Noise(4242);
+    let mut rows: Vec<String> = (0..48)
+        .map(|n| {
+            let (frequency, amplitude) = (52 + 2 * (n % 24), 1e-6 * (1.0 + 0.01 * noise.normal()));
+            format!("0,20,1e-6,{frequency},{amplitude:e},{}", 0.01 * noise.normal())
+        })
+        .collect();
+    let table = |rows: &[String]| {
+        csv(&format!("speed_m_s,load_n,drive_m,frequency_hz,amplitude_rad,phase_rad\n{}\n", rows.join("\n")))
+    };
+    let first = table(&rows);
+    assert_eq!((first.points.len(), first.points[0].replicates), (24, 2));
+    for _ in 0..20 {
+        for at in (1..rows.len()).rev() {
+            rows.swap(at, (noise.uniform() * (at + 1) as f64) as usize);
+        }
+        let again = table(&rows);
+        for (a, b) in first.points.iter().zip(&again.points) {
+            let numbers = |p: &Point| [Some(p.frequency), Some(p.amplitude), p.phase, Some(p.amplitude_sd), p.phase_sd];
+            assert_eq!(numbers(a), numbers(b));
+        }
+        assert_eq!(first.notes, again.notes);
+    }
+}
