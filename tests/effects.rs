@@ -100,7 +100,7 @@ fn every_parameter_has_a_unit_limits_and_a_range_within_them() {
 #[test]
 fn zero_strength_is_the_base() {
     // Fine enough for the limiting cases too, which are closed forms in the base and shot at with some effects.
-    let fine = Tolerance { steps: 512, roughness: 1e-3 };
+    let fine = Tolerance { steps: 512, roughness: 1e-3, ..Tolerance::default() };
     let steady =
         |model: &Model, at: &Operation| solve(model, at, EULER_STEPS, &fine, false, &mut Warm::default()).state;
     let base = paper_model(Series);
@@ -235,7 +235,7 @@ fn laws_are_finite_for_whatever_the_solver_tries() {
 
 #[test]
 fn derivatives_of_steady_states_match_differences() {
-    let fine = Tolerance { steps: 400, roughness: 1e-5 };
+    let fine = Tolerance { steps: 400, roughness: 1e-5, ..Tolerance::default() };
     let solved = |model: &Model, at: &Operation, derivatives: bool| -> Solution {
         solve(model, at, EULER_STEPS, &fine, derivatives, &mut Warm::default())
     };

@@ -159,7 +159,7 @@ fn euler_procedure_converges_with_order_one() {
 fn shooting_converges_with_order_five_through_the_events() {
     let model = paper_model(Series);
     let solved = |steps| {
-        let tolerance = Tolerance { steps, roughness: f64::INFINITY };
+        let tolerance = Tolerance { steps, roughness: f64::INFINITY, ..Tolerance::default() };
         solve(&model, &at(5e-5, 74.0), 0, &tolerance, false, &mut Warm::default()).state
     };
     let fine = solved(400);
@@ -174,7 +174,7 @@ fn default_tolerance_gives_alpha_to_1e_6() {
     for speed in [1e-6, 1e-5, 3e-5, 1e-4, 1.5e-4] {
         for f in [52.0, 66.0, 74.0, 82.0, 98.0] {
             let coarse = steady(&model, &at(speed, f));
-            let tolerance = Tolerance { steps: 400, roughness: 1e-5 };
+            let tolerance = Tolerance { steps: 400, roughness: 1e-5, ..Tolerance::default() };
             let fine = solve(&model, &at(speed, f), 0, &tolerance, false, &mut Warm::default()).state;
             assert_eq!(coarse.status, Status::Steady);
             assert!(distance(&coarse, &fine) < 1e-6, "{speed} {f}: {:e}", distance(&coarse, &fine));
@@ -214,7 +214,7 @@ fn derivatives_agree_with_differences() {
         (13, |_, at| &mut at.speed),
         (15, |_, at| &mut at.drive),
     ];
-    let tolerance = Tolerance { steps: 200, roughness: 1e-5 };
+    let tolerance = Tolerance { steps: 200, roughness: 1e-5, ..Tolerance::default() };
     let run = |model: &Model, at: &Operation, with| solve(model, at, 0, &tolerance, with, &mut Warm::default());
     for operation in [at(5e-5, 72.0), at(0.02, 72.0), Operation { load: 0.1, drive: 7.5e-6, ..at(0.0, 78.0) }] {
         let solution = run(&base, &operation, true);
@@ -274,7 +274,7 @@ fn quality_factors_up_to_5000_are_solved_to_1e_5() {
     for (speed, offset) in [(1e-4, -0.5), (5e-4, 0.0), (0.02, 0.0), (2e-5, 2.0), (3e-3, 0.01), (0.0, 0.1)] {
         let operation = Operation { load: if speed == 0.0 { 0.1 } else { 20.0 }, ..at(speed, natural + offset) };
         let state = steady(&model, &operation);
-        let tolerance = Tolerance { steps: 600, roughness: 1e-5 };
+        let tolerance = Tolerance { steps: 600, roughness: 1e-5, ..Tolerance::default() };
         let fine = solve(&model, &operation, 0, &tolerance, false, &mut Warm::default()).state;
         assert_eq!((&state.status, &fine.status), (&Status::Steady, &Status::Steady), "{operation:?}");
         assert!(distance(&state, &fine) < 1e-5, "{operation:?}: {:e}", distance(&state, &fine));

@@ -9,11 +9,12 @@ use crate::measurement::Table;
 use crate::model::Model;
 use crate::scenario::Scenario;
 use crate::solver::cycle::Tolerance;
-use nalgebra::DVector;
 use rayon::prelude::*;
 
 /// A fit on a part of the points is followed on all of them if its sum of squares is within this factor of the best.
 const PROMISING: f64 = 1.6;
+/// ... and its gain more than this share of what it needs to be accepted.
+const NEARLY: f64 = 0.4;
 /// At least so many are followed.
 const FOLLOWED: usize = 3;
 /// Rivals of the explanation whose prediction of left-out conditions is computed.
@@ -61,6 +62,7 @@ impl Search<'_> {
             additions: Vec::new(),
             model: self.base.clone(),
             fit: calibration.fit.clone(),
+            estimate: None,
             bic: f64::INFINITY,
         };
         let pool = additions(&self.base, &self.scenario.free, self.table.points.iter().any(|p| p.phase.is_some()));
@@ -71,7 +73,18 @@ impl Search<'_> {
         while chosen.additions.iter().filter(|a| a.is_effect()).count() < self.options.max_effects
             && chosen.additions.len() <= self.options.max_effects
         {
+            let t = std::time::Instant::now();
             let round = self.round(&chosen, &pool, rounds.first());
+            eprintln!(
+                "round {:.2?} full {:?}",
+                t.elapsed(),
+                round
+                    .found
+                    .iter()
+                    .filter(|e| e.full)
+                    .map(|e| (e.found.hypothesis.label(), e.objective))
+                    .collect::<Vec<_>>()
+            );
             let Some(best) = self.pick(&round, rounds.is_empty()) else { break };
             let best_hypothesis = best.found.hypothesis.clone();
             let noise = self.noise(&best_hypothesis);
@@ -105,7 +118,7 @@ impl Search<'_> {
             .map(|&addition| {
                 let hint = first.and_then(|round| round.values(addition));
                 let t = std::time::Instant::now();
-                let f = search(&self.data, from, addition, hint.as_deref(), false);
+                let f = search(&self.data, from, addition, hint.as_deref());
                 eprintln!(
                     "{} {:.2?} obj {:.1} vis {:.1} ev {} {}",
                     addition.name(),
@@ -120,21 +133,23 @@ impl Search<'_> {
             .collect();
         let scale = self.data.points.len() as f64 / self.data.part.len() as f64;
         let least = found.iter().map(|f| f.hypothesis.fit.objective).fold(f64::INFINITY, f64::min);
-        let mut order: Vec<usize> = (0..found.len()).collect();
-        order.sort_by(|&i, &j| found[i].hypothesis.fit.objective.total_cmp(&found[j].hypothesis.fit.objective));
-        let readings = self.data.part.len() as f64;
-        let promising = |rank: usize, found: &Found| {
-            rank < FOLLOWED || found.hypothesis.fit.objective < PROMISING * least + 0.1 * readings
+        let criterion = |f: &Found| {
+            scale * f.hypothesis.fit.objective
+                + f.hypothesis.fit.parameters.len() as f64 * (self.readings() as f64).ln()
         };
-        let full: Vec<bool> = (0..found.len())
-            .map(|i| promising(order.iter().position(|&j| j == i).unwrap_or(usize::MAX), &found[i]))
-            .collect();
+        let mut order: Vec<usize> = (0..found.len()).collect();
+        order.sort_by(|&i, &j| criterion(&found[i]).total_cmp(&criterion(&found[j])));
+        let readings = self.data.part.len() as f64;
+        let promising = |f: &Found| f.gain > NEARLY && f.hypothesis.fit.objective < PROMISING * least + 0.1 * readings;
+        let mut full: Vec<bool> = found.iter().map(promising).collect();
+        order.iter().take(FOLLOWED).for_each(|&i| full[i] = true);
         let found = found
             .into_par_iter()
             .zip(full)
             .map(|(mut found, full)| {
-                let mut objective = scale * found.hypothesis.fit.objective;
+                let mut objective = found.hypothesis.estimate.unwrap_or(f64::INFINITY);
                 if full {
+                    found.hypothesis.estimate = None;
                     found.hypothesis.fit = on_all(&self.data, &found.hypothesis.model, &found.hypothesis.fit);
                     objective = found.hypothesis.fit.objective;
                 }
@@ -207,7 +222,7 @@ impl Search<'_> {
         let value = |key: &str| from.fit.parameters.iter().position(|p| p.key == key).map(|i| from.fit.values[i]);
         fit.values = fit.parameters.iter().filter_map(|p| value(&p.key)).collect();
         let fit = on_all(&self.data, &model, &fit);
-        Hypothesis { additions, model, fit, bic: f64::INFINITY }
+        Hypothesis { additions, model, fit, estimate: None, bic: f64::INFINITY }
     }
 
     /// Tries every earlier addition's replacement by another that is about as good; notes those that are as good.
@@ -264,9 +279,11 @@ impl Search<'_> {
 
     /// Schwarz's criterion with residuals in units of `noise` times their stated standard deviations.
     fn bic(&self, hypothesis: &Hypothesis, noise: f64) -> f64 {
-        let scaled: DVector<f64> = &hypothesis.fit.evaluation.residuals / noise;
-        let share = self.readings() as f64 / scaled.len() as f64;
-        share * robust_chi2(&scaled, HUBER) + hypothesis.fit.parameters.len() as f64 * (self.readings() as f64).ln()
+        let square = hypothesis.estimate.map_or_else(
+            || robust_chi2(&(&hypothesis.fit.evaluation.residuals / noise), HUBER),
+            |estimate| estimate / (noise * noise),
+        );
+        square + hypothesis.fit.parameters.len() as f64 * (self.readings() as f64).ln()
     }
 
     /// The criterion with a charge for having looked at many additions (extended BIC of Chen and Chen 2008).
@@ -292,6 +309,7 @@ impl Search<'_> {
             ladder.push(chosen.clone());
         }
         let last = ladder.len() - 1;
+        let t = std::time::Instant::now();
         let steps: Vec<Step> = ladder
             .into_par_iter()
             .enumerate()
@@ -302,6 +320,7 @@ impl Search<'_> {
                 hypothesis,
             })
             .collect();
+        eprintln!("steps {:.2?}", t.elapsed());
         let candidates = self.rank(&steps, rounds, ties, noise);
         let end = &steps[last];
         let structured = end.comparison.whiteness.structured;
@@ -322,9 +341,12 @@ impl Search<'_> {
                 indistinguishable.push(names);
             }
         }
+        eprintln!("rank {:.2?}", t.elapsed());
         let outliers = end.comparison.outliers.clone();
         let not_testable = self.not_testable(&candidates, rounds);
+        eprintln!("nt {:.2?}", t.elapsed());
         let next_measurement = self.next(chosen, &rivals, &candidates, noise);
+        eprintln!("next {:.2?}", t.elapsed());
         let correlations = end.comparison.correlations.clone();
         let evaluations = rounds.iter().flat_map(|r| &r.found).map(|e| e.found.hypothesis.fit.evaluations).sum();
         let mut notes = Vec::new();
@@ -398,12 +420,12 @@ impl Search<'_> {
                     Some(step) => step.comparison.intervals.clone(),
                     None => approximate_intervals(&hypothesis.fit, noise),
                 };
-                let n = hypothesis.fit.evaluation.residuals.len() as f64;
+                let chi2 = hypothesis.estimate.unwrap_or_else(|| hypothesis.fit.evaluation.chi2());
                 Candidate {
                     delta_bic: hypothesis.bic - best,
                     weight: (-0.5 * (hypothesis.bic - best)).exp() / total,
                     testable,
-                    chi2_per_point: hypothesis.fit.evaluation.chi2() / n,
+                    chi2_per_point: chi2 / self.readings() as f64,
                     intervals,
                     held_out: match step {
                         Some(step) => step.held_out,

@@ -106,8 +106,10 @@ pub struct Hypothesis {
     pub additions: Vec<Addition>,
     /// The model before the fit (with the effects, at the signs of the fit).
     pub model: Model,
-    /// The fit to all points.
+    /// The fit, to all points or to a part of them.
     pub fit: Fit,
+    /// Where the fit is to a part of the points: what its sum of squares over all would be.
+    pub estimate: Option<f64>,
     /// Schwarz's criterion in units of the noise, less a constant common to all hypotheses; smaller is better.
     pub bic: f64,
 }

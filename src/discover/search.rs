@@ -1,6 +1,7 @@
 //! Fitting one hypothesis: quasi-random samples over the ranges on a part of the points, the best of them followed on that
 //! part, the best of these on all points.
 
+use super::MARGIN;
 use super::hypothesis::{Addition, Hypothesis, extended};
 use crate::fit::{Evaluation, Fit, Parameter, Problem, Settings, minimise, parameter, robust_chi2};
 use crate::measurement::Point;
@@ -11,13 +12,15 @@ use nalgebra::{DMatrix, DVector};
 /// Every such point of a curve is in the part on which a search begins.
 const STRIDE: usize = 3;
 /// Samples over the ranges of an effect of one, two, three, four parameters.
-const SAMPLES: [usize; 4] = [6, 14, 24, 32];
+const SAMPLES: [usize; 4] = [6, 12, 16, 20];
 /// Samples that are followed.
 const FOLLOWED: usize = 2;
-/// Evaluations of a fit on a part of the points, and on all.
-const EVALUATIONS: (usize, usize) = (24, 40);
-/// Cheaper solutions while searching.
-const COARSE: Tolerance = Tolerance { steps: 16, roughness: 1e-2 };
+/// Evaluations of a fit from a sample, from the best of these on, and on all points.
+const EVALUATIONS: [usize; 3] = [10, 24, 40];
+
+/// Share of the gain in the sum of squares that an addition needs to be accepted below which, in a linear estimate, no
+/// sample is followed.
+const HOPELESS: f64 = 0.5;
 
 /// What a search works on.
 pub struct Data<'a> {
@@ -58,6 +61,8 @@ impl<'a> Data<'a> {
 pub struct Found {
     /// The fitted hypothesis (criterion not yet set).
     pub hypothesis: Hypothesis,
+    /// Gain in the sum of squares, over all points, over what the addition needs to be accepted.
+    pub gain: f64,
     /// Largest change that a plausible strength of the last addition makes to the predictions beyond what the parameters
     /// before it can imitate: sum of squares in standard deviations, over all points.
     pub visibility: f64,
@@ -66,7 +71,7 @@ pub struct Found {
 }
 
 /// Fits `from` with one more addition.
-pub fn search(data: &Data<'_>, from: &Hypothesis, addition: Addition, hint: Option<&[f64]>, full: bool) -> Found {
+pub fn search(data: &Data<'_>, from: &Hypothesis, addition: Addition, hint: Option<&[f64]>) -> Found {
     let mut additions = from.additions.clone();
     additions.push(addition);
     let before = from.fitted();
@@ -75,13 +80,19 @@ pub fn search(data: &Data<'_>, from: &Hypothesis, addition: Addition, hint: Opti
     let mut visibility: f64 = 0.0;
     let mut strongest = None;
     let mut tried: Vec<(f64, usize)> = Vec::new();
+    let mut gain: f64 = 0.0;
+    let rest = base.without(&base.evaluation.residuals);
     let scale = data.points.len() as f64 / data.part.len() as f64;
     for (index, model) in samples.iter().enumerate() {
-        let mut problem = Problem::new(model.clone(), data.part.iter().copied(), Vec::new(), COARSE);
+        let mut problem = Problem::new(model.clone(), data.part.iter().copied(), Vec::new(), Tolerance::COARSE);
         let residuals = problem.evaluate(&[], false).residuals;
-        let change = base.without(&(&residuals - &base.evaluation.residuals)).norm_squared() * scale;
-        if change > visibility {
-            (visibility, strongest) = (change, Some(model.clone()));
+        let change = base.without(&(&residuals - &base.evaluation.residuals));
+        let size = change.norm_squared();
+        if size > 0.0 {
+            gain = gain.max(rest.dot(&change).min(0.0).powi(2) / size);
+        }
+        if size * scale > visibility {
+            (visibility, strongest) = (size * scale, Some(model.clone()));
         }
         tried.push((robust_chi2(&base.without(&residuals), data.threshold), index));
     }
@@ -89,30 +100,52 @@ pub fn search(data: &Data<'_>, from: &Hypothesis, addition: Addition, hint: Opti
     let mut keys: Vec<String> = from.fit.parameters.iter().map(|p| p.key.clone()).collect();
     keys.extend(addition.keys());
     let mut best: Option<(Model, Fit)> = None;
-    for &(_, index) in tried.iter().take(FOLLOWED) {
+    // Where no sample's change points to where the misfit is, following one is in vain.
+    let needed = addition.keys().len() as f64 * (base.evaluation.residuals.len() as f64).ln() + 3.0 * MARGIN;
+    let hopeless = gain < HOPELESS * needed / scale && addition.is_effect();
+    let (followed, evaluations) = if hopeless { (1, 1) } else { (FOLLOWED, EVALUATIONS[0]) };
+    for &(_, index) in tried.iter().take(followed) {
         let model = &samples[index];
-        let mut problem = Problem::new(model.clone(), data.part.iter().copied(), movable(model, &keys), COARSE);
+        let mut problem = on_part(data, model, movable(model, &keys));
         let start = problem.values();
-        let settings = Settings { evaluations: EVALUATIONS.0, threshold: data.threshold };
-        let fit = minimise(&mut problem, &start, &settings);
+        let fit = minimise(&mut problem, &start, &Settings { evaluations, threshold: data.threshold });
         if best.as_ref().is_none_or(|(_, b)| fit.objective < b.objective) {
             best = Some((model.clone(), fit));
         }
     }
-    let (model, fit) = match best {
-        Some((model, fit)) => {
-            let fit = if full { on_all(data, &model, &fit) } else { fit };
-            (model, fit)
-        }
-        None => (extended(&before, &[addition]), from.fit.clone()),
-    };
-    Found { hypothesis: Hypothesis { additions, model, fit, bic: f64::INFINITY }, visibility, strongest }
+    let before_it = robust_chi2(&base.evaluation.residuals, data.threshold);
+    if let Some((model, fit)) = &mut best
+        && scale * (before_it - fit.objective) > HOPELESS * needed
+    {
+        let mut problem = on_part(data, model, fit.parameters.clone());
+        let settings = Settings { evaluations: EVALUATIONS[1], threshold: data.threshold };
+        *fit = minimise(&mut problem, &fit.values.clone(), &settings);
+    }
+    let (model, mut fit) = best.unwrap_or_else(|| (extended(&before, &[addition]), from.fit.clone()));
+    // What counts is the change: which points are in the part is chance.
+    let mut gained = scale * (before_it - fit.objective);
+    if hopeless {
+        gained = 0.0;
+        fit.termination = "no strength within its range improves the fit".into();
+    }
+    let gain = gained / needed;
+    let estimate = Some(robust_chi2(&from.fit.evaluation.residuals, data.threshold) - gained);
+    Found {
+        hypothesis: Hypothesis { additions, model, fit, estimate, bic: f64::INFINITY },
+        gain,
+        visibility,
+        strongest,
+    }
+}
+
+fn on_part<'a>(data: &Data<'a>, model: &Model, parameters: Vec<Parameter>) -> Problem<'a> {
+    Problem::new(model.clone(), data.part.iter().copied(), parameters, Tolerance::COARSE)
 }
 
 /// The fit followed on all points at full accuracy.
 pub fn on_all(data: &Data<'_>, model: &Model, fit: &Fit) -> Fit {
     let mut problem = Problem::new(model.clone(), data.points, fit.parameters.clone(), Tolerance::default());
-    let settings = Settings { evaluations: EVALUATIONS.1, threshold: data.threshold };
+    let settings = Settings { evaluations: EVALUATIONS[2], threshold: data.threshold };
     minimise(&mut problem, &fit.values, &settings)
 }
 
@@ -127,11 +160,11 @@ fn samples(before: &Model, addition: Addition, seed: u32, hint: Option<&[f64]>) 
     let parameters = movable(&model, &addition.keys());
     let none: [&Point; 0] = [];
     let with = |parameters: Vec<Parameter>, values: &[f64]| {
-        Problem::new(model.clone(), none, parameters, COARSE).model(values)
+        Problem::new(model.clone(), none, parameters, Tolerance::COARSE).model(values)
     };
     if let Addition::Recalibration(_) = addition {
         // The stated value, and a little to either side.
-        let value = Problem::new(model.clone(), none, parameters.clone(), COARSE).values();
+        let value = Problem::new(model.clone(), none, parameters.clone(), Tolerance::COARSE).values();
         return [-0.05, 0.05]
             .iter()
             .map(|step| with(parameters.clone(), &[parameters[0].moved(value[0], *step)]))
@@ -166,7 +199,7 @@ struct Base {
 impl Base {
     fn new(data: &Data<'_>, from: &Hypothesis) -> Self {
         let mut problem =
-            Problem::new(from.model.clone(), data.part.iter().copied(), from.fit.parameters.clone(), COARSE);
+            Problem::new(from.model.clone(), data.part.iter().copied(), from.fit.parameters.clone(), Tolerance::COARSE);
         let evaluation = problem.evaluate(&from.fit.values, true);
         let svd = evaluation.jacobian.clone().svd(true, false);
         let largest = svd.singular_values.iter().copied().fold(0.0, f64::max);

@@ -19,11 +19,18 @@ pub struct Tolerance {
     pub steps: usize,
     /// Largest deviation of the slip rate from its polynomial over a step, relative to its scale.
     pub roughness: f64,
+    /// Most cycles integrated in one search for a periodic state.
+    pub cycles: usize,
+}
+
+impl Tolerance {
+    /// For searches over many models: errors of 1e-4, and points that are hard to solve are given up soon.
+    pub const COARSE: Self = Self { steps: 16, roughness: 1e-2, cycles: 40 };
 }
 
 impl Default for Tolerance {
     fn default() -> Self {
-        Self { steps: 32, roughness: 1e-3 }
+        Self { steps: 32, roughness: 1e-3, cycles: 150 }
     }
 }
 
@@ -31,6 +38,8 @@ impl Default for Tolerance {
 const NUMERICAL_DAMPING: f64 = 2e-6;
 /// Most changes of mode in one period.
 const MAX_EVENTS: usize = 1000;
+/// States this many times their scale are on their way to infinity.
+const UNBOUNDED: f64 = 1e6;
 /// Most steps in one period.
 const MAX_STEPS: usize = 20_000;
 
@@ -120,6 +129,11 @@ impl<'a> Integrator<'a> {
     /// An integrator of `system`.
     pub fn new(system: &'a dyn HybridSystem, tolerance: &Tolerance) -> Self {
         Self { system, tolerance: *tolerance, flows: Vec::new(), stepper: None }
+    }
+
+    /// The demands.
+    pub fn tolerance(&self) -> &Tolerance {
+        &self.tolerance
     }
 
     /// The system.
@@ -242,6 +256,7 @@ impl<'a> Integrator<'a> {
         if let Some(index) = moved {
             cycle.monodromy[index][index] = 0.0;
         }
+        let scales = system.scales();
         let mut tangents = [[[0.0; MAX_STATES]; MAX_STATES]; 3];
         let mut gather = with_columns.then(|| ColumnGatherer::new(system.columns()));
         while period - t > 1e-12 * period {
@@ -279,6 +294,9 @@ impl<'a> Integrator<'a> {
             }
             if stretches.is_some() {
                 return Err("not all of the cycle has an exact flow".into());
+            }
+            if (0..n).any(|i| z[i].abs() > UNBOUNDED * scales[i]) {
+                return Err(format!("the motion grew without bound at {:.4} of the cycle", t / period));
             }
             let stepper = stepper.get_or_insert_default();
             let mut size = h.min(period - t);

@@ -2,10 +2,10 @@
 
 pub mod analytic;
 pub mod cycle;
-mod integrated;
 mod dense;
 pub mod exponential;
 pub mod flow;
+mod integrated;
 pub mod lu;
 pub mod paper_euler;
 pub mod parallel;

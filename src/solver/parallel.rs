@@ -32,13 +32,25 @@ pub struct Found {
     pub multiplier: f64,
 }
 
-/// Steps per period.
-const STEPS: usize = 96;
-/// Relative change of the shared states over a cycle below which they count as periodic.
-const PERIODIC: f64 = 1e-9;
-/// Change of the mean stretch over a cycle, relative to the stroke, below which the sliders count as periodic.
-const CREEP: f64 = 3e-6;
-const MAX_CYCLES: usize = 120;
+/// What is demanded of a solution.
+#[derive(Debug, Clone, Copy)]
+pub struct Demand {
+    /// Steps per period.
+    steps: usize,
+    /// Relative change of the shared states over a cycle below which they count as periodic.
+    periodic: f64,
+    /// Change of the mean stretch over a cycle, relative to the stroke, below which the sliders count as periodic.
+    creep: f64,
+    /// Most cycles.
+    cycles: usize,
+}
+
+impl Demand {
+    /// Errors below 1e-4.
+    pub const FINE: Self = Self { steps: 96, periodic: 1e-9, creep: 3e-6, cycles: 120 };
+    /// Errors of about 1e-3, for searches over many models.
+    pub const COARSE: Self = Self { steps: 48, periodic: 1e-6, creep: 1e-4, cycles: 40 };
+}
 
 #[derive(Debug, Clone, Copy)]
 struct Slider {
@@ -58,8 +70,8 @@ struct Cycle {
 }
 
 /// Finds the periodic state. Errors say why in words.
-pub fn solve(system: &dyn SliderSystem) -> Result<Found, String> {
-    let method = Method::new(system);
+pub fn solve(system: &dyn SliderSystem, demand: &Demand) -> Result<Found, String> {
+    let method = Method::new(system, demand.steps);
     let (mut shared, psi) = system.start();
     let (stroke, speed) = system.scale();
     let angle = stroke / system.lever();
@@ -84,7 +96,7 @@ pub fn solve(system: &dyn SliderSystem) -> Result<Found, String> {
     let mut last: Option<DVector<f64>> = None;
     let mut best = f64::INFINITY;
     let mut cycles = 0;
-    while cycles < MAX_CYCLES {
+    while cycles < demand.cycles {
         let cycle = method.cycle(&shared, &sliders)?;
         cycles += 1;
         let residual: Vec<f64> = active.iter().map(|&i| (cycle.shared[i] - shared[i]) / scales[i]).collect();
@@ -98,7 +110,7 @@ pub fn solve(system: &dyn SliderSystem) -> Result<Found, String> {
             .map(|((e, (new, old)), _)| e.share * (new.x - old.x).abs() / stroke)
             .sum();
         let size = residual.iter().fold(0.0f64, |m, r| m.max(r.abs()));
-        if size < PERIODIC && creep < CREEP {
+        if size < demand.periodic && creep < demand.creep {
             let multiplier = match &jacobian {
                 Some(j) => radius(j),
                 None => radius(&method.jacobian(&shared, &sliders, &cycle, &scales, &active)?),
@@ -146,7 +158,7 @@ pub fn solve(system: &dyn SliderSystem) -> Result<Found, String> {
             }
         }
     }
-    Err(format!("no periodic state of the parallel sliders within {MAX_CYCLES} cycles"))
+    Err(format!("no periodic state of the parallel sliders within {} cycles", demand.cycles))
 }
 
 fn radius(matrix: &DMatrix<f64>) -> f64 {
@@ -156,6 +168,8 @@ fn radius(matrix: &DMatrix<f64>) -> f64 {
 /// Stage coefficients of the fixed step.
 struct Method<'a> {
     system: &'a dyn SliderSystem,
+    /// Steps per period.
+    steps: usize,
     h: f64,
     arm: Pair,
     support: Option<(Pair, f64)>,
@@ -171,8 +185,8 @@ struct Pair {
 }
 
 impl<'a> Method<'a> {
-    fn new(system: &'a dyn SliderSystem) -> Self {
-        let h = system.period() / STEPS as f64;
+    fn new(system: &'a dyn SliderSystem, steps: usize) -> Self {
+        let h = system.period() / steps as f64;
         let [kc, cc, renewal, k1, rate] = system.bristles();
         let stretch = relaxation(h, renewal);
         let branch = relaxation(h, rate);
@@ -184,7 +198,7 @@ impl<'a> Method<'a> {
             stiffness[i][i] += cc;
         }
         let support = system.support().map(|(linear, gain)| (Pair::new(h, linear), gain));
-        Self { system, h, arm: Pair::new(h, system.arm()), support, stretch, branch, stiffness }
+        Self { system, steps, h, arm: Pair::new(h, system.arm()), support, stretch, branch, stiffness }
     }
 
     fn active(&self) -> Vec<usize> {
@@ -234,7 +248,7 @@ impl<'a> Method<'a> {
         let mut force: Stages =
             [system.elements().iter().zip(sliders).map(|(e, s)| e.share * (kc * s.x + s.q)).sum(); 3];
         let mut before: Option<(f64, Stages)> = None;
-        for step in 0..STEPS {
+        for step in 0..self.steps {
             // The first guess continues the polynomial of the last step.
             let start = force[2];
             if let Some((start, stages)) = before {
@@ -347,7 +361,7 @@ impl<'a> Method<'a> {
         reference: f64,
     ) {
         let (_, speed) = self.system.scale();
-        let weight = 2.0 / STEPS as f64;
+        let weight = 2.0 / self.steps as f64;
         for i in 0..3 {
             let swing = weight * A[2][i] * (angles[i] - reference);
             cycle.fundamental.0 += swing * forcing[i].sine;
@@ -368,7 +382,7 @@ impl<'a> Method<'a> {
                 if slip[i] > 1e-12 * speed {
                     cycle.slipped[j] = true;
                 } else {
-                    cycle.stick += element.share * A[2][i] / STEPS as f64;
+                    cycle.stick += element.share * A[2][i] / self.steps as f64;
                 }
             }
         }

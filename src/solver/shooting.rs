@@ -33,8 +33,6 @@ pub struct Periodic {
 const PERIODIC: f64 = 1e-10;
 /// Relative difference of slip rates from which on two branches are two.
 const SAME_SLIP: f64 = 1e-5;
-/// Most cycles integrated in one search.
-const MAX_CYCLES: usize = 150;
 
 /// Finds the periodic solution from `guess` (or from the system's own first guess). Errors say why in words.
 pub fn solve(system: &dyn HybridSystem, guess: Option<&Start>, tolerance: &Tolerance) -> Result<Periodic, String> {
@@ -56,7 +54,7 @@ pub fn search(integrator: &mut Integrator, guess: Option<&Start>) -> Result<Peri
     let mut next_march = 3;
     let mut warm = guess.is_some();
     let mut sound: Option<Start> = None;
-    while cycles < MAX_CYCLES {
+    while cycles < integrator.tolerance().cycles {
         cycles += 1;
         let cycle = match integrator.cycle(&start, entry) {
             Ok(cycle) => cycle,
@@ -112,7 +110,7 @@ pub fn search(integrator: &mut Integrator, guess: Option<&Start>) -> Result<Peri
             None => start = cycle.end,
         }
     }
-    Err(format!("no periodic state within {MAX_CYCLES} cycles"))
+    Err(format!("no periodic state within {} cycles", integrator.tolerance().cycles))
 }
 
 /// Whether a cycle ends on the branch on which it began, and, where it cannot be one of rest, in the states in which it began.

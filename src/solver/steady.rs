@@ -260,7 +260,9 @@ fn parallel_state(
     continuum: &Sliders,
     with: &Search<'_>,
 ) -> Solution {
-    let found = match parallel::solve(continuum) {
+    let coarse = with.tolerance.steps < Tolerance::default().steps;
+    let demand = if coarse { &parallel::Demand::COARSE } else { &parallel::Demand::FINE };
+    let found = match parallel::solve(continuum, demand) {
         Ok(found) => found,
         Err(why) => return without_periodic_state(problem, &why, with),
     };

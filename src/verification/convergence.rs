@@ -52,7 +52,8 @@ fn time_integration() -> Check {
 /// where no event is stepped over.
 pub fn shooting() -> Vec<Check> {
     let model = Model::new(&scenario::paper());
-    let solved = |steps| steady(&model, &at(5e-5, 74.0), Tolerance { steps, roughness: f64::INFINITY });
+    let solved =
+        |steps| steady(&model, &at(5e-5, 74.0), Tolerance { steps, roughness: f64::INFINITY, ..Tolerance::default() });
     let fine = solved(400);
     let errors = [10, 20, 40].map(|n| distance(&solved(n), &fine));
     let how = "error of alpha e^{i phi} through the events at 10 to 40 steps a cycle; Radau IIA of three stages is of order 5";

@@ -75,7 +75,7 @@ impl Works {
 /// `None` where there is no periodic state.
 fn works(model: &Model, at: &Operation) -> Option<Works> {
     let problem = Problem::new(model, at);
-    let tolerance = Tolerance { steps: 96, roughness: 1e-4 };
+    let tolerance = Tolerance { steps: 96, roughness: 1e-4, ..Tolerance::default() };
     let periodic = shooting::solve(&problem, None, &tolerance).ok()?;
     let lumps = &problem.lumps;
     let mut sum = Works::default();

@@ -101,7 +101,7 @@ pub fn critical_stiffness() -> Vec<Check> {
         model.contact.damping = 0.0;
         model.contact.stiffness = stiffness;
         let problem = Problem::new(&model, &at(SPEED, 70.0));
-        let found = shooting::solve(&problem, None, &Tolerance { steps: 200, roughness: 1e-4 });
+        let found = shooting::solve(&problem, None, &Tolerance { steps: 200, roughness: 1e-4, ..Tolerance::default() });
         found.map_or(f64::NAN, |found| found.multiplier)
     };
     let (mut soft, mut stiff) = (0.8 * expected, 1.25 * expected);

@@ -87,7 +87,7 @@ fn jenkins_loop(ratio: f64) -> [f64; 3] {
     let (stroke, phase) = free_stroke(&model);
     let load = model.contact.stiffness * stroke / ratio / model.contact.friction;
     let operation = Operation { load, ..at(0.0, 60.0) };
-    let path = orbit(&model, &operation, 0, &Tolerance { steps: 64, roughness: 1e-4 }, 20_000);
+    let path = orbit(&model, &operation, 0, &Tolerance { steps: 64, roughness: 1e-4, ..Tolerance::default() }, 20_000);
     let share = 2.0 / path.time.len() as f64;
     let mut sums = [0.0; 3];
     for ((t, force), w) in path.time.iter().zip(&path.force).zip(&path.velocity) {
@@ -183,7 +183,7 @@ fn resonance(model: &Model) -> Option<(f64, f64)> {
     let step = 0.02;
     for i in 0..2500 {
         let operation = Operation { load: 1e-9, ..at(0.5, 70.0 + step * i as f64) };
-        let tolerance = Tolerance { steps: 64, roughness: 1e-3 };
+        let tolerance = Tolerance { steps: 64, roughness: 1e-3, ..Tolerance::default() };
         let now = solve(model, &operation, 0, &tolerance, false, &mut warm).state;
         if now.status != Status::Steady {
             return None;

@@ -188,7 +188,7 @@ fn euler_against_shooting(model: &Model) -> Check {
 }
 
 fn step_size(model: &Model) -> Check {
-    let fine = Tolerance { steps: 400, roughness: 1e-5 };
+    let fine = Tolerance { steps: 400, roughness: 1e-5, ..Tolerance::default() };
     let differences = POINTS
         .iter()
         .map(|&(v, f)| distance(&steady(model, &at(v, f), Tolerance::default()), &steady(model, &at(v, f), fine)));
