@@ -14,7 +14,7 @@ use crate::solver::Status;
 /// Figures shown at once; the others are folded.
 const FIRST: [&str; 3] = ["overlay", "misfit-map", "contact-fingerprint"];
 /// Ranges of misfit listed.
-const REGIONS: usize = 12;
+const REGIONS: usize = 6;
 /// Outliers listed.
 const OUTLIERS: usize = 24;
 /// Mean square of unstructured residuals from which on the noise is larger than stated.
@@ -94,7 +94,7 @@ fn sentence(c: &Comparison, verdict: Match) -> String {
     };
     let phase = match (m.rms_phase_deg, m.noise_phase_deg) {
         (Some(error), Some(noise)) => {
-            format!(", phase {} (noise {})", quantity(error, "°", 3), quantity(noise, "°", 2))
+            format!(", phase {} (noise {})", shown(error, "°", 3).text, shown(noise, "°", 2).text)
         }
         _ => String::new(),
     };
@@ -120,18 +120,18 @@ fn tests(c: &Comparison) -> String {
 
 fn metrics(condition: &ConditionMetrics) -> MatchView {
     let (m, s) = (&condition.metrics, &condition.setting);
-    let optional = |value: Option<f64>, unit: &str| value.map_or(none(), |value| shown(value, unit));
+    let degrees = |value: Option<f64>, digits| value.map_or(none(), |value| shown(value, "°", digits));
     MatchView {
         speed: super::format::setting(s.speed, "m/s"),
         load: super::format::setting(s.load, "N"),
         drive: super::format::setting(s.drive, "m"),
         points: m.points,
         readings: m.readings,
-        chi2: shown(m.chi2_per_point, "1"),
-        error: shown(m.rms_error_percent, "%"),
-        noise: shown(m.noise_percent, "%"),
-        phase_error: optional(m.rms_phase_deg, "°"),
-        phase_noise: optional(m.noise_phase_deg, "°"),
+        chi2: shown(m.chi2_per_point, "1", 3),
+        error: shown(m.rms_error_percent, "%", 3),
+        noise: shown(m.noise_percent, "%", 2),
+        phase_error: degrees(m.rms_phase_deg, 3),
+        phase_noise: degrees(m.noise_phase_deg, 2),
         measured_peak: peak(condition.measured_peak),
         model_peak: peak(condition.model_peak),
     }
@@ -167,7 +167,7 @@ fn tie(pair: &crate::fit::Correlation) -> String {
 
 fn outlier(outlier: &crate::compare::Outlier) -> OutlierView {
     let column = if outlier.column == "phase_rad" { "phase" } else { "amplitude" };
-    OutlierView { row: outlier.row, column: column.into(), error: shown(outlier.sigma, "σ") }
+    OutlierView { row: outlier.row, column: column.into(), error: shown(outlier.sigma, "σ", 3) }
 }
 
 fn budget(c: &Comparison) -> Vec<NoteView> {
@@ -181,8 +181,10 @@ fn budget(c: &Comparison) -> Vec<NoteView> {
     parts.iter().map(|(label, value)| NoteView { label: (*label).into(), text: quantity(*value, "%", 3) }).collect()
 }
 
-fn shown(value: f64, unit: &str) -> Quantity {
-    Quantity { value: Some(value).filter(|value| value.is_finite()), text: quantity(value, unit, 3) }
+fn shown(value: f64, unit: &str, digits: usize) -> Quantity {
+    // Degrees stand close to their number.
+    let text = quantity(value, unit, digits).replace(" °", "°");
+    Quantity { value: Some(value).filter(|value| value.is_finite()), text }
 }
 
 fn none() -> Quantity {

@@ -83,7 +83,11 @@ impl SummaryView {
             claims: tally(&Verdict::ALL.map(Verdict::words), claim_words()),
             verification: tally(&Agreement::ALL.map(Agreement::words), check_words()),
             scenarios: tally(&Completeness::ALL.map(Completeness::words), scenario_words()),
-            comparisons: tally(&Match::ALL.map(Match::words), comparisons(scenarios).map(|(_, c)| c.verdict.words())),
+            comparisons: if comparisons(scenarios).next().is_none() {
+                Vec::new()
+            } else {
+                tally(&Match::ALL.map(Match::words), comparisons(scenarios).map(|(_, c)| c.verdict.words()))
+            },
             compared: compared(scenarios),
             headlines: headlines(claims, scenarios, checks),
         }
