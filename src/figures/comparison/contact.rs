@@ -296,15 +296,16 @@ fn mark(canvas: &mut Canvas, panel: &Panel, at: Point, (mark, color): (Mark, Col
 /// Dotted lines at the speeds of the roller; those beyond the axis are named at its end.
 fn speeds(canvas: &mut Canvas, panel: &Panel, column: &Column<'_>, named: bool) {
     let small = Type { size: 13.0, ..Type::default() };
-    let moving = column.speeds.iter().filter(|speed| **speed > 0.0);
-    for (index, &speed) in moving.enumerate() {
-        let x = panel.px(Unit::speed().of(speed));
-        let beyond = if x > panel.right() {
-            Some("V = {} →")
-        } else if x < panel.left {
-            Some("← V = {}")
-        } else {
-            None
+    let place = |speed: f64| panel.px(Unit::speed().of(speed));
+    let inside = |speed: f64| (panel.left..=panel.right()).contains(&place(speed));
+    let mut moving: Vec<f64> = column.speeds.iter().copied().filter(|speed| *speed > 0.0).collect();
+    // Names of those on the axis stand lowest, next to their lines.
+    moving.sort_by_key(|speed| inside(*speed));
+    for (index, &speed) in moving.iter().enumerate() {
+        let x = place(speed);
+        let beyond = match inside(speed) {
+            true => None,
+            false => Some(if x > panel.right() { "V = {} →" } else { "← V = {}" }),
         };
         if beyond.is_none() {
             canvas.line((x, panel.top), (x, panel.bottom()), Stroke::dashed(INK, 1.5, DOTS));
@@ -313,7 +314,7 @@ fn speeds(canvas: &mut Canvas, panel: &Panel, column: &Column<'_>, named: bool) 
             let text = beyond.unwrap_or("V = {}").replace("{}", &significant(Unit::speed().of(speed), 3));
             let width = text_width(&text, 13.0, false);
             let left = (x - 0.5 * width).clamp(panel.left, panel.right() - width);
-            let lift = 6.0 + SPEED_LINE * (column.speeds.len().min(SPEEDS).saturating_sub(index + 1)) as f64;
+            let lift = 6.0 + SPEED_LINE * (moving.len().min(SPEEDS).saturating_sub(index + 1)) as f64;
             if beyond.is_none() && lift > 6.0 {
                 canvas.line((x, panel.top), (x, panel.top - lift + 4.0), Stroke::dashed(INK, 1.5, DOTS));
             }
@@ -345,11 +346,12 @@ impl ComparisonFigure for Contact {
         let svg = data.draw(self.title(), &alt)?;
         let reading = if self.by_speed {
             [
-                "Marks on the lines. At rest k is flat; a sliding contact leaves the dashed line where bωα comes near V, \
-                 for the arm then overtakes the roller.",
-                "A fall that comes earlier, later or more gently than the model's, or a level that depends on V beyond it.",
-                "A fall at other bωα/V: friction that depends on the slip rate. A level that depends on bωα alone: \
-                 stiffness or damping that depends on amplitude.",
+                "Marks on the lines. At rest k is flat. A sliding contact stays at zero while bωα is below V, and rises where the \
+                 arm begins to overtake the roller.",
+                "A rise that comes earlier or later than the model's; k or c away from zero below V; a level at rest that \
+                 changes with bωα.",
+                "Force left below V: friction that depends on the slip rate, or a contact that takes a distance to renew. \
+                 A level at rest that follows bωα: stiffness or damping that depends on amplitude, or partial slip.",
             ]
         } else {
             [

@@ -210,13 +210,16 @@ impl ComparisonFigure for MisfitMap {
             count(comparison.regions.len(), "outlined range")
         );
         let svg = data.draw(self.title(), &alt)?;
-        let worst = comparison.regions.first().map(|region| ("Worst range".to_string(), region.sentence.clone()));
-        let notes = std::iter::once(("Ranges of misfit".to_string(), comparison.regions.len().to_string()));
+        let largest = comparison.points.iter().map(|p| p.amplitude_residual.abs()).fold(0.0, f64::max);
+        let notes = vec![
+            ("Ranges of misfit".to_string(), comparison.regions.len().to_string()),
+            ("Largest error of an amplitude".to_string(), format!("{} σ", significant(largest, 3))),
+        ];
         let reading = [
             "Pale cells without pattern.",
             "Blocks of one colour, or blue beside red: a resonance at the wrong place. Rows that fail alike share a cause.",
             "Note whether the failing rows share the speed, the load or the drive, and look for an effect that acts there.",
         ];
-        Ok(drawing(self, (caption, alt), (svg, data.csv()), (notes.chain(worst).collect(), reading)))
+        Ok(drawing(self, (caption, alt), (svg, data.csv()), (notes, reading)))
     }
 }
