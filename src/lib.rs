@@ -13,7 +13,7 @@
 //! * [`atlas`] - what each effect of the registry does to resonance curves, by strength.
 //! * [`verification`] - numbers that prove the solvers in every run.
 //! * [`claims`] - the ledger of published statements, each computed and judged.
-//! * [`figures`] - outcome in, SVG, PNG and CSV out; never simulates.
+//! * [`figures`] - outcome or comparison in, SVG, PNG and CSV out; never simulates.
 //! * [`report`] - serialisable views, rendered as HTML and written as JSON.
 pub mod atlas;
 pub mod claims;

@@ -122,6 +122,95 @@ fn a_figure_that_the_sweep_cannot_fill_is_an_error_that_says_so() {
     stickslip(dir.path()).args(["run", "figure.toml"]).assert().code(2).stderr(told);
 }
 
+/// A table of the readings that the base model would give, with a bump where asked for.
+fn measured(dir: &Path, phases: bool, bump: f64) {
+    let table = stickslip::scenario::embedded_file("practice/4/measurements.csv").unwrap();
+    let keep = if phases { 8 } else { 6 };
+    let mut text = String::new();
+    for (number, line) in table.lines().enumerate() {
+        let mut cells: Vec<String> = line.split(',').take(keep).map(String::from).collect();
+        if number > 0 && cells[0] == "0.02" && cells[3].parse::<f64>().unwrap() > 70.0 {
+            cells[4] = format!("{:e}", cells[4].parse::<f64>().unwrap() * (1.0 + bump));
+        }
+        text += &(cells.join(",") + "\n");
+    }
+    std::fs::write(dir.join("table.csv"), text).unwrap();
+    let (head, _) = SMALL.split_once("[sweep]").unwrap();
+    let rest = "[measurement]\nfile = \"table.csv\"\n[fit]\nfree = [\"contact.stiffness\", \"contact.damping\"]\n";
+    std::fs::write(dir.join("measured.toml"), format!("{head}{rest}")).unwrap();
+}
+
+#[test]
+fn compare_writes_the_json_that_scripts_read() {
+    let dir = tempfile::tempdir().unwrap();
+    measured(dir.path(), true, 0.1);
+    let output = stickslip(dir.path()).args(["compare", "measured.toml", "--json", "-"]).output().unwrap();
+    assert!(output.status.success());
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("nothing but JSON on standard output");
+    assert_eq!(json["schema"], "stickslip.comparison/1");
+    for key in ["chi2_per_point", "rms_error_percent", "rms_phase_deg", "noise_percent"] {
+        assert!(json[key].is_f64(), "{key}");
+    }
+    for key in ["conditions", "regions", "contact"] {
+        assert!(json[key].as_array().is_some_and(|list| !list.is_empty()), "{key}");
+    }
+    for key in ["chi2_per_point", "rms_error_percent", "noise_percent", "model_peak", "measured_peak", "load_n"] {
+        assert!(!json["conditions"][4][key].is_null(), "{key}");
+    }
+    let region = &json["regions"][0];
+    for key in ["frequency_from_hz", "frequency_to_hz", "mean_residual_sigma", "mean_residual_percent", "share_of_chi2"]
+    {
+        assert!(region[key].is_f64(), "{key}");
+    }
+    assert!(region["sentence"].as_str().unwrap().contains("too low") && region["speed"] == 0.02);
+    for key in ["numerical_percent", "noise_percent", "model_percent"] {
+        assert!(json["error_budget"][key].is_f64(), "{key}");
+    }
+    assert!(json["contact"][0]["stiffness_sd_n_m"].as_f64().unwrap() > 0.0);
+    assert!(!dir.path().join("output").exists());
+}
+
+#[test]
+fn compare_draws_where_asked_and_leaves_out_what_needs_phases() {
+    let dir = tempfile::tempdir().unwrap();
+    measured(dir.path(), true, 0.0);
+    stickslip(dir.path())
+        .args(["compare", "measured.toml", "--out", "figures"])
+        .assert()
+        .success()
+        .stdout(predicate::str::contains("looks like noise").and(predicate::str::contains("overlay.svg")));
+    let names: Vec<String> = contents(&dir.path().join("figures")).into_iter().map(|(name, _)| name).collect();
+    for figure in ["overlay", "overlay-phase", "misfit-map", "contact-fingerprint", "contact-amplitude", "peaks"] {
+        for kind in ["svg", "png", "csv"] {
+            assert!(names.contains(&format!("measured/{figure}.{kind}")), "{figure}.{kind} in {names:?}");
+        }
+    }
+    assert_eq!(names.len(), 21);
+}
+
+#[test]
+fn a_scenario_with_nothing_but_measurements_is_reported_and_run() {
+    let dir = tempfile::tempdir().unwrap();
+    measured(dir.path(), true, 0.1);
+    stickslip(dir.path()).args(["run", "measured.toml"]).assert().success();
+    assert!(dir.path().join("output/measured/misfit-map.png").is_file());
+    assert!(!dir.path().join("output/measured/curves.csv").exists());
+    stickslip(dir.path())
+        .args(["report", "measured.toml"])
+        .assert()
+        .success()
+        .stdout(predicate::str::contains("matches 0 of 1 table"))
+        .stderr(predicate::str::contains("warning").not());
+    let page = std::fs::read_to_string(dir.path().join("output/report.html")).unwrap();
+    assert!(page.contains("structured misfit") && page.contains("Small &lt;b&gt;&amp; hostile"));
+    let json = std::fs::read_to_string(dir.path().join("output/report.json")).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let comparison = &json["scenarios"][0]["comparison"];
+    assert_eq!(comparison["verdict"], "structured misfit");
+    assert_eq!(json["summary"]["compared"][0]["anchor"], comparison["anchor"]);
+    assert_eq!(comparison["parameters"][0]["identified"], "yes");
+}
+
 #[cfg(unix)]
 #[test]
 fn interrupted_work_leaves_no_half_written_file() {

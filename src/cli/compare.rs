@@ -1,27 +1,36 @@
 //! `stickslip compare`: the model against measurements, and where it fails.
 
-use super::{Global, Json, say};
+use super::{Global, Json, say, simulate};
 use crate::compare::{self, Comparison, Options};
 use crate::error::{Error, Result};
+use crate::files;
 use crate::fit::{Identified, Interval, Parameter};
 use crate::measurement::{self, Table};
 use crate::scenario::{self, Formulation, Scenario};
 use crate::units;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Regions shown on the terminal.
 const REGIONS: usize = 8;
 
-/// Compares a scenario with its measurements; the JSON goes to `json` where given.
-pub fn execute(path: &Path, json: Option<&Json>, seed: u32, global: &Global) -> Result<()> {
+/// Compares a scenario with its measurements; the JSON goes to `json` and the figures below `out` where given.
+pub fn execute(path: &Path, json: Option<&Json>, out: Option<&PathBuf>, seed: u32, global: &Global) -> Result<()> {
     let (scenario, table) = with_measurements(path)?;
+    if let Some(out) = out {
+        files::prepare(out)?;
+    }
     let comparison = compare::compare(&scenario, &table, &Options { seed });
     if let Some(json) = json {
         json.write(&compare::json(&comparison), &[path, &table.file])?;
     }
+    let drawn = out.map(|out| simulate::comparison(&comparison, out)).transpose()?;
     if !json.is_some_and(Json::to_standard_output) {
         for line in words(&comparison) {
             say(global, &line);
+        }
+        let names = drawn.iter().flatten().flat_map(|figure| &figure.files);
+        for (name, out) in names.zip(std::iter::repeat(out)) {
+            say(global, &format!("  {}", out.map_or_else(|| name.into(), |out| out.join(name)).display()));
         }
     }
     Ok(())
@@ -30,24 +39,35 @@ pub fn execute(path: &Path, json: Option<&Json>, seed: u32, global: &Global) -> 
 /// A scenario and its table; an error where it names none.
 pub(super) fn with_measurements(path: &Path) -> Result<(Scenario, Table)> {
     let scenario = scenario::load(path)?;
-    let Some(table) = measurement::load(&scenario)? else {
+    let Some(table) = table(&scenario)? else {
         return Err(Error::Input(format!(
             "error: {} names no measurements to compare with\n  = help: add a table [measurement] with file = \"table.csv\"",
             path.display()
         )));
     };
-    if scenario.contact.formulation == Formulation::Paper {
-        return Err(Error::Input(format!(
-            "error: {}: measurements are compared with formulation = \"series\"\n  = help: the published procedure is \
-             within 0.4 % of it; change or remove formulation in [contact]",
-            path.display()
-        )));
-    }
     Ok((scenario, table))
 }
 
+/// The measurements of a scenario, where it names some.
+pub(super) fn table(scenario: &Scenario) -> Result<Option<Table>> {
+    let table = measurement::load(scenario)?;
+    if table.is_some() && scenario.contact.formulation == Formulation::Paper {
+        return Err(Error::Input(format!(
+            "error: {}: measurements are compared with formulation = \"series\"\n  = help: the published procedure is \
+             within 0.4 % of it; change or remove formulation in [contact]",
+            scenario.path.display()
+        )));
+    }
+    Ok(table)
+}
+
+/// The comparison of a scenario with its table in a report.
+pub(super) fn compare(scenario: &Scenario, table: &Table) -> Comparison {
+    compare::compare(scenario, table, &Options { seed: 0 })
+}
+
 /// The comparison in lines of text.
-fn words(c: &Comparison) -> Vec<String> {
+pub(super) fn words(c: &Comparison) -> Vec<String> {
     let m = &c.overall;
     let mut lines = vec![format!("{}: {} points, {} conditions", c.scenario.title, m.points, c.conditions.len())];
     lines.extend(c.table.notes.iter().map(|note| format!("  note: {note}")));

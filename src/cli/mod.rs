@@ -43,7 +43,7 @@ pub struct Global {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Simulate everything, draw the figures, write report.html and report.json
+    /// Simulate everything, compare with measurements, draw, write report.html and report.json
     Report {
         /// Scenario files or folders [default: scenarios/, or the built-in ones]
         scenarios: Vec<PathBuf>,
@@ -51,7 +51,7 @@ enum Command {
         #[arg(long, default_value = "output", value_name = "DIR")]
         out: PathBuf,
     },
-    /// Simulate one scenario and draw its figures; curves as CSV
+    /// Simulate one scenario, compare it with its measurements if it names any, draw; curves as CSV
     Run {
         /// Scenario file
         scenario: PathBuf,
@@ -66,6 +66,9 @@ enum Command {
         /// Write the comparison as JSON; - for standard output
         #[arg(long, value_name = "FILE")]
         json: Option<PathBuf>,
+        /// Write the figures below this folder, as SVG, PNG and CSV
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
         /// Seed of the quasi-random starts of the fit
         #[arg(long, value_name = "N", default_value_t = 0)]
         seed: u32,
@@ -115,8 +118,8 @@ pub fn run(cli: Cli) -> Result<()> {
     match cli.command.unwrap_or(Command::Report { scenarios: Vec::new(), out: "output".into() }) {
         Command::Report { scenarios, out } => report::execute(&scenarios, &out, &global),
         Command::Run { scenario, out } => run::execute(&scenario, &out, &global),
-        Command::Compare { scenario, json, seed } => {
-            compare::execute(&scenario, json.map(Json::from).as_ref(), seed, &global)
+        Command::Compare { scenario, json, out, seed } => {
+            compare::execute(&scenario, json.map(Json::from).as_ref(), out.as_ref(), seed, &global)
         }
         Command::Discover { scenario, json, max_effects, seed } => {
             let options = Options { max_effects: max_effects.into(), seed, ..Options::default() };

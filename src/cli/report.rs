@@ -1,10 +1,15 @@
 //! `stickslip report`: everything, and one page about it.
 
-use super::{Global, say, select, simulate};
+use super::{Global, compare, say, select, simulate};
 use crate::claims::{self, Judged, Relation};
+use crate::compare::Comparison;
 use crate::error::{Error, Result};
-use crate::report::{self, CheckView, ClaimView, Provenance, ReportView, Verdict, anchor, format};
+use crate::measurement::Table;
+use crate::report::{
+    self, CheckView, ClaimView, FigureInput, Provenance, ReportView, ScenarioView, Verdict, anchor, format,
+};
 use crate::scenario::{self, Scenario};
+use crate::sweep::Outcome;
 use crate::{figures, files, verification};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -19,20 +24,23 @@ const RIG: &str = "paper/rig.toml";
 pub fn execute(paths: &[PathBuf], out: &Path, global: &Global) -> Result<()> {
     let mut scenarios = select::scenarios(paths)?;
     // In the order of the figures, then of the names.
-    scenarios.sort_by_key(|s| figures::names().iter().position(|name| s.figures.first().is_some_and(|f| f == name)));
+    let place = |s: &Scenario| figures::names().iter().position(|name| s.figures.first().is_some_and(|f| f == name));
+    scenarios.sort_by_key(|s| place(s).unwrap_or(usize::MAX));
     if scenarios.is_empty() {
         return Err(Error::Input(
             "error: no scenario to report on\n  = help: name a scenario file, or write one with `stickslip init`"
                 .into(),
         ));
     }
+    let tables = scenarios.iter().map(compare::table).collect::<Result<Vec<_>>>()?;
     files::prepare(out)?;
-    select::warn_unused(&scenarios);
     let mut clock = Clock::start();
     let outcomes = scenarios.iter().map(|s| simulate::outcome(s, global.quiet)).collect::<Result<Vec<_>>>()?;
     clock.lap("sweeps");
     let figures = simulate::figures(&outcomes, out)?;
     clock.lap("figures");
+    let compared = compared(&scenarios, &tables, out)?;
+    clock.lap("comparisons");
     let claims = judge(&scenarios)?;
     clock.lap("claims");
     let atlas = if of_paper(&scenarios).is_some() { simulate::atlas(&scenario::paper(), out)? } else { Vec::new() };
@@ -41,7 +49,8 @@ pub fn execute(paths: &[PathBuf], out: &Path, global: &Global) -> Result<()> {
     checks.extend(verification::numerical_error(&outcomes));
     clock.lap("verification");
 
-    let sections = outcomes.iter().zip(&figures).map(|(o, f)| report::scenario_view(o, f)).collect();
+    let sections = outcomes.iter().zip(&figures).zip(&compared);
+    let sections = sections.map(|((o, f), compared)| section(o, f, compared.as_ref())).collect();
     let mut provenance = Provenance::from_environment(&command(paths), rayon::current_num_threads());
     provenance.timings = clock.laps;
     let claims = claims.iter().map(claim_view).collect();
@@ -57,6 +66,29 @@ pub fn execute(paths: &[PathBuf], out: &Path, global: &Global) -> Result<()> {
     }
     say(global, &format!("wrote {} and {}", out.join("report.html").display(), out.join("report.json").display()));
     Ok(())
+}
+
+/// A comparison with its figures.
+type Compared = (Comparison, Vec<FigureInput>);
+
+/// Compares every scenario that has measurements, and draws that.
+fn compared(scenarios: &[Scenario], tables: &[Option<Table>], out: &Path) -> Result<Vec<Option<Compared>>> {
+    let one = |(scenario, table): (&Scenario, &Option<Table>)| {
+        let Some(table) = table else { return Ok(None) };
+        simulate::go_on()?;
+        let comparison = compare::compare(scenario, table);
+        let figures = simulate::comparison(&comparison, out)?;
+        Ok(Some((comparison, figures)))
+    };
+    scenarios.iter().zip(tables).map(one).collect()
+}
+
+fn section(outcome: &Outcome, figures: &[FigureInput], compared: Option<&Compared>) -> ScenarioView {
+    let view = report::scenario_view(outcome, figures);
+    match compared {
+        Some((comparison, figures)) => view.with_comparison(comparison, figures),
+        None => view,
+    }
 }
 
 /// Wall times of the parts.

@@ -1,11 +1,11 @@
-//! `stickslip run`: simulate one scenario and draw it.
+//! `stickslip run`: simulate one scenario, compare it with its measurements, draw it.
 
-use super::{Global, say, select, simulate};
+use super::{Global, compare, say, select, simulate};
 use crate::error::{Error, Result};
 use crate::files;
 use std::path::{Path, PathBuf};
 
-/// Simulates the scenario, writes its figures and `curves.csv` below `out`.
+/// Simulates the scenario, compares it where it names measurements, writes its figures and `curves.csv` below `out`.
 pub fn execute(path: &Path, out: &Path, global: &Global) -> Result<()> {
     if path.is_dir() {
         return Err(Error::Input(format!(
@@ -15,22 +15,26 @@ pub fn execute(path: &Path, out: &Path, global: &Global) -> Result<()> {
         )));
     }
     let scenarios = select::scenarios(&[PathBuf::from(path)])?;
-    select::warn_unused(&scenarios);
     for scenario in &scenarios {
-        if scenario.sweep.is_none() {
-            return Err(Error::Input(format!(
-                "error: {}: nothing to simulate\n  = help: add a [sweep] with frequency, speed, load and drive",
-                scenario.path.display()
-            )));
-        }
+        let table = compare::table(scenario)?;
         files::prepare(out)?;
         let outcome = simulate::outcome(scenario, global.quiet)?;
         let figures = simulate::figures(std::slice::from_ref(&outcome), out)?;
         let folder = out.join(&scenario.id);
         let points: usize = outcome.curves.iter().map(|curve| curve.states.len()).sum();
-        say(global, &format!("{}: {points} points in {:.2} s", scenario.id, outcome.seconds));
-        say(global, &format!("  {}", folder.join("curves.csv").display()));
-        for name in figures.iter().flatten().flat_map(|figure| &figure.files) {
+        if scenario.sweep.is_some() {
+            say(global, &format!("{}: {points} points in {:.2} s", scenario.id, outcome.seconds));
+        }
+        if points > 0 {
+            say(global, &format!("  {}", folder.join("curves.csv").display()));
+        }
+        let mut figures: Vec<_> = figures.into_iter().flatten().collect();
+        if let Some(table) = &table {
+            let comparison = compare::compare(scenario, table);
+            figures.extend(simulate::comparison(&comparison, out)?);
+            compare::words(&comparison).iter().for_each(|line| say(global, line));
+        }
+        for name in figures.iter().flat_map(|figure| &figure.files) {
             say(global, &format!("  {}", out.join(name).display()));
         }
     }

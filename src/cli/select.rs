@@ -33,13 +33,6 @@ pub fn scenarios(paths: &[PathBuf]) -> Result<Vec<Scenario>> {
     Ok(good)
 }
 
-/// Says on standard error which parts of the scenarios this version reads but does not use.
-pub fn warn_unused(scenarios: &[Scenario]) {
-    for scenario in scenarios.iter().filter(|scenario| scenario.measurement.is_some()) {
-        eprintln!("warning: {}: [measurement] is checked but not compared with the model yet", scenario.path.display());
-    }
-}
-
 /// Each scenario of the arguments, or why it cannot be read.
 pub fn outcomes(paths: &[PathBuf]) -> Vec<Result<Scenario>> {
     if !paths.is_empty() {

@@ -1,7 +1,9 @@
 //! From scenarios to outcomes, drawings and the files beside the report.
 
 use crate::atlas;
+use crate::compare::Comparison;
 use crate::error::{Error, Result};
+use crate::figures::comparison::{ComparisonFigure, REGISTRY};
 use crate::figures::{self, Drawing, Figure, FigureError};
 use crate::files;
 use crate::report::{self, EffectView, FigureInput};
@@ -35,7 +37,7 @@ fn cancelled() -> &'static AtomicBool {
 }
 
 /// Fails where the user has asked to stop.
-fn go_on() -> Result<()> {
+pub fn go_on() -> Result<()> {
     if cancelled().load(Ordering::SeqCst) { Err(Error::Interrupted) } else { Ok(()) }
 }
 
@@ -73,7 +75,7 @@ pub fn figures(outcomes: &[Outcome], out: &Path) -> Result<Vec<Vec<FigureInput>>
             }
         })
         .collect::<Result<_>>()?;
-    outcomes.par_iter().try_for_each(|outcome| {
+    outcomes.par_iter().filter(|outcome| !outcome.curves.is_empty()).try_for_each(|outcome| {
         go_on()?;
         files::replace(&out.join(&outcome.scenario.id).join("curves.csv"), curves(outcome).as_bytes())
     })?;
@@ -90,6 +92,20 @@ pub fn atlas(scenario: &Scenario, out: &Path) -> Result<Vec<EffectView>> {
         Ok(report::effect_view(entry.effect, &write(drawing, "atlas", out)?))
     });
     drawn.collect()
+}
+
+/// Draws the figures of a comparison that its measurements can fill, and writes them below `out`.
+pub fn comparison(comparison: &Comparison, out: &Path) -> Result<Vec<FigureInput>> {
+    let draw = |figure: &&dyn ComparisonFigure| {
+        go_on()?;
+        match figure.draw(comparison) {
+            Ok(drawing) => write(drawing, &comparison.scenario.id, out).map(Some),
+            Err(FigureError::MissingData(_)) => Ok(None),
+            Err(why) => Err(Error::Unfinished(why.to_string())),
+        }
+    };
+    let drawn: Vec<Option<FigureInput>> = REGISTRY.par_iter().map(draw).collect::<Result<_>>()?;
+    Ok(drawn.into_iter().flatten().collect())
 }
 
 /// Writes the three files of a drawing into the folder `id` below `out`.

@@ -128,12 +128,16 @@ fn sentence(region: &Region, condition: &ConditionMetrics, part: &[&Compared]) -
         said.push(format!("is {:.1}° {lead} in phase", phase.abs()));
     }
     format!(
-        "{}: {}-{} Hz, the model {}; {:.0} % of the misfit",
+        "{}: {}-{} Hz, the model {}; {} of the misfit",
         words(&region.setting),
         Trim(region.frequency_from_hz),
         Trim(region.frequency_to_hz),
         said.join(" and "),
-        100.0 * region.share_of_chi2
+        if region.share_of_chi2 < 0.01 {
+            "less than 1 %".into()
+        } else {
+            format!("{:.0} %", 100.0 * region.share_of_chi2)
+        }
     )
 }
 
@@ -173,9 +177,9 @@ impl std::fmt::Display for Trim {
 /// A condition in words, e.g. `V = 20 mm/s, W = 20 N, u₀ = 2.5 µm`.
 pub fn words(setting: &Setting) -> String {
     format!(
-        "V = {}, W = {}, u₀ = {}",
-        units::format(setting.speed, "m/s"),
-        units::format(setting.load, "N"),
+        "V = {}, W = {} N, u₀ = {}",
+        if setting.speed == 0.0 { "0 mm/s".into() } else { units::format(setting.speed, "m/s") },
+        setting.load,
         units::format(setting.drive, "m")
     )
 }

@@ -28,7 +28,7 @@ pub(super) fn compact(body: &str) -> String {
     let mut text = String::with_capacity(body.len());
     let mut open: Option<Run> = None;
     for line in body.lines() {
-        let parsed = segment(line).or_else(|| dot(line)).or_else(|| patch(line));
+        let parsed = segment(line).or_else(|| dot(line)).or_else(|| patch(line)).or_else(|| area(line));
         match (parsed, open.as_mut()) {
             (Some((style, path)), Some(run)) if run.style == style => {
                 run.path.push_str(&path);
@@ -102,6 +102,26 @@ fn patch(line: &str) -> Option<(String, String)> {
     let [x, y, width, height] = ["x", "y", "width", "height"].map(|name| value(line, name));
     let (x, y, width, height) = (x?, y?, width?, height?);
     Some((format!("fill=\"{}\"", value(line, "fill")?), format!("M{x},{y}h{width}v{height}h-{width}z")))
+}
+
+/// A polygon without outline, all of them turning the same way so that overlaps stay filled.
+fn area(line: &str) -> Option<(String, String)> {
+    if !line.starts_with("<polygon fill=") || line.contains("stroke=") {
+        return None;
+    }
+    let number = |text: &str| text.parse::<i64>().ok();
+    let pairs = value(line, "points")?.split_ascii_whitespace().map(|pair| pair.split_once(','));
+    let mut points: Vec<(i64, i64)> =
+        pairs.map(|p| p.and_then(|(x, y)| Some((number(x)?, number(y)?)))).collect::<Option<_>>()?;
+    let turns = |(a, b): (&(i64, i64), &(i64, i64))| a.0 * b.1 - b.0 * a.1;
+    if points.iter().zip(points.iter().cycle().skip(1)).map(turns).sum::<i64>() < 0 {
+        points.reverse();
+    }
+    let mut path = String::new();
+    for (index, (x, y)) in points.iter().enumerate() {
+        let _ = write!(path, "{}{x},{y}", if index == 0 { 'M' } else { 'L' });
+    }
+    Some((format!("fill=\"{}\"", value(line, "fill")?), path + "z"))
 }
 
 #[cfg(test)]

@@ -32,7 +32,7 @@ impl Axis {
         let every = (decades / room).ceil().max(1.0) as i32;
         // One power of ten alone does not show the scale: then the labels may stand closer.
         let powers = self.high.log10().floor() - self.low.log10().ceil() + 1.0;
-        let closest = if powers < 2.0 { 0.45 } else { 0.3 };
+        let closest = if powers < 2.0 { 0.6 } else { 0.3 };
         let labelled: &[i32] = if decades < closest * room && decades < 2.5 { &[1, 2, 5] } else { &[1] };
         let (first, last) = (self.low.log10().floor() as i32, self.high.log10().ceil() as i32);
         let mut ticks = Vec::new();

@@ -26,6 +26,11 @@ pub fn figure(scenario_id: &str, name: &str) -> String {
     format!("figure-{}-{}", slug(scenario_id), slug(name))
 }
 
+/// Anchor of the comparison of a scenario with its measurements.
+pub fn comparison(id: &str) -> String {
+    format!("comparison-{}", slug(id))
+}
+
 /// Anchor of an effect of the atlas.
 pub fn effect(name: &str) -> String {
     format!("effect-{}", slug(name))

@@ -7,6 +7,8 @@
 
 pub mod anchor;
 mod atlas;
+mod comparison;
+mod comparison_view;
 pub mod format;
 mod glossary;
 mod parameters;
@@ -20,14 +22,15 @@ mod verdict;
 mod view;
 
 pub use atlas::effect_view;
+pub use comparison::comparison_view;
 pub use glossary::glossary;
 pub use parameters::formulation;
 pub use provenance::{Provenance, SECTION as PROVENANCE_SECTION};
 pub use render::{RenderError, json, render};
 pub use scenario::{FigureInput, scenario_view};
-pub use verdict::{Agreement, Completeness, Tone, Verdict};
+pub use verdict::{Agreement, Completeness, Match, Tone, Verdict};
 pub use view::{
-    AxisView, CheckView, ClaimView, CurveView, EffectParameterView, EffectView, FigureView, FileView, Headline,
-    InputView, LimitView, NoteView, ParameterView, ProvenanceView, Quantity, ReportView, SCHEMA, ScenarioView,
-    SummaryView, SymbolView, TallyView, TimingView,
+    AxisView, CheckView, ClaimView, ComparisonView, CurveView, EffectParameterView, EffectView, FigureView, FileView,
+    FittedView, Headline, InputView, LimitView, MatchView, NoteView, OutlierView, ParameterView, PeakView,
+    ProvenanceView, Quantity, ReportView, SCHEMA, ScenarioView, SummaryView, SymbolView, TallyView, TimingView,
 };

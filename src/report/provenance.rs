@@ -63,6 +63,13 @@ impl Provenance {
             path: scenario.path.clone(),
             hash: scenario.hash.clone(),
         };
+        let table = |scenario: &ScenarioView| {
+            let comparison = scenario.comparison.as_ref()?;
+            let (path, hash) = (comparison.file.clone(), comparison.hash.clone());
+            Some(InputView { id: format!("{}, measurements", scenario.id), path, hash })
+        };
+        let inputs =
+            |scenario: &ScenarioView| std::iter::once(input(scenario)).chain(table(scenario)).collect::<Vec<_>>();
         let timing = |(part, seconds): &(String, f64)| TimingView {
             part: part.clone(),
             time: if self.fixed { "-".into() } else { format::duration(*seconds) },
@@ -72,7 +79,7 @@ impl Provenance {
             program: env!("CARGO_PKG_NAME").into(),
             version: env!("CARGO_PKG_VERSION").into(),
             schemas: vec![SCHEMA.into()],
-            inputs: scenarios.iter().map(input).collect(),
+            inputs: scenarios.iter().flat_map(inputs).collect(),
             command: self.command.clone(),
             generated: self.generated.clone(),
             os: host(std::env::consts::OS),

@@ -68,6 +68,7 @@ pub fn scenario_view(outcome: &Outcome, figures: &[FigureInput]) -> ScenarioView
         axes: axes(&curves),
         curves,
         limits: outcome.limits.iter().map(limit).collect(),
+        comparison: None,
         path: scenario.path.display().to_string(),
         hash: scenario.hash.clone(),
     }

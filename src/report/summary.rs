@@ -3,9 +3,10 @@
 use super::anchor::{self, Anchors};
 use super::glossary::glossary;
 use super::provenance::{Provenance, SECTION};
-use super::verdict::{Agreement, Completeness, Tone, Verdict};
+use super::verdict::{Agreement, Completeness, Match, Tone, Verdict};
 use super::view::{
-    CheckView, ClaimView, EffectView, Headline, ReportView, SCHEMA, ScenarioView, SummaryView, TallyView,
+    CheckView, ClaimView, ComparisonView, EffectView, Headline, ReportView, SCHEMA, ScenarioView, SummaryView,
+    TallyView,
 };
 
 /// Ids of the page's own sections.
@@ -37,6 +38,12 @@ impl ReportView {
             scenario.anchor = anchors.claim(&scenario.anchor);
             for figure in &mut scenario.figures {
                 figure.anchor = anchors.claim(&figure.anchor);
+            }
+            if let Some(comparison) = &mut scenario.comparison {
+                comparison.anchor = anchors.claim(&comparison.anchor);
+                for figure in comparison.figures.iter_mut().chain(&mut comparison.more) {
+                    figure.anchor = anchors.claim(&figure.anchor);
+                }
             }
         }
         for effect in &mut atlas {
@@ -76,9 +83,39 @@ impl SummaryView {
             claims: tally(&Verdict::ALL.map(Verdict::words), claim_words()),
             verification: tally(&Agreement::ALL.map(Agreement::words), check_words()),
             scenarios: tally(&Completeness::ALL.map(Completeness::words), scenario_words()),
+            comparisons: if comparisons(scenarios).next().is_none() {
+                Vec::new()
+            } else {
+                tally(&Match::ALL.map(Match::words), comparisons(scenarios).map(|(_, c)| c.verdict.words()))
+            },
+            compared: compared(scenarios),
             headlines: headlines(claims, scenarios, checks),
         }
     }
+}
+
+fn comparisons(scenarios: &[ScenarioView]) -> impl Iterator<Item = (&ScenarioView, &ComparisonView)> {
+    scenarios.iter().filter_map(|scenario| Some((scenario, scenario.comparison.as_ref()?)))
+}
+
+/// One line per comparison, the most serious first.
+fn compared(scenarios: &[ScenarioView]) -> Vec<Headline> {
+    let mut found: Vec<_> = comparisons(scenarios).collect();
+    let chi2 = |c: &ComparisonView| c.overall.chi2.value.unwrap_or(f64::INFINITY);
+    found.sort_by(|(_, a), (_, b)| b.verdict.tone().cmp(&a.verdict.tone()).then(chi2(b).total_cmp(&chi2(a))));
+    let line = |(scenario, c): (&ScenarioView, &ComparisonView)| {
+        let worst = c.regions.first().map_or(String::new(), |region| format!("; worst: {region}"));
+        Headline {
+            verdict: c.verdict.words().into(),
+            subject: scenario.title.clone(),
+            detail: format!(
+                "χ² per reading {}, error {} rms, noise {}{worst}",
+                c.overall.chi2.text, c.overall.error.text, c.overall.noise.text
+            ),
+            anchor: c.anchor.clone(),
+        }
+    };
+    found.into_iter().map(line).collect()
 }
 
 fn tally<'a>(order: &[&str], found: impl Iterator<Item = &'a str>) -> Vec<TallyView> {
@@ -106,6 +143,15 @@ fn sentence(claims: &[ClaimView], scenarios: &[ScenarioView], checks: &[CheckVie
             "{steady} of {points} points in {} {} are steady states",
             scenarios.len(),
             plural(scenarios.len(), "scenario")
+        ));
+    }
+    let matches: Vec<Match> = comparisons(scenarios).map(|(_, c)| c.verdict).collect();
+    if !matches.is_empty() {
+        let good = matches.iter().filter(|verdict| **verdict == Match::Noise).count();
+        parts.push(format!(
+            "the model matches {good} of {} {} of measurements within the noise",
+            matches.len(),
+            plural(matches.len(), "table")
         ));
     }
     if !checks.is_empty() {

@@ -42,7 +42,13 @@ impl Tone {
         let claims = Verdict::ALL.iter().map(|v| (v.words(), v.tone()));
         let scenarios = Completeness::ALL.iter().map(|v| (v.words(), v.tone()));
         let checks = Agreement::ALL.iter().map(|v| (v.words(), v.tone()));
-        claims.chain(scenarios).chain(checks).find(|(w, _)| *w == words).map_or(Self::Open, |(_, tone)| tone)
+        let matches = Match::ALL.iter().map(|v| (v.words(), v.tone()));
+        claims
+            .chain(scenarios)
+            .chain(checks)
+            .chain(matches)
+            .find(|(w, _)| *w == words)
+            .map_or(Self::Open, |(_, tone)| tone)
     }
 }
 
@@ -126,6 +132,43 @@ impl Completeness {
     }
 }
 
+/// What a model leaves of its measurements.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Match {
+    /// A misfit that noise would not have: something is missing or wrong.
+    #[serde(rename = "structured misfit")]
+    Structured,
+    /// No structure, but more than the stated noise.
+    #[serde(rename = "noise larger than stated")]
+    Noisy,
+    /// Noise.
+    #[serde(rename = "within the noise")]
+    Noise,
+}
+
+impl Match {
+    /// All of them, the most serious first.
+    pub const ALL: [Self; 3] = [Self::Structured, Self::Noisy, Self::Noise];
+
+    /// The words of the report and of the JSON.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Structured => "structured misfit",
+            Self::Noisy => "noise larger than stated",
+            Self::Noise => "within the noise",
+        }
+    }
+
+    /// How it is to be read.
+    pub fn tone(self) -> Tone {
+        match self {
+            Self::Structured => Tone::Bad,
+            Self::Noisy => Tone::Caveat,
+            Self::Noise => Tone::Good,
+        }
+    }
+}
+
 /// Verdict on a number that proves the solvers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 pub enum Agreement {
@@ -174,6 +217,10 @@ mod tests {
             assert_eq!(Tone::of(verdict.words()), verdict.tone());
         }
         for verdict in Agreement::ALL {
+            assert_eq!(serde_json::to_value(verdict).unwrap(), verdict.words());
+            assert_eq!(Tone::of(verdict.words()), verdict.tone());
+        }
+        for verdict in Match::ALL {
             assert_eq!(serde_json::to_value(verdict).unwrap(), verdict.words());
             assert_eq!(Tone::of(verdict.words()), verdict.tone());
         }

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+pub use super::comparison_view::{ComparisonView, FittedView, MatchView, OutlierView, PeakView};
 use super::verdict::{Agreement, Completeness, Verdict};
 
 /// Schema of `report.json`.
@@ -52,7 +53,11 @@ pub struct SummaryView {
     pub verification: Vec<TallyView>,
     /// Number of scenarios by completeness.
     pub scenarios: Vec<TallyView>,
-    /// What deserves attention, failures first.
+    /// Number of comparisons with measurements by what the model leaves.
+    pub comparisons: Vec<TallyView>,
+    /// One line per scenario with measurements, failures first.
+    pub compared: Vec<Headline>,
+    /// What else deserves attention, failures first.
     pub headlines: Vec<Headline>,
 }
 
@@ -144,6 +149,8 @@ pub struct ScenarioView {
     pub curves: Vec<CurveView>,
     /// Limiting cases in closed form.
     pub limits: Vec<LimitView>,
+    /// Model against measurements, where there are any.
+    pub comparison: Option<ComparisonView>,
     /// The file as the user named it.
     pub path: String,
     /// BLAKE3 hash of the file and everything it extends.

@@ -18,7 +18,9 @@ pub fn discover(dir: &Path) -> Vec<PathBuf> {
 
 /// Ids of the scenarios inside the binary, bases left out.
 pub fn embedded_names() -> Vec<String> {
-    let scenarios = FILES.iter().map(|(name, _)| Path::new(*name)).filter(|path| is_scenario(Store::Embedded, path));
+    let written = FILES.iter().map(|(name, _)| Path::new(*name));
+    let written = written.filter(|path| path.extension().is_some_and(|ending| ending == "toml"));
+    let scenarios = written.filter(|path| is_scenario(Store::Embedded, path));
     scenarios.map(|path| id(Store::Embedded, path)).collect()
 }
 

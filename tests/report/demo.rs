@@ -1,7 +1,9 @@
 //! A report with plausible content, built as the program builds it.
 
+use stickslip::compare::{Options, compare};
 use stickslip::report::{
-    Agreement, CheckView, ClaimView, FigureInput, Provenance, ReportView, Verdict, anchor, effect_view, scenario_view,
+    Agreement, CheckView, ClaimView, FigureInput, Provenance, ReportView, ScenarioView, Verdict, anchor, effect_view,
+    scenario_view,
 };
 use stickslip::scenario::{Contact, EffectSetting, Formulation, Instrument, Rig, Scenario, Sweep};
 use stickslip::solver::{Method, Status, SteadyState};
@@ -207,6 +209,20 @@ pub fn claims() -> Vec<ClaimView> {
             "The sweep did not reach a steady state at 90 Hz.",
         ),
     ]
+}
+
+/// A scenario with measurements and nothing else, compared.
+pub fn measured(number: usize, title: &str) -> ScenarioView {
+    let mut scenario = stickslip::scenario::load_embedded(&format!("practice/{number}/scenario")).unwrap();
+    scenario.title = title.into();
+    let mut table = stickslip::measurement::load(&scenario).unwrap().unwrap();
+    table.points.retain(|point| point.row % 2 == 0);
+    table.notes = vec![format!("the noise is that of the table of {title}")];
+    let comparison = compare(&scenario, &table, &Options { seed: 0 });
+    let names = ["overlay", "misfit-map", "contact-fingerprint", "peaks"];
+    let figures = names.map(|name| figure(&scenario.id, name, name));
+    let outcome = Outcome { scenario, curves: Vec::new(), limits: Vec::new(), seconds: 0.0 };
+    scenario_view(&outcome, &[]).with_comparison(&comparison, &figures)
 }
 
 /// The report with the given title, fixed so that two are the same.

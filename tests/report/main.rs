@@ -189,6 +189,59 @@ fn failures_come_first() {
     assert_eq!(view.summary.claims.iter().map(|tally| tally.count).sum::<usize>(), view.claims.len());
 }
 
+/// A report on nothing but two tables of measurements: one that the model matches, one that it does not.
+fn compared(title: &str) -> ReportView {
+    let provenance = stickslip::report::Provenance::fixed("stickslip");
+    let scenarios = vec![demo::measured(4, title), demo::measured(1, title)];
+    ReportView::assemble(title, vec![], scenarios, vec![], vec![], &provenance)
+}
+
+#[test]
+fn comparisons_are_summed_up_with_failures_first() {
+    let view = compared("Readings");
+    let verdicts: Vec<&str> = view.summary.compared.iter().map(|line| line.verdict.as_str()).collect();
+    assert_eq!(verdicts, ["structured misfit", "within the noise"]);
+    assert!(view.summary.sentence.contains("the model matches 1 of 2 tables of measurements within the noise"));
+    let page = render(&view).unwrap();
+    let ids: BTreeSet<&str> = attributes(&page, "id").into_iter().collect();
+    for line in &view.summary.compared {
+        assert!(ids.contains(line.anchor.as_str()) && line.detail.starts_with("χ² per reading "), "{}", line.detail);
+    }
+    assert!(page.find(&view.summary.compared[0].anchor) < page.find(&view.summary.compared[1].anchor));
+    let failing = view.scenarios[1].comparison.as_ref().unwrap();
+    assert!(!failing.regions.is_empty() && failing.figures.len() == 3 && failing.more.len() == 1);
+    assert_eq!((view.scenarios[0].points, view.scenarios[0].failed), (156, 0));
+    assert_eq!(view.provenance.inputs.len(), 4);
+}
+
+#[test]
+fn what_the_json_says_of_a_comparison_the_page_shows() {
+    let view = compared("Readings");
+    let text = json(&view).unwrap();
+    let page = unescape(&render(&view).unwrap());
+    let data: Value = serde_json::from_str(&text).unwrap();
+    for scenario in data["scenarios"].as_array().unwrap() {
+        let mut found = Vec::new();
+        leaves(&scenario["comparison"], "", &mut found);
+        assert!(found.len() > 200);
+        for (key, text) in
+            found.iter().filter(|(key, text)| !["", "–"].contains(&text.as_str()) && !["name", "value"].contains(key))
+        {
+            assert!(page.contains(text.as_str()), "{key}: {text} is not in the page");
+        }
+    }
+    let read: ReportView = serde_json::from_str(&text).unwrap();
+    assert_eq!(read.summary, view.summary);
+}
+
+#[test]
+fn hostile_names_of_measurements_stay_text() {
+    let page = render(&compared(HOSTILE)).unwrap();
+    assert!(!page.contains("<script") && !page.contains("<img"));
+    let ids = attributes(&page, "id");
+    assert_eq!(ids.len(), ids.iter().collect::<BTreeSet<_>>().len());
+}
+
 #[test]
 fn a_view_of_nothing_is_still_a_page() {
     let provenance = stickslip::report::Provenance::fixed("stickslip");

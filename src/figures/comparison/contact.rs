@@ -1,14 +1,15 @@
 //! What the contact must have done: dynamic stiffness and damping from the readings and the rig alone, beside those of the
 //! model; against frequency, or against the amplitude of the arm's speed.
 
-use super::columns::{Column, Curve, columns};
+use super::columns::{Column, columns};
 use super::limits::{Limits, Outside};
 use super::words::{self, count};
 use super::{ComparisonFigure, drawing};
 use crate::compare::{Comparison, ContactPoint};
 use crate::figures::axes::{Axis, Panel, range};
 use crate::figures::canvas::{Canvas, Point, Stroke, Type, document};
-use crate::figures::style::{DASH_SLIP, DOTS, INK, Table, Unit, WIDTH, cell, significant, text_width};
+use crate::figures::marks::Mark;
+use crate::figures::style::{Color, DASH_SLIP, DOTS, INK, Table, Unit, WIDTH, cell, significant, text_width};
 use crate::figures::{Drawing, FigureError};
 
 const LEFT: f64 = 92.0;
@@ -17,6 +18,10 @@ const RIGHT: f64 = 84.0;
 const GAP: f64 = 30.0;
 /// Heights of the two rows.
 const HEIGHTS: [f64; 2] = [280.0, 240.0];
+/// Height of the name of a speed above its panel.
+const SPEED_LINE: f64 = 17.0;
+/// Speeds named in one column.
+const SPEEDS: usize = 4;
 /// Height of a line of a column's legend.
 const LINE: f64 = 19.0;
 
@@ -86,7 +91,8 @@ impl<'a> Data<'a> {
     fn axis(&self) -> Axis {
         let all = self.c.contact.iter().chain(&self.c.contact_model).map(|p| self.x(p));
         if self.by_speed {
-            return Axis::logarithmic("speed amplitude bωα [mm/s]", all, 0.05);
+            let label = if self.columns.len() > 3 { "bωα [mm/s]" } else { "speed amplitude bωα [mm/s]" };
+            return Axis::logarithmic(label, all, 0.05);
         }
         let (low, high) = range(all);
         let margin = if high > low { 0.02 * (high - low) } else { 0.0 };
@@ -97,7 +103,9 @@ impl<'a> Data<'a> {
         let n = self.columns.len() as f64;
         let width = (WIDTH - LEFT - RIGHT - GAP * (n - 1.0)) / n;
         let most = self.columns.iter().map(|column| column.curves.len()).max().unwrap_or(1);
-        let top = 38.0 + LINE * most as f64;
+        let named = self.columns.iter().map(|column| column.speeds.iter().filter(|v| **v > 0.0).count()).max();
+        let above = if self.by_speed { SPEED_LINE * named.unwrap_or(0).min(SPEEDS) as f64 } else { 0.0 };
+        let top = 38.0 + LINE * most as f64 + above;
         let axis = self.axis();
         let height = top + HEIGHTS.iter().sum::<f64>() + 18.0 + 62.0;
         document((WIDTH, height), (title, alt), |canvas| {
@@ -156,7 +164,7 @@ impl<'a> Data<'a> {
         for curve in &column.curves {
             for p in curve.measured.iter().filter(|p| limits.vague(p, row)) {
                 bar(canvas, p, curve.color.faded(), 0.9);
-                panel.marks(canvas, &[place(p)], curve.mark, 2.4, curve.color.faded(), true);
+                mark(canvas, panel, place(p), (curve.mark, curve.color.faded()));
             }
         }
         for curve in &column.curves {
@@ -167,7 +175,7 @@ impl<'a> Data<'a> {
             let clear = || curve.measured.iter().filter(|p| !limits.vague(p, row));
             clear().for_each(|p| bar(canvas, p, curve.color, 1.1));
             for p in clear() {
-                mark(canvas, panel, place(p), curve);
+                mark(canvas, panel, place(p), (curve.mark, curve.color));
             }
         }
         for (curve, p) in column.curves.iter().flat_map(|curve| curve.measured.iter().map(move |p| (curve, p))) {
@@ -270,36 +278,47 @@ impl<'a> Data<'a> {
     }
 }
 
-fn mark(canvas: &mut Canvas, panel: &Panel, at: Point, curve: &Curve<'_>) {
-    use crate::figures::marks::Mark;
+/// A small mark without outline, where it lies on the panel.
+fn mark(canvas: &mut Canvas, panel: &Panel, at: Point, (mark, color): (Mark, Color)) {
     let (x, y) = (panel.px(at.0), panel.py(at.1));
-    if curve.mark != Mark::Circle {
-        panel.marks(canvas, &[at], curve.mark, 2.9, curve.color, true);
-    } else if (panel.top..=panel.bottom()).contains(&y) {
-        canvas.dot((x, y), 2.7, curve.color);
+    if !(panel.top..=panel.bottom()).contains(&y) || !(panel.left..=panel.right()).contains(&x) {
+        return;
+    }
+    let (r, h) = (3.1, 2.5);
+    match mark {
+        Mark::Circle => canvas.dot((x, y), 2.8, color),
+        Mark::Square => canvas.rectangle((x - h, y - h), 2.0 * h, 2.0 * h, color, None),
+        Mark::Triangle => canvas.polygon(&[(x, y - r), (x + r, y + 0.8 * r), (x - r, y + 0.8 * r)], color, None),
+        Mark::Diamond => canvas.polygon(&[(x - r, y), (x, y - r), (x + r, y), (x, y + r)], color, None),
     }
 }
 
 /// Dotted lines at the speeds of the roller; those beyond the axis are named at its end.
 fn speeds(canvas: &mut Canvas, panel: &Panel, column: &Column<'_>, named: bool) {
     let small = Type { size: 13.0, ..Type::default() };
-    for (index, &speed) in column.speeds.iter().filter(|speed| **speed > 0.0).enumerate() {
-        let x = panel.px(Unit::speed().of(speed));
-        let beyond = if x > panel.right() {
-            Some("V = {} →")
-        } else if x < panel.left {
-            Some("← V = {}")
-        } else {
-            None
+    let place = |speed: f64| panel.px(Unit::speed().of(speed));
+    let inside = |speed: f64| (panel.left..=panel.right()).contains(&place(speed));
+    let mut moving: Vec<f64> = column.speeds.iter().copied().filter(|speed| *speed > 0.0).collect();
+    // Names of those on the axis stand lowest, next to their lines.
+    moving.sort_by_key(|speed| inside(*speed));
+    for (index, &speed) in moving.iter().enumerate() {
+        let x = place(speed);
+        let beyond = match inside(speed) {
+            true => None,
+            false => Some(if x > panel.right() { "V = {} →" } else { "← V = {}" }),
         };
         if beyond.is_none() {
             canvas.line((x, panel.top), (x, panel.bottom()), Stroke::dashed(INK, 1.5, DOTS));
         }
-        if named {
+        if named && index < SPEEDS {
             let text = beyond.unwrap_or("V = {}").replace("{}", &significant(Unit::speed().of(speed), 3));
             let width = text_width(&text, 13.0, false);
-            let left = (x + 5.0).clamp(panel.left + 5.0, panel.right() - width - 5.0);
-            canvas.text((left, panel.top + 17.0 + 17.0 * index as f64), &text, small);
+            let left = (x - 0.5 * width).clamp(panel.left, panel.right() - width);
+            let lift = 6.0 + SPEED_LINE * (moving.len().min(SPEEDS).saturating_sub(index + 1)) as f64;
+            if beyond.is_none() && lift > 6.0 {
+                canvas.line((x, panel.top), (x, panel.top - lift + 4.0), Stroke::dashed(INK, 1.5, DOTS));
+            }
+            canvas.text((left, panel.top - lift), &text, small);
         }
     }
 }
@@ -327,11 +346,12 @@ impl ComparisonFigure for Contact {
         let svg = data.draw(self.title(), &alt)?;
         let reading = if self.by_speed {
             [
-                "Marks on the lines. At rest k is flat; a sliding contact leaves the dashed line where bωα comes near V, \
-                 for the arm then overtakes the roller.",
-                "A fall that comes earlier, later or more gently than the model's, or a level that depends on V beyond it.",
-                "A fall at other bωα/V: friction that depends on the slip rate. A level that depends on bωα alone: \
-                 stiffness or damping that depends on amplitude.",
+                "Marks on the lines. At rest k is flat. A sliding contact stays at zero while bωα is below V, and rises where the \
+                 arm begins to overtake the roller.",
+                "A rise that comes earlier or later than the model's; k or c away from zero below V; a level at rest that \
+                 changes with bωα.",
+                "Force left below V: friction that depends on the slip rate, or a contact that takes a distance to renew. \
+                 A level at rest that follows bωα: stiffness or damping that depends on amplitude, or partial slip.",
             ]
         } else {
             [

@@ -14,7 +14,7 @@ const GAP: f64 = 36.0;
 /// Above a panel: two lines of heading.
 const HEADING: f64 = 52.0;
 /// Between a panel and its strip.
-const CLEARANCE: f64 = 8.0;
+const CLEARANCE: f64 = 10.0;
 /// Below the lowest panel of a column: tick labels and axis label.
 const FOOT: f64 = 58.0;
 

@@ -106,7 +106,8 @@ impl<'a> Data<'a> {
         canvas.rectangle((panel.left, panel.top), panel.width, panel.height, Color(0xd5, 0xd5, 0xd5), None);
         for (color, row, from, to) in cells {
             let (from, to) = (panel.px(from), panel.px(to));
-            canvas.rectangle((from, y(row)), to - from, self.row, color, None);
+            // A little wider, so that no seam shows between neighbours.
+            canvas.rectangle((from, y(row)), to - from + 0.3, self.row, color, None);
         }
         for row in 1..self.labels.len() {
             canvas.line((panel.left, y(row)), (panel.right(), y(row)), Stroke::solid(Color(0xff, 0xff, 0xff), 2.0));
@@ -125,7 +126,7 @@ impl<'a> Data<'a> {
             let (t, b) = (y(region.condition) + 2.0, y(region.condition + 1) - 2.0);
             canvas.polyline(&[(l, t), (r, t), (r, b), (l, b), (l, t)], Stroke::solid(INK, 1.6));
         }
-        let frame = Panel { y: Axis::linear("", 0.0, 1.0).step(2.0), ..panel.clone() };
+        let frame = Panel { y: Axis::linear("", 0.2, 0.8).step(2.0), ..panel.clone() };
         frame.border(canvas, 1.0);
     }
 
@@ -209,13 +210,16 @@ impl ComparisonFigure for MisfitMap {
             count(comparison.regions.len(), "outlined range")
         );
         let svg = data.draw(self.title(), &alt)?;
-        let worst = comparison.regions.first().map(|region| ("Worst range".to_string(), region.sentence.clone()));
-        let notes = std::iter::once(("Ranges of misfit".to_string(), comparison.regions.len().to_string()));
+        let largest = comparison.points.iter().map(|p| p.amplitude_residual.abs()).fold(0.0, f64::max);
+        let notes = vec![
+            ("Ranges of misfit".to_string(), comparison.regions.len().to_string()),
+            ("Largest error of an amplitude".to_string(), format!("{} σ", significant(largest, 3))),
+        ];
         let reading = [
             "Pale cells without pattern.",
             "Blocks of one colour, or blue beside red: a resonance at the wrong place. Rows that fail alike share a cause.",
             "Note whether the failing rows share the speed, the load or the drive, and look for an effect that acts there.",
         ];
-        Ok(drawing(self, (caption, alt), (svg, data.csv()), (notes.chain(worst).collect(), reading)))
+        Ok(drawing(self, (caption, alt), (svg, data.csv()), (notes, reading)))
     }
 }

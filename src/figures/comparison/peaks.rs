@@ -60,7 +60,7 @@ impl<'a> Data<'a> {
             for (side, name) in names.iter().enumerate() {
                 let (low, high) = ends(side);
                 let x = Axis::linear(name.clone(), low, high);
-                let y = Axis::linear("", 0.0, 1.0).step(2.0);
+                let y = Axis::linear("", 0.2, 0.8).step(2.0);
                 let panel = Panel { left: left + (width + GAP) * side as f64, top: TOP, width, height, x, y };
                 self.panel(canvas, &panel, side);
             }

@@ -35,9 +35,9 @@ impl Sigma {
         ticks
     }
 
-    /// The largest round value of the scale.
+    /// The largest round value that keeps clear of the end of the scale.
     pub fn top(self) -> f64 {
-        self.ticks().last().copied().unwrap_or(BAND)
+        self.ticks().into_iter().rfind(|tick| self.place(*tick) < 0.8).unwrap_or(BAND)
     }
 
     /// What a caption says of the scale.

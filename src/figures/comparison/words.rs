@@ -13,7 +13,7 @@ pub fn speed(setting: &Setting) -> String {
 
 /// The speed alone.
 pub fn speed_value(speed: f64) -> String {
-    if speed == 0.0 { "0".into() } else { Unit::speed().show(speed, 3) }
+    if speed == 0.0 { "0 mm/s".into() } else { Unit::speed().show(speed, 3) }
 }
 
 /// Load and drive, as `W = 20 N, u₀ = 2.5 µm`.

@@ -1,0 +1,192 @@
+//! Model against measurements: the part of a scenario's section that a comparison fills.
+
+use super::anchor;
+use super::format::{NONE, computed, quantity};
+use super::scenario::{FigureInput, figure};
+use super::verdict::{Completeness, Match};
+use super::view::{
+    ComparisonView, FigureView, FittedView, MatchView, NoteView, OutlierView, PeakView, Quantity, ScenarioView,
+};
+use crate::compare::{Comparison, ConditionMetrics, Peak};
+use crate::fit::{Identified, Interval, Parameter};
+use crate::solver::Status;
+
+/// Figures shown at once; the others are folded.
+const FIRST: [&str; 3] = ["overlay", "misfit-map", "contact-fingerprint"];
+/// Ranges of misfit listed.
+const REGIONS: usize = 6;
+/// Outliers listed.
+const OUTLIERS: usize = 24;
+/// Mean square of unstructured residuals from which on the noise is larger than stated.
+const NOISY: f64 = 1.5;
+
+impl ScenarioView {
+    /// The section with a comparison in it. The model's points count like those of a sweep.
+    pub fn with_comparison(mut self, c: &Comparison, figures: &[FigureInput]) -> Self {
+        let count = |wanted: fn(&Status) -> bool| c.points.iter().filter(|p| wanted(&p.model.status)).count();
+        let self_excited = count(|status| matches!(status, Status::SelfExcited(_)));
+        let failed = count(|status| matches!(status, Status::Failed(_)));
+        self.points += c.points.len();
+        self.steady += c.points.len() - self_excited - failed;
+        self.self_excited += self_excited;
+        self.failed += failed;
+        self.status = match (self.failed, self.self_excited) {
+            (0, 0) => Completeness::Steady,
+            (0, _) => Completeness::SelfExcited,
+            _ => Completeness::Failed,
+        };
+        self.comparison = Some(comparison_view(c, figures));
+        self
+    }
+}
+
+/// The view of a comparison.
+pub fn comparison_view(c: &Comparison, figures: &[FigureInput]) -> ComparisonView {
+    let id = &c.scenario.id;
+    let views: Vec<FigureView> = figures.iter().map(|input| figure(id, input)).collect();
+    let (first, more) = views.into_iter().partition(|view| FIRST.contains(&view.name.as_str()));
+    let verdict = verdict(c);
+    let all = ConditionMetrics {
+        setting: c.conditions[0].setting,
+        metrics: c.overall,
+        model_peak: None,
+        measured_peak: None,
+    };
+    ComparisonView {
+        anchor: anchor::comparison(id),
+        verdict,
+        sentence: sentence(c, verdict),
+        tests: tests(c),
+        file: c.table.file.display().to_string(),
+        hash: c.table.hash.clone(),
+        notes: c.table.notes.clone(),
+        overall: MatchView { speed: none(), load: none(), drive: none(), ..metrics(&all) },
+        parameters: c.fit.parameters.iter().zip(&c.intervals).map(|(p, i)| fitted(p, i)).collect(),
+        ties: c.correlations.iter().map(tie).collect(),
+        conditions: c.conditions.iter().map(metrics).collect(),
+        regions: c.regions.iter().take(REGIONS).map(|region| region.sentence.clone()).collect(),
+        more_regions: c.regions.len().saturating_sub(REGIONS),
+        outliers: c.outliers.iter().take(OUTLIERS).map(outlier).collect(),
+        more_outliers: c.outliers.len().saturating_sub(OUTLIERS),
+        budget: budget(c),
+        figures: first,
+        more,
+    }
+}
+
+/// What the residuals are like.
+fn verdict(c: &Comparison) -> Match {
+    if c.whiteness.structured {
+        Match::Structured
+    } else if c.overall.chi2_per_point > NOISY {
+        Match::Noisy
+    } else {
+        Match::Noise
+    }
+}
+
+fn sentence(c: &Comparison, verdict: Match) -> String {
+    let m = &c.overall;
+    let what = match verdict {
+        Match::Structured => "What the model leaves is structured, not noise",
+        Match::Noisy => "What the model leaves has no structure, but is larger than the stated noise",
+        Match::Noise => "What the model leaves looks like noise",
+    };
+    let phase = match (m.rms_phase_deg, m.noise_phase_deg) {
+        (Some(error), Some(noise)) => {
+            format!(", phase {} (noise {})", shown(error, "°", 3).text, shown(noise, "°", 2).text)
+        }
+        _ => String::new(),
+    };
+    format!(
+        "{what}: χ² per reading {} (noise alone: 1); root mean square error of the amplitude {} (noise {}){phase}.",
+        quantity(m.chi2_per_point, "1", 3),
+        quantity(m.rms_error_percent, "%", 3),
+        quantity(m.noise_percent, "%", 2)
+    )
+}
+
+fn tests(c: &Comparison) -> String {
+    let w = &c.whiteness;
+    format!(
+        "Tests of the residuals along the frequency: {} runs of equal sign where noise has about {:.0}; correlation of neighbours {}; \
+         smooth part {} times the rest.",
+        w.runs,
+        w.runs_expected,
+        quantity(w.autocorrelation, "1", 2),
+        quantity(w.smooth_ratio, "1", 2)
+    )
+}
+
+fn metrics(condition: &ConditionMetrics) -> MatchView {
+    let (m, s) = (&condition.metrics, &condition.setting);
+    let degrees = |value: Option<f64>, digits| value.map_or(none(), |value| shown(value, "°", digits));
+    MatchView {
+        speed: super::format::setting(s.speed, "m/s"),
+        load: super::format::setting(s.load, "N"),
+        drive: super::format::setting(s.drive, "m"),
+        points: m.points,
+        readings: m.readings,
+        chi2: shown(m.chi2_per_point, "1", 3),
+        error: shown(m.rms_error_percent, "%", 3),
+        noise: shown(m.noise_percent, "%", 2),
+        phase_error: degrees(m.rms_phase_deg, 3),
+        phase_noise: degrees(m.noise_phase_deg, 2),
+        measured_peak: peak(condition.measured_peak),
+        model_peak: peak(condition.model_peak),
+    }
+}
+
+fn peak(peak: Option<Peak>) -> PeakView {
+    PeakView {
+        frequency: peak.map_or(none(), |p| computed(p.frequency_hz, "Hz")),
+        amplitude: peak.map_or(none(), |p| computed(p.amplitude_rad, "rad")),
+    }
+}
+
+fn fitted(parameter: &Parameter, interval: &Interval) -> FittedView {
+    let meaning = match interval.identified {
+        Identified::Yes => "bounded on both sides",
+        Identified::OneSided => "bounded on one side; the other end is that of the search",
+        Identified::No => "not determined by these data",
+    };
+    FittedView {
+        key: parameter.key.clone(),
+        value: computed(interval.value, parameter.unit),
+        low: computed(interval.low, parameter.unit),
+        high: computed(interval.high, parameter.unit),
+        identified: interval.identified.word().into(),
+        meaning: meaning.into(),
+    }
+}
+
+fn tie(pair: &crate::fit::Correlation) -> String {
+    let (a, b) = &pair.parameters;
+    format!("The estimates of {a} and {b} are tied together (correlation {}).", quantity(pair.value, "1", 3))
+}
+
+fn outlier(outlier: &crate::compare::Outlier) -> OutlierView {
+    let column = if outlier.column == "phase_rad" { "phase" } else { "amplitude" };
+    OutlierView { row: outlier.row, column: column.into(), error: shown(outlier.sigma, "σ", 3) }
+}
+
+fn budget(c: &Comparison) -> Vec<NoteView> {
+    let b = &c.error_budget;
+    let parts = [
+        ("model", b.model_percent),
+        ("noise", b.noise_percent),
+        ("numerics", b.numerical_percent),
+        ("total", b.total_percent),
+    ];
+    parts.iter().map(|(label, value)| NoteView { label: (*label).into(), text: quantity(*value, "%", 3) }).collect()
+}
+
+fn shown(value: f64, unit: &str, digits: usize) -> Quantity {
+    // Degrees stand close to their number.
+    let text = quantity(value, unit, digits).replace(" °", "°");
+    Quantity { value: Some(value).filter(|value| value.is_finite()), text }
+}
+
+fn none() -> Quantity {
+    Quantity { value: None, text: NONE.into() }
+}

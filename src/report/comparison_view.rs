@@ -1,0 +1,113 @@
+//! What the report says of a comparison, as data.
+
+use serde::{Deserialize, Serialize};
+
+use super::verdict::Match;
+use super::view::{FigureView, NoteView, Quantity};
+
+/// Model against measurements.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ComparisonView {
+    /// Stable id in the page.
+    pub anchor: String,
+    /// What the model leaves.
+    pub verdict: Match,
+    /// The same with its numbers.
+    pub sentence: String,
+    /// The tests behind the verdict.
+    pub tests: String,
+    /// The table of measurements.
+    pub file: String,
+    /// Its hash.
+    pub hash: String,
+    /// How the table was read: where its noise comes from, what was left out.
+    pub notes: Vec<String>,
+    /// Figures over all readings.
+    pub overall: MatchView,
+    /// Calibrated parameters.
+    pub parameters: Vec<FittedView>,
+    /// Estimates that are tied together.
+    pub ties: Vec<String>,
+    /// Figures per condition.
+    pub conditions: Vec<MatchView>,
+    /// Where the model fails, the worst first.
+    pub regions: Vec<String>,
+    /// How many more there are.
+    pub more_regions: usize,
+    /// Single readings that stand out.
+    pub outliers: Vec<OutlierView>,
+    /// How many more there are.
+    pub more_outliers: usize,
+    /// Error budget.
+    pub budget: Vec<NoteView>,
+    /// Figures to begin with.
+    pub figures: Vec<FigureView>,
+    /// Further figures.
+    pub more: Vec<FigureView>,
+}
+
+/// How well a model matches some readings; of several conditions together, settings and peaks are empty.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MatchView {
+    /// V.
+    pub speed: Quantity,
+    /// W.
+    pub load: Quantity,
+    /// u0.
+    pub drive: Quantity,
+    /// Points.
+    pub points: usize,
+    /// Readings: amplitudes and phases.
+    pub readings: usize,
+    /// Mean square of the residuals in standard deviations.
+    pub chi2: Quantity,
+    /// Root mean square error of the amplitude.
+    pub error: Quantity,
+    /// Noise of the amplitude.
+    pub noise: Quantity,
+    /// Root mean square error of the phase.
+    pub phase_error: Quantity,
+    /// Noise of the phase.
+    pub phase_noise: Quantity,
+    /// Measured peak.
+    pub measured_peak: PeakView,
+    /// Peak of the model.
+    pub model_peak: PeakView,
+}
+
+/// A resonance peak.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PeakView {
+    /// Where.
+    pub frequency: Quantity,
+    /// How high.
+    pub amplitude: Quantity,
+}
+
+/// A calibrated parameter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FittedView {
+    /// Key in a scenario file.
+    pub key: String,
+    /// Best value.
+    pub value: Quantity,
+    /// Lower end of the 95 % interval.
+    pub low: Quantity,
+    /// Its upper end.
+    pub high: Quantity,
+    /// `yes`, `one-sided` or `no`.
+    pub identified: String,
+    /// The same in words.
+    pub meaning: String,
+}
+
+/// A reading that stands out.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OutlierView {
+    /// Data row of the table, from 1.
+    pub row: usize,
+    /// Amplitude or phase.
+    pub column: String,
+    /// Its error.
+    pub error: Quantity,
+}
