@@ -29,6 +29,9 @@ impl Default for Tolerance {
 
 /// Largest numerical damping relative to the damping of the arm.
 const NUMERICAL_DAMPING: f64 = 2e-6;
+/// Factors on size and roughness of the steps while a search is far off.
+const COARSE: f64 = 2.0;
+const COARSE_ROUGHNESS: f64 = 10.0;
 /// Most changes of mode in one period.
 const MAX_EVENTS: usize = 1000;
 /// Most steps in one period.
@@ -65,6 +68,10 @@ pub struct Cycle {
     pub fundamental_by_start: [(f64, f64); MAX_STATES],
     /// Mean of state 0.
     pub mean: f64,
+    /// Its derivatives by the states at the start; not gathered on exact flows.
+    pub mean_by_start: State,
+    /// Stretches on exact flows.
+    pub legs: usize,
     /// Share of the period in [`Mode::Stick`].
     pub stick_fraction: f64,
     /// Extremes of the force.
@@ -78,6 +85,18 @@ pub struct Cycle {
 }
 
 impl Cycle {
+    /// Carries the cycle over to a start that is a small step `delta` of Newton's away.
+    pub fn shift(&mut self, n: usize, delta: &State) {
+        for j in 0..n {
+            self.fundamental.0 += self.fundamental_by_start[j].0 * delta[j];
+            self.fundamental.1 += self.fundamental_by_start[j].1 * delta[j];
+            self.mean += self.mean_by_start[j] * delta[j];
+            for i in 0..n {
+                self.end[i] += self.monodromy[i][j] * delta[j];
+            }
+        }
+    }
+
     /// Adds an exact stretch, a share of the period in one mode.
     fn follow(&mut self, leg: &Leg, mode: Mode, share: f64, n: usize) {
         let mut through = [[0.0; MAX_STATES]; MAX_STATES];
@@ -95,6 +114,7 @@ impl Cycle {
         self.force = (self.force.0.min(leg.force.0), self.force.1.max(leg.force.1));
         self.stick_fraction += if mode == Mode::Stick { share } else { 0.0 };
         self.steps += 1;
+        self.legs += 1;
     }
 }
 
@@ -114,12 +134,14 @@ pub struct Integrator<'a> {
     /// Modes met so far, with their exact flows where they have one.
     flows: Vec<(Mode, Option<Box<dyn Flow>>)>,
     stepper: Option<Stepper>,
+    /// Whether steps may be coarser than the tolerance asks for: enough for a search that is still far off.
+    pub coarse: bool,
 }
 
 impl<'a> Integrator<'a> {
     /// An integrator of `system`.
     pub fn new(system: &'a dyn HybridSystem, tolerance: &Tolerance) -> Self {
-        Self { system, tolerance: *tolerance, flows: Vec::new(), stepper: None }
+        Self { system, tolerance: *tolerance, flows: Vec::new(), stepper: None, coarse: false }
     }
 
     /// The system.
@@ -127,9 +149,14 @@ impl<'a> Integrator<'a> {
         self.system
     }
 
+    /// Whether exactly the steps asked for are wanted, to measure the order of convergence: an infinite roughness says so.
+    pub fn measures_order(&self) -> bool {
+        self.tolerance.roughness.is_infinite()
+    }
+
     /// Exact flow of a mode, unless the order of the method is to be measured.
     fn flow(&mut self, mode: Mode) -> Option<&dyn Flow> {
-        if !self.tolerance.roughness.is_finite() {
+        if self.measures_order() {
             return None;
         }
         let index = self.flows.iter().position(|(known, _)| *known == mode).unwrap_or_else(|| {
@@ -210,7 +237,11 @@ impl<'a> Integrator<'a> {
         mut recorder: Option<&mut dyn FnMut(&Record)>,
         mut stretches: Option<&mut Vec<(Stretch, Leg)>>,
     ) -> Result<Cycle, String> {
-        let (system, tolerance) = (self.system, self.tolerance);
+        let (system, mut tolerance) = (self.system, self.tolerance);
+        let coarse = self.coarse;
+        if coarse {
+            tolerance.roughness *= COARSE_ROUGHNESS;
+        }
         let exact = recorder.is_none() && !with_columns;
         let n = system.states();
         let period = system.period();
@@ -218,10 +249,13 @@ impl<'a> Integrator<'a> {
         let ratio = system.damping_ratio().clamp(1e-6, 1.0);
         let needed = std::f64::consts::TAU / (7200.0 * NUMERICAL_DAMPING * ratio).powf(0.2);
         let steps = tolerance.steps as f64;
-        // An infinite roughness asks for just these steps, to measure the order of convergence.
-        let largest = period / if tolerance.roughness.is_finite() { needed.max(steps) } else { steps };
+        let largest = period / if tolerance.roughness.is_finite() { needed.max(steps) } else { steps }
+            * if coarse { COARSE } else { 1.0 };
         let slip_scale = system.slip_scale();
         let mut stepper = self.stepper.take();
+        if let Some(stepper) = &mut stepper {
+            stepper.accept(None);
+        }
         let (mut t, mut z, mut h) = (0.0, *start, largest);
         let moved = system.project(&system.forcing(0.0), &mut z);
         let entered = system.enter(&system.forcing(0.0), &z, entry);
@@ -233,6 +267,8 @@ impl<'a> Integrator<'a> {
             fundamental: (0.0, 0.0),
             fundamental_by_start: [(0.0, 0.0); MAX_STATES],
             mean: 0.0,
+            mean_by_start: [0.0; MAX_STATES],
+            legs: 0,
             stick_fraction: 0.0,
             force: (f64::INFINITY, f64::NEG_INFINITY),
             steps: 0,
@@ -347,7 +383,7 @@ impl<'a> Integrator<'a> {
             }
             // Tangents and observables of the accepted step.
             let factorised = with_columns && stepper.refactorise(system, size, mode);
-            stepper.tangent(system, &mut tangents);
+            stepper.tangent(system, size, &mut tangents);
             let weight = 2.0 * size / period;
             let mut through = [[[0.0; MAX_STATES]; MAX_STATES]; 3];
             for i in 0..3 {
@@ -364,6 +400,7 @@ impl<'a> Integrator<'a> {
                 for j in 0..n {
                     cycle.fundamental_by_start[j].0 += w * sine * through[i][0][j];
                     cycle.fundamental_by_start[j].1 += w * cosine * through[i][0][j];
+                    cycle.mean_by_start[j] += 0.5 * w * through[i][0][j];
                 }
                 cycle.mean += 0.5 * w * stepper.z[i][0];
                 let (force, _) = system.force(&stepper.forcing[i], &stepper.z[i], stepper.s[i]);
@@ -381,6 +418,7 @@ impl<'a> Integrator<'a> {
             if let Some(record) = &mut recorder {
                 record(&Record { time: t, size, start: &z, slip: s, stepper, mode });
             }
+            stepper.accept((!event).then_some((mode, size)));
             cycle.monodromy = through[2];
             t += size;
             z = stepper.z[2];
