@@ -21,6 +21,19 @@ pub struct Tolerance {
     pub roughness: f64,
 }
 
+impl Tolerance {
+    /// Factor >= 1 by which steps may be longer than by default: where fewer of them are asked for, that holds for those too
+    /// that follow from the damping of the arm and from the roughness.
+    fn relief(&self) -> f64 {
+        (Self::default().steps as f64 / self.steps.max(1) as f64).max(1.0)
+    }
+
+    /// Relative change of the states over a cycle that may be left by the last step of Newton's.
+    fn left(&self) -> f64 {
+        LEFT * self.relief().powi(7)
+    }
+}
+
 impl Default for Tolerance {
     fn default() -> Self {
         Self { steps: 32, roughness: 1e-3 }
@@ -29,6 +42,8 @@ impl Default for Tolerance {
 
 /// Largest numerical damping relative to the damping of the arm.
 const NUMERICAL_DAMPING: f64 = 2e-6;
+/// Relative change over a cycle that the last step of Newton's may leave at the default tolerance.
+const LEFT: f64 = 1e-8;
 /// Factors on size and roughness of the steps while a search is far off.
 const COARSE: f64 = 2.0;
 const COARSE_ROUGHNESS: f64 = 10.0;
@@ -72,6 +87,8 @@ pub struct Cycle {
     pub mean_by_start: State,
     /// Stretches on exact flows.
     pub legs: usize,
+    /// Whether mean and extremes of the force are complete.
+    pub observed: bool,
     /// Share of the period in [`Mode::Stick`].
     pub stick_fraction: f64,
     /// Extremes of the force.
@@ -115,6 +132,7 @@ impl Cycle {
         self.stick_fraction += if mode == Mode::Stick { share } else { 0.0 };
         self.steps += 1;
         self.legs += 1;
+        self.observed &= leg.observed;
     }
 }
 
@@ -134,6 +152,10 @@ pub struct Integrator<'a> {
     /// Modes met so far, with their exact flows where they have one.
     flows: Vec<(Mode, Option<Box<dyn Flow>>)>,
     stepper: Option<Stepper>,
+    /// The last orbit that was observed and consists of exact flows: start, stretches and cycle.
+    orbit: Option<(State, Vec<(Stretch, Leg)>, Cycle)>,
+    /// Whether mean and extremes of the force are wanted of exact flows.
+    pub observe: bool,
     /// Whether steps may be coarser than the tolerance asks for: enough for a search that is still far off.
     pub coarse: bool,
 }
@@ -141,7 +163,15 @@ pub struct Integrator<'a> {
 impl<'a> Integrator<'a> {
     /// An integrator of `system`.
     pub fn new(system: &'a dyn HybridSystem, tolerance: &Tolerance) -> Self {
-        Self { system, tolerance: *tolerance, flows: Vec::new(), stepper: None, coarse: false }
+        Self {
+            system,
+            tolerance: *tolerance,
+            flows: Vec::new(),
+            stepper: None,
+            orbit: None,
+            observe: true,
+            coarse: false,
+        }
     }
 
     /// The system.
@@ -152,6 +182,11 @@ impl<'a> Integrator<'a> {
     /// Whether exactly the steps asked for are wanted, to measure the order of convergence: an infinite roughness says so.
     pub fn measures_order(&self) -> bool {
         self.tolerance.roughness.is_infinite()
+    }
+
+    /// Relative change of the states over a cycle that may be left by the last step of Newton's.
+    pub fn left(&self) -> f64 {
+        self.tolerance.left()
     }
 
     /// Exact flow of a mode, unless the order of the method is to be measured.
@@ -169,12 +204,16 @@ impl<'a> Integrator<'a> {
     /// Integrates one period from `start`, on the branch that continues `entry` ([`HybridSystem::enter`]). Errors say where
     /// and why in words.
     pub fn cycle(&mut self, start: &State, entry: Option<(Mode, f64)>) -> Result<Cycle, String> {
-        self.integrate(start, entry, false, None, None)
+        let mut stretches = Vec::new();
+        let cycle = self.integrate(start, entry, false, None, &mut stretches)?;
+        self.orbit =
+            (cycle.legs > 0 && cycle.legs == cycle.steps && cycle.observed).then(|| (*start, stretches, cycle.clone()));
+        Ok(cycle)
     }
 
     /// The same with the derivatives by the parameter columns.
     pub fn cycle_with_columns(&mut self, start: &State, entry: Option<(Mode, f64)>) -> Result<Cycle, String> {
-        self.integrate(start, entry, true, None, None)
+        self.integrate(start, entry, true, None, &mut Vec::new())
     }
 
     /// The same with a record of every step.
@@ -184,16 +223,19 @@ impl<'a> Integrator<'a> {
         entry: Option<(Mode, f64)>,
         recorder: &mut dyn FnMut(&Record),
     ) -> Result<(), String> {
-        self.integrate(start, entry, false, Some(recorder), None).map(|_| ())
+        self.integrate(start, entry, false, Some(recorder), &mut Vec::new()).map(|_| ())
     }
 
     /// Derivatives of the fundamental by the parameter columns on a periodic orbit that consists of exact flows;
     /// `None` where it does not.
     pub fn exact_columns(&mut self, start: &State, entry: (Mode, f64)) -> Option<Vec<(f64, f64)>> {
-        let mut stretches = Vec::new();
-        let cycle = self.integrate(start, Some(entry), false, None, Some(&mut stretches)).ok()?;
+        if !self.orbit.as_ref().is_some_and(|(begin, ..)| begin == start) {
+            self.observe = true;
+            self.cycle(start, Some(entry)).ok()?;
+        }
+        let (_, stretches, cycle) = self.orbit.take()?;
         let n = self.system.states();
-        if stretches.is_empty() || cycle.stick_fraction > 1.0 - 1e-9 {
+        if cycle.stick_fraction > 1.0 - 1e-9 {
             return None;
         }
         // Adjoint at the end: l (1 - monodromy) = derivative by the start.
@@ -235,19 +277,18 @@ impl<'a> Integrator<'a> {
         entry: Option<(Mode, f64)>,
         with_columns: bool,
         mut recorder: Option<&mut dyn FnMut(&Record)>,
-        mut stretches: Option<&mut Vec<(Stretch, Leg)>>,
+        stretches: &mut Vec<(Stretch, Leg)>,
     ) -> Result<Cycle, String> {
         let (system, mut tolerance) = (self.system, self.tolerance);
         let coarse = self.coarse;
-        if coarse {
-            tolerance.roughness *= COARSE_ROUGHNESS;
-        }
-        let exact = recorder.is_none() && !with_columns;
+        // The deviation from the polynomial grows with the third power of the step.
+        tolerance.roughness *= tolerance.relief().powi(3) * if coarse { COARSE_ROUGHNESS } else { 1.0 };
+        let (exact, observe) = (recorder.is_none() && !with_columns, self.observe);
         let n = system.states();
         let period = system.period();
         // The method damps an oscillation by (w h)^5/7200 a radian; that must be little against its own damping.
         let ratio = system.damping_ratio().clamp(1e-6, 1.0);
-        let needed = std::f64::consts::TAU / (7200.0 * NUMERICAL_DAMPING * ratio).powf(0.2);
+        let needed = std::f64::consts::TAU / (7200.0 * NUMERICAL_DAMPING * ratio).powf(0.2) / tolerance.relief();
         let steps = tolerance.steps as f64;
         let largest = period / if tolerance.roughness.is_finite() { needed.max(steps) } else { steps }
             * if coarse { COARSE } else { 1.0 };
@@ -269,6 +310,7 @@ impl<'a> Integrator<'a> {
             mean: 0.0,
             mean_by_start: [0.0; MAX_STATES],
             legs: 0,
+            observed: true,
             stick_fraction: 0.0,
             force: (f64::INFINITY, f64::NEG_INFINITY),
             steps: 0,
@@ -288,12 +330,12 @@ impl<'a> Integrator<'a> {
                 ));
             }
             if exact && let Some(flow) = self.flow(mode) {
-                let leg = flow.leg(t, &z, period, start[0]);
+                let leg = flow.leg(t, &z, period, start[0], observe);
                 if !leg.state.iter().all(|z| z.is_finite()) {
                     return Err(format!("the motion grew without bound at {:.4} of the cycle", t / period));
                 }
                 cycle.follow(&leg, mode, (leg.time - t) / period, n);
-                if let Some(stretches) = &mut stretches {
+                if observe {
                     let stretch = Stretch {
                         mode,
                         time: [t, leg.time],
@@ -312,9 +354,6 @@ impl<'a> Integrator<'a> {
                     (mode, s) = system.next_mode(&system.forcing(t), &z, s, mode);
                 }
                 continue;
-            }
-            if stretches.is_some() {
-                return Err("not all of the cycle has an exact flow".into());
             }
             let stepper = stepper.get_or_insert_default();
             let mut size = h.min(period - t);

@@ -37,8 +37,8 @@ const SAME_SLIP: f64 = 1e-5;
 const NEAR: f64 = 3e-2;
 /// Relative change over a cycle below which the last step of Newton's may stand for a cycle.
 const SQUARED: f64 = 1e-4;
-/// Relative change that may be left then, estimated from the change of the last two cycles.
-const LEFT: f64 = 1e-8;
+/// Relative change over a cycle below which the next may be the last, and is observed.
+const LAST: f64 = 1e-3;
 /// Most cycles integrated in one search.
 const MAX_CYCLES: usize = 250;
 /// The same where the contact may come to rest: there is a closed form for that.
@@ -65,6 +65,7 @@ pub fn search(integrator: &mut Integrator, guess: Option<&Start>) -> Result<Peri
     let mut warm = guess.is_some();
     let mut sound: Option<Start> = None;
     let mut before = f64::INFINITY;
+    integrator.observe = guess.is_some();
     integrator.coarse = !integrator.measures_order();
     let most = if system.can_rest() { MAX_CYCLES_AT_REST } else { MAX_CYCLES };
     while cycles < most {
@@ -100,7 +101,8 @@ pub fn search(integrator: &mut Integrator, guess: Option<&Start>) -> Result<Peri
         // Near the solution, and where nothing pulls towards it, the full accuracy is needed.
         let coarse = integrator.coarse;
         integrator.coarse = coarse && size > NEAR && size < 0.9 * best;
-        if !coarse && size < tolerated && closes(system, &start, &cycle, tolerated) {
+        integrator.observe = size < LAST;
+        if !coarse && cycle.observed && size < tolerated && closes(system, &start, &cycle, tolerated) {
             let multiplier = largest_multiplier(system, &cycle);
             return Ok(Periodic { start, entry: cycle.branch[0], cycle, cycles, residual: size, multiplier });
         }
@@ -115,7 +117,8 @@ pub fn search(integrator: &mut Integrator, guess: Option<&Start>) -> Result<Peri
             start = cycle.end;
             continue;
         }
-        best = best.min(size);
+        // Coarse and fine cycles differ by more than their defects near the solution.
+        best = if coarse && !integrator.coarse { f64::INFINITY } else { best.min(size) };
         let before = std::mem::replace(&mut before, size);
         let matrix = std::array::from_fn(|i| std::array::from_fn(|j| jacobian[i][j] * scales[j] / scales[i]));
         match dense::solve(n, matrix, residual.map(|r| -r)) {
@@ -131,7 +134,7 @@ pub fn search(integrator: &mut Integrator, guess: Option<&Start>) -> Result<Peri
                     && !integrator.measures_order()
                     && cycle.legs == 0
                     && size < SQUARED
-                    && left < LEFT
+                    && left < integrator.left()
                     && same_branch(system, &cycle)
                 {
                     let multiplier = largest_multiplier(system, &cycle);
