@@ -247,9 +247,14 @@ impl Problem {
         index.map_or(0.0, |i| z[i])
     }
 
+    /// v, speed of the roller's surface over the arm.
+    fn relative_speed(&self, forcing: &Forcing, z: &[f64]) -> f64 {
+        self.speed + self.roller.map_or(0.0, |i| z[i + 1]) - self.b * (forcing.velocity + z[1])
+    }
+
     fn point(&self, forcing: &Forcing, z: &[f64], s: f64) -> Point {
         let (th, w) = (forcing.angle + z[0], forcing.velocity + z[1]);
-        let v = self.speed + self.roller.map_or(0.0, |i| z[i + 1]) - self.b * w;
+        let v = self.relative_speed(forcing, z);
         let d = v - s;
         let normal = self.load + self.load_stiffness * self.b * th;
         let loaded = normal > 0.0;

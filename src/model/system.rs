@@ -112,6 +112,8 @@ pub trait HybridSystem {
     fn forcing(&self, t: f64) -> Forcing;
     /// f, g and their Jacobians.
     fn evaluate(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut Evaluation);
+    /// g and its Jacobian alone.
+    fn constraint(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut Evaluation);
     /// What of a mode is affine.
     fn affine(&self, mode: Mode) -> Affine;
     /// Both positive while the mode holds; scaled so that 1 is large.

@@ -21,21 +21,41 @@ pub struct Tolerance {
     pub roughness: f64,
     /// Most cycles integrated in one search for a periodic state.
     pub cycles: usize,
+    /// Most steps integrated in one search.
+    pub budget: usize,
 }
 
 impl Tolerance {
     /// For searches over many models: errors of 1e-4, and points that are hard to solve are given up soon.
-    pub const COARSE: Self = Self { steps: 16, roughness: 1e-2, cycles: 40 };
+    pub const COARSE: Self = Self { steps: 16, roughness: 1e-2, cycles: 60, budget: 1500 };
+}
+
+impl Tolerance {
+    /// Factor >= 1 by which steps may be longer than by default: where fewer of them are asked for, that holds for those too
+    /// that follow from the damping of the arm and from the roughness.
+    fn relief(&self) -> f64 {
+        (Self::default().steps as f64 / self.steps.max(1) as f64).max(1.0)
+    }
+
+    /// Relative change of the states over a cycle that may be left by the last step of Newton's.
+    fn left(&self) -> f64 {
+        LEFT * self.relief().powi(7)
+    }
 }
 
 impl Default for Tolerance {
     fn default() -> Self {
-        Self { steps: 32, roughness: 1e-3, cycles: 150 }
+        Self { steps: 32, roughness: 1e-3, cycles: 250, budget: usize::MAX }
     }
 }
 
 /// Largest numerical damping relative to the damping of the arm.
 const NUMERICAL_DAMPING: f64 = 2e-6;
+/// Relative change over a cycle that the last step of Newton's may leave at the default tolerance.
+const LEFT: f64 = 1e-8;
+/// Factors on size and roughness of the steps while a search is far off.
+const COARSE: f64 = 2.0;
+const COARSE_ROUGHNESS: f64 = 10.0;
 /// Most changes of mode in one period.
 const MAX_EVENTS: usize = 1000;
 /// States this many times their scale are on their way to infinity.
@@ -74,6 +94,12 @@ pub struct Cycle {
     pub fundamental_by_start: [(f64, f64); MAX_STATES],
     /// Mean of state 0.
     pub mean: f64,
+    /// Its derivatives by the states at the start; not gathered on exact flows.
+    pub mean_by_start: State,
+    /// Stretches on exact flows.
+    pub legs: usize,
+    /// Whether mean and extremes of the force are complete.
+    pub observed: bool,
     /// Share of the period in [`Mode::Stick`].
     pub stick_fraction: f64,
     /// Extremes of the force.
@@ -87,6 +113,18 @@ pub struct Cycle {
 }
 
 impl Cycle {
+    /// Carries the cycle over to a start that is a small step `delta` of Newton's away.
+    pub fn shift(&mut self, n: usize, delta: &State) {
+        for j in 0..n {
+            self.fundamental.0 += self.fundamental_by_start[j].0 * delta[j];
+            self.fundamental.1 += self.fundamental_by_start[j].1 * delta[j];
+            self.mean += self.mean_by_start[j] * delta[j];
+            for i in 0..n {
+                self.end[i] += self.monodromy[i][j] * delta[j];
+            }
+        }
+    }
+
     /// Adds an exact stretch, a share of the period in one mode.
     fn follow(&mut self, leg: &Leg, mode: Mode, share: f64, n: usize) {
         let mut through = [[0.0; MAX_STATES]; MAX_STATES];
@@ -104,6 +142,8 @@ impl Cycle {
         self.force = (self.force.0.min(leg.force.0), self.force.1.max(leg.force.1));
         self.stick_fraction += if mode == Mode::Stick { share } else { 0.0 };
         self.steps += 1;
+        self.legs += 1;
+        self.observed &= leg.observed;
     }
 }
 
@@ -123,12 +163,29 @@ pub struct Integrator<'a> {
     /// Modes met so far, with their exact flows where they have one.
     flows: Vec<(Mode, Option<Box<dyn Flow>>)>,
     stepper: Option<Stepper>,
+    /// The last orbit that was observed and consists of exact flows: start, stretches and cycle.
+    orbit: Option<(State, Vec<(Stretch, Leg)>, Cycle)>,
+    /// Whether mean and extremes of the force are wanted of exact flows.
+    pub observe: bool,
+    /// Whether steps may be coarser than the tolerance asks for: enough for a search that is still far off.
+    pub coarse: bool,
+    /// Steps integrated so far.
+    spent: usize,
 }
 
 impl<'a> Integrator<'a> {
     /// An integrator of `system`.
     pub fn new(system: &'a dyn HybridSystem, tolerance: &Tolerance) -> Self {
-        Self { system, tolerance: *tolerance, flows: Vec::new(), stepper: None }
+        Self {
+            system,
+            tolerance: *tolerance,
+            flows: Vec::new(),
+            stepper: None,
+            orbit: None,
+            observe: true,
+            coarse: false,
+            spent: 0,
+        }
     }
 
     /// The demands.
@@ -141,9 +198,19 @@ impl<'a> Integrator<'a> {
         self.system
     }
 
+    /// Whether exactly the steps asked for are wanted, to measure the order of convergence: an infinite roughness says so.
+    pub fn measures_order(&self) -> bool {
+        self.tolerance.roughness.is_infinite()
+    }
+
+    /// Relative change of the states over a cycle that may be left by the last step of Newton's.
+    pub fn left(&self) -> f64 {
+        self.tolerance.left()
+    }
+
     /// Exact flow of a mode, unless the order of the method is to be measured.
     fn flow(&mut self, mode: Mode) -> Option<&dyn Flow> {
-        if !self.tolerance.roughness.is_finite() {
+        if self.measures_order() {
             return None;
         }
         let index = self.flows.iter().position(|(known, _)| *known == mode).unwrap_or_else(|| {
@@ -156,12 +223,16 @@ impl<'a> Integrator<'a> {
     /// Integrates one period from `start`, on the branch that continues `entry` ([`HybridSystem::enter`]). Errors say where
     /// and why in words.
     pub fn cycle(&mut self, start: &State, entry: Option<(Mode, f64)>) -> Result<Cycle, String> {
-        self.integrate(start, entry, false, None, None)
+        let mut stretches = Vec::new();
+        let cycle = self.integrate(start, entry, false, None, &mut stretches)?;
+        self.orbit =
+            (cycle.legs > 0 && cycle.legs == cycle.steps && cycle.observed).then(|| (*start, stretches, cycle.clone()));
+        Ok(cycle)
     }
 
     /// The same with the derivatives by the parameter columns.
     pub fn cycle_with_columns(&mut self, start: &State, entry: Option<(Mode, f64)>) -> Result<Cycle, String> {
-        self.integrate(start, entry, true, None, None)
+        self.integrate(start, entry, true, None, &mut Vec::new())
     }
 
     /// The same with a record of every step.
@@ -171,16 +242,19 @@ impl<'a> Integrator<'a> {
         entry: Option<(Mode, f64)>,
         recorder: &mut dyn FnMut(&Record),
     ) -> Result<(), String> {
-        self.integrate(start, entry, false, Some(recorder), None).map(|_| ())
+        self.integrate(start, entry, false, Some(recorder), &mut Vec::new()).map(|_| ())
     }
 
     /// Derivatives of the fundamental by the parameter columns on a periodic orbit that consists of exact flows;
     /// `None` where it does not.
     pub fn exact_columns(&mut self, start: &State, entry: (Mode, f64)) -> Option<Vec<(f64, f64)>> {
-        let mut stretches = Vec::new();
-        let cycle = self.integrate(start, Some(entry), false, None, Some(&mut stretches)).ok()?;
+        if !self.orbit.as_ref().is_some_and(|(begin, ..)| begin == start) {
+            self.observe = true;
+            self.cycle(start, Some(entry)).ok()?;
+        }
+        let (_, stretches, cycle) = self.orbit.take()?;
         let n = self.system.states();
-        if stretches.is_empty() || cycle.stick_fraction > 1.0 - 1e-9 {
+        if cycle.stick_fraction > 1.0 - 1e-9 {
             return None;
         }
         // Adjoint at the end: l (1 - monodromy) = derivative by the start.
@@ -222,20 +296,26 @@ impl<'a> Integrator<'a> {
         entry: Option<(Mode, f64)>,
         with_columns: bool,
         mut recorder: Option<&mut dyn FnMut(&Record)>,
-        mut stretches: Option<&mut Vec<(Stretch, Leg)>>,
+        stretches: &mut Vec<(Stretch, Leg)>,
     ) -> Result<Cycle, String> {
-        let (system, tolerance) = (self.system, self.tolerance);
-        let exact = recorder.is_none() && !with_columns;
+        let (system, mut tolerance) = (self.system, self.tolerance);
+        let coarse = self.coarse;
+        // The deviation from the polynomial grows with the third power of the step.
+        tolerance.roughness *= tolerance.relief().powi(3) * if coarse { COARSE_ROUGHNESS } else { 1.0 };
+        let (exact, observe) = (recorder.is_none() && !with_columns, self.observe);
         let n = system.states();
         let period = system.period();
         // The method damps an oscillation by (w h)^5/7200 a radian; that must be little against its own damping.
         let ratio = system.damping_ratio().clamp(1e-6, 1.0);
-        let needed = std::f64::consts::TAU / (7200.0 * NUMERICAL_DAMPING * ratio).powf(0.2);
+        let needed = std::f64::consts::TAU / (7200.0 * NUMERICAL_DAMPING * ratio).powf(0.2) / tolerance.relief();
         let steps = tolerance.steps as f64;
-        // An infinite roughness asks for just these steps, to measure the order of convergence.
-        let largest = period / if tolerance.roughness.is_finite() { needed.max(steps) } else { steps };
+        let largest = period / if tolerance.roughness.is_finite() { needed.max(steps) } else { steps }
+            * if coarse { COARSE } else { 1.0 };
         let slip_scale = system.slip_scale();
         let mut stepper = self.stepper.take();
+        if let Some(stepper) = &mut stepper {
+            stepper.accept(None);
+        }
         let (mut t, mut z, mut h) = (0.0, *start, largest);
         let moved = system.project(&system.forcing(0.0), &mut z);
         let entered = system.enter(&system.forcing(0.0), &z, entry);
@@ -247,6 +327,9 @@ impl<'a> Integrator<'a> {
             fundamental: (0.0, 0.0),
             fundamental_by_start: [(0.0, 0.0); MAX_STATES],
             mean: 0.0,
+            mean_by_start: [0.0; MAX_STATES],
+            legs: 0,
+            observed: true,
             stick_fraction: 0.0,
             force: (f64::INFINITY, f64::NEG_INFINITY),
             steps: 0,
@@ -267,12 +350,12 @@ impl<'a> Integrator<'a> {
                 ));
             }
             if exact && let Some(flow) = self.flow(mode) {
-                let leg = flow.leg(t, &z, period, start[0]);
+                let leg = flow.leg(t, &z, period, start[0], observe);
                 if !leg.state.iter().all(|z| z.is_finite()) {
                     return Err(format!("the motion grew without bound at {:.4} of the cycle", t / period));
                 }
                 cycle.follow(&leg, mode, (leg.time - t) / period, n);
-                if let Some(stretches) = &mut stretches {
+                if observe {
                     let stretch = Stretch {
                         mode,
                         time: [t, leg.time],
@@ -292,11 +375,12 @@ impl<'a> Integrator<'a> {
                 }
                 continue;
             }
-            if stretches.is_some() {
-                return Err("not all of the cycle has an exact flow".into());
-            }
             if (0..n).any(|i| z[i].abs() > UNBOUNDED * scales[i]) {
                 return Err(format!("the motion grew without bound at {:.4} of the cycle", t / period));
+            }
+            self.spent += 1;
+            if self.spent > self.tolerance.budget {
+                return Err(format!("given up after {} steps", self.tolerance.budget));
             }
             let stepper = stepper.get_or_insert_default();
             let mut size = h.min(period - t);
@@ -365,7 +449,7 @@ impl<'a> Integrator<'a> {
             }
             // Tangents and observables of the accepted step.
             let factorised = with_columns && stepper.refactorise(system, size, mode);
-            stepper.tangent(system, &mut tangents);
+            stepper.tangent(system, size, &mut tangents);
             let weight = 2.0 * size / period;
             let mut through = [[[0.0; MAX_STATES]; MAX_STATES]; 3];
             for i in 0..3 {
@@ -382,6 +466,7 @@ impl<'a> Integrator<'a> {
                 for j in 0..n {
                     cycle.fundamental_by_start[j].0 += w * sine * through[i][0][j];
                     cycle.fundamental_by_start[j].1 += w * cosine * through[i][0][j];
+                    cycle.mean_by_start[j] += 0.5 * w * through[i][0][j];
                 }
                 cycle.mean += 0.5 * w * stepper.z[i][0];
                 let (force, _) = system.force(&stepper.forcing[i], &stepper.z[i], stepper.s[i]);
@@ -399,6 +484,7 @@ impl<'a> Integrator<'a> {
             if let Some(record) = &mut recorder {
                 record(&Record { time: t, size, start: &z, slip: s, stepper, mode });
             }
+            stepper.accept((!event).then_some((mode, size)));
             cycle.monodromy = through[2];
             t += size;
             z = stepper.z[2];

@@ -40,6 +40,8 @@ pub struct Leg {
     pub fundamental: Complex,
     /// Its derivatives by the states at the start.
     pub fundamental_by_start: [Complex; MAX_STATES],
+    /// Whether what follows was gathered.
+    pub observed: bool,
     /// Part of the mean of state 0.
     pub mean: f64,
     /// Extremes of the force.
@@ -49,8 +51,8 @@ pub struct Leg {
 /// The flow of one mode, whatever the number of states.
 pub trait Flow {
     /// Follows the mode from a state at a time to its end, or to the end of the period; the fundamental is that of
-    /// state 0 less `offset`.
-    fn leg(&self, start: f64, z: &State, period: f64, offset: f64) -> Leg;
+    /// state 0 less `offset`. Mean and force are gathered where they are to be observed.
+    fn leg(&self, start: f64, z: &State, period: f64, offset: f64, observe: bool) -> Leg;
     /// Adds the derivatives of an output by the coefficients of the equations over a stretch; see [`super::sensitivity`].
     fn gather(&self, leg: &super::sensitivity::Stretch, into: &mut super::sensitivity::Gradient);
 }
@@ -350,7 +352,7 @@ struct Sample<const N: usize> {
 }
 
 impl<const N: usize> Flow for Affine<N> {
-    fn leg(&self, start: f64, z: &State, period: f64, offset: f64) -> Leg {
+    fn leg(&self, start: f64, z: &State, period: f64, offset: f64, observe: bool) -> Leg {
         let turn = (self.omega * start).sin_cos();
         let first = Sample { time: start, y: self.rest(z, turn), turn };
         let mut from = first;
@@ -388,15 +390,18 @@ impl<const N: usize> Flow for Affine<N> {
                     to = Sample { time, y, turn: (self.omega * time).sin_cos() };
                 }
             }
-            let size = to.time - from.time;
-            let (next_force, next_angle) = (force_at(&to), angle_at(&to));
-            for value in [next_force.0, between(force, next_force, size)] {
-                extremes = (extremes.0.min(value), extremes.1.max(value));
+            if observe {
+                let size = to.time - from.time;
+                let (next_force, next_angle) = (force_at(&to), angle_at(&to));
+                for value in [next_force.0, between(force, next_force, size)] {
+                    extremes = (extremes.0.min(value), extremes.1.max(value));
+                }
+                // The polynomial with these values and first and second slopes at both ends.
+                let bend = size / 12.0 * (angle.2 + next_angle.2);
+                area += size * (0.5 * (angle.0 + next_angle.0) + size / 10.0 * (angle.1 - next_angle.1 + bend));
+                (force, angle) = (next_force, next_angle);
             }
-            // The polynomial with these values and first and second slopes at both ends.
-            let bend = size / 12.0 * (angle.2 + next_angle.2);
-            area += size * (0.5 * (angle.0 + next_angle.0) + size / 10.0 * (angle.1 - next_angle.1 + bend));
-            (from, before, force, angle) = (to, after, next_force, next_angle);
+            (from, before) = (to, after);
         }
         let mut leg = Leg {
             time: from.time,
@@ -406,6 +411,7 @@ impl<const N: usize> Flow for Affine<N> {
             transition: [[0.0; MAX_STATES]; MAX_STATES],
             fundamental: (0.0, 0.0),
             fundamental_by_start: [(0.0, 0.0); MAX_STATES],
+            observed: observe,
             mean: area / period,
             force: extremes,
         };

@@ -1,11 +1,21 @@
 //! One step of the three-stage Radau IIA collocation method (order 5; Hairer and Wanner, Solving ODEs II, IV.5) for a
 //! system with one algebraic unknown, and its tangent.
+//!
+//! What of the rates is affine ([`Affine`]) is eliminated beforehand: with the unknowns U at the stages - the algebraic
+//! unknown s and the rates r of the rows that are not affine - the states at the stages are
+//!
+//!   Z = E z + K (1, sin wt, cos wt) + H U,
+//!
+//! with matrices that depend on the mode and the size of the step only and are kept from step to step. Newton's method then
+//! has three unknowns where only the law of friction is not affine, whatever the number of states.
 
 // Indices run over several matrices at once here.
 #![allow(clippy::needless_range_loop)]
 
 use super::lu::{Lu, MAX_ORDER};
-use crate::model::system::{Evaluation, Forcing, HybridSystem, MAX_COLUMNS, MAX_STATES, Mode, ParameterColumns};
+use crate::model::system::{
+    Affine, Evaluation, Forcing, HybridSystem, MAX_COLUMNS, MAX_STATES, Mode, ParameterColumns,
+};
 
 const SQRT6: f64 = 2.449_489_742_783_178;
 /// Nodes.
@@ -20,9 +30,35 @@ pub const A: [[f64; 3]; 3] = [
 /// States of all systems are at most this many.
 pub type State = [f64; MAX_STATES];
 
+/// Most unknowns of a stage: the algebraic one and the rates of all states.
+const MAX_UNKNOWNS: usize = MAX_STATES + 1;
+/// Columns of E, K and H side by side, at most; the first number serves most systems.
+const COLUMNS: [usize; 2] = [12, MAX_STATES + 3 + 3 * MAX_UNKNOWNS];
+
+/// What the affine rows of a mode make of a step of one size.
+struct Elimination {
+    mode: Option<Mode>,
+    size: f64,
+    affine: Affine,
+    /// Rows that are not affine.
+    rows: [usize; MAX_STATES],
+    count: usize,
+    /// The affine rates: dz'/dz, dz'/ds and the parts of 1, sin wt, cos wt; rows that are not affine are zero.
+    linear: [State; MAX_STATES],
+    by_slip: State,
+    parts: [State; 3],
+    lu: Lu,
+    /// dZ/dz.
+    start: [[State; MAX_STATES]; 3],
+    /// Z of (1, sin wt, cos wt) at the start of the step.
+    forced: [[[f64; 3]; MAX_STATES]; 3],
+    /// dZ/dU: stage of Z, state, stage of U, unknown.
+    unknowns: [[[[f64; MAX_UNKNOWNS]; 3]; MAX_STATES]; 3],
+}
+
 /// Stage values and the factorised Jacobian of the last step taken.
-#[derive(Default)]
 pub struct Stepper {
+    eliminated: Box<Elimination>,
     lu: Lu,
     evaluations: [Evaluation; 3],
     /// Forcing at the stages.
@@ -31,8 +67,151 @@ pub struct Stepper {
     pub z: [State; 3],
     /// Algebraic unknown at the stages.
     pub s: [f64; 3],
+    /// Rates of the rows that are not affine, at the stages.
+    rates: [State; 3],
+    /// Size and mode of the last step that was accepted, with its unknowns, from which the next is guessed.
+    last: Option<(Mode, f64, [f64; 3], [State; 3])>,
     /// Newton iterations of all steps.
     pub iterations: usize,
+}
+
+impl Default for Stepper {
+    fn default() -> Self {
+        let eliminated = Elimination {
+            mode: None,
+            size: 0.0,
+            affine: Affine { rows: [false; MAX_STATES], constraint: false, margins: false },
+            rows: [0; MAX_STATES],
+            count: 0,
+            linear: [[0.0; MAX_STATES]; MAX_STATES],
+            by_slip: [0.0; MAX_STATES],
+            parts: [[0.0; MAX_STATES]; 3],
+            lu: Lu::default(),
+            start: [[[0.0; MAX_STATES]; MAX_STATES]; 3],
+            forced: [[[0.0; 3]; MAX_STATES]; 3],
+            unknowns: [[[[0.0; MAX_UNKNOWNS]; 3]; MAX_STATES]; 3],
+        };
+        Self {
+            eliminated: Box::new(eliminated),
+            lu: Lu::default(),
+            evaluations: Default::default(),
+            forcing: Default::default(),
+            z: [[0.0; MAX_STATES]; 3],
+            s: [0.0; 3],
+            rates: [[0.0; MAX_STATES]; 3],
+            last: None,
+            iterations: 0,
+        }
+    }
+}
+
+impl Elimination {
+    /// Makes the matrices fit a mode and a size of step; false where they do not exist.
+    fn fit(&mut self, system: &dyn HybridSystem, mode: Mode, h: f64) -> bool {
+        if self.mode == Some(mode) && self.size == h {
+            return true;
+        }
+        let n = system.states();
+        if self.mode != Some(mode) {
+            self.learn(system, mode, n);
+        }
+        (self.mode, self.size) = (None, h);
+        let scales = system.scales();
+        let matrix = self.lu.matrix(3 * n);
+        for i in 0..3 {
+            for j in 0..n {
+                let row = &mut matrix[i * n + j];
+                for k in 0..3 {
+                    let factor = -h * A[i][k] / scales[j];
+                    for l in 0..n {
+                        row[k * n + l] = factor * self.linear[j][l] * scales[l];
+                    }
+                }
+                row[i * n + j] += 1.0;
+            }
+        }
+        if !self.lu.factorise() {
+            return false;
+        }
+        if n + 3 + 3 * (1 + self.count) <= COLUMNS[0] {
+            self.solve::<{ COLUMNS[0] }>(system, n, h, &scales);
+        } else {
+            self.solve::<{ COLUMNS[1] }>(system, n, h, &scales);
+        }
+        self.mode = Some(mode);
+        true
+    }
+
+    /// The affine rates of a mode.
+    fn learn(&mut self, system: &dyn HybridSystem, mode: Mode, n: usize) {
+        self.affine = system.affine(mode);
+        self.count = 0;
+        let zero = [0.0; MAX_STATES];
+        let mut e = [Evaluation::default(); 3];
+        system.evaluate(&Forcing::default(), &zero, 0.0, mode, &mut e[0]);
+        system.evaluate(&system.forcing(0.25 * system.period()), &zero, 0.0, mode, &mut e[1]);
+        system.evaluate(&system.forcing(0.0), &zero, 0.0, mode, &mut e[2]);
+        for j in 0..n {
+            if self.affine.rows[j] {
+                self.linear[j] = e[0].fz[j];
+                self.by_slip[j] = e[0].fs[j];
+                for (part, parts) in self.parts.iter_mut().enumerate() {
+                    parts[j] = e[part].f[j] - if part == 0 { 0.0 } else { e[0].f[j] };
+                }
+            } else {
+                self.linear[j] = [0.0; MAX_STATES];
+                self.by_slip[j] = 0.0;
+                self.parts.iter_mut().for_each(|part| part[j] = 0.0);
+                self.rows[self.count] = j;
+                self.count += 1;
+            }
+        }
+    }
+
+    /// Columns of E, K and H.
+    fn solve<const W: usize>(&mut self, system: &dyn HybridSystem, n: usize, h: f64, scales: &State) {
+        let omega = std::f64::consts::TAU / system.period();
+        let turn = C.map(|c| (omega * c * h).sin_cos());
+        let mut rhs = [[0.0; W]; 3 * MAX_STATES];
+        for i in 0..3 {
+            for j in 0..n {
+                let row = &mut rhs[i * n + j];
+                row[j] = 1.0;
+                for k in 0..3 {
+                    let factor = h * A[i][k] / scales[j];
+                    // sin w(t + ch) = sin wt cos wch + cos wt sin wch
+                    let (sine, cosine) = turn[k];
+                    row[n] += factor * self.parts[0][j];
+                    row[n + 1] += factor * (self.parts[1][j] * cosine - self.parts[2][j] * sine);
+                    row[n + 2] += factor * (self.parts[1][j] * sine + self.parts[2][j] * cosine);
+                    row[n + 3 + k * (1 + self.count)] = factor * self.by_slip[j];
+                }
+            }
+            for (index, &j) in self.rows[..self.count].iter().enumerate() {
+                for k in 0..3 {
+                    rhs[i * n + j][n + 3 + k * (1 + self.count) + 1 + index] = h * A[i][k] / scales[j];
+                }
+            }
+        }
+        self.lu.solve_block(&mut rhs[..3 * n]);
+        for i in 0..3 {
+            for j in 0..n {
+                let row = &rhs[i * n + j];
+                let scale = scales[j];
+                for l in 0..n {
+                    self.start[i][j][l] = row[l] * scale / scales[l];
+                }
+                for part in 0..3 {
+                    self.forced[i][j][part] = row[n + part] * scale;
+                }
+                for k in 0..3 {
+                    for u in 0..1 + self.count {
+                        self.unknowns[i][j][k][u] = row[n + 3 + k * (1 + self.count) + u] * scale;
+                    }
+                }
+            }
+        }
+    }
 }
 
 impl Stepper {
@@ -41,112 +220,225 @@ impl Stepper {
     pub fn step(&mut self, system: &dyn HybridSystem, t: f64, z: &State, s: f64, h: f64, mode: Mode) -> bool {
         let n = system.states();
         let (scales, slip_scale) = (system.scales(), system.slip_scale());
+        if !self.eliminated.fit(system, mode, h) {
+            return false;
+        }
         self.forcing = C.map(|c| system.forcing(t + c * h));
-        self.z = [*z; 3];
-        self.s = [s; 3];
+        let count = self.eliminated.count;
+        self.guess(system, t, z, s, h, mode);
+        // Z without the unknowns; the forcing at the start by way of that at the end.
+        let start = system.forcing(t);
+        let parts = [1.0, start.sine, start.cosine];
+        let mut base = [[0.0; MAX_STATES]; 3];
+        for i in 0..3 {
+            for j in 0..n {
+                let (from_start, from_forcing) = (&self.eliminated.start[i][j], &self.eliminated.forced[i][j]);
+                base[i][j] = (0..n).map(|l| from_start[l] * z[l]).sum::<f64>()
+                    + (0..3).map(|part| from_forcing[part] * parts[part]).sum::<f64>();
+            }
+        }
+        let straight = self.eliminated.affine.constraint && count == 0;
         let mut previous = f64::INFINITY;
-        let mut fresh = false;
         for _ in 0..25 {
             self.iterations += 1;
-            for i in 0..3 {
-                system.evaluate(&self.forcing[i], &self.z[i], self.s[i], mode, &mut self.evaluations[i]);
-            }
-            if !fresh {
-                if !self.factorise(n, h, &scales, slip_scale) {
-                    return false;
-                }
-                fresh = true;
+            self.states(n, count, &base);
+            self.evaluate(system, count, mode);
+            if !self.factorise(n, count, h, &scales, slip_scale) {
+                return false;
             }
             let mut delta = [0.0; MAX_ORDER];
+            let m = 1 + count;
             for i in 0..3 {
-                for j in 0..n {
-                    let sum: f64 = (0..3).map(|k| A[i][k] * self.evaluations[k].f[j]).sum();
-                    delta[i * (n + 1) + j] = (z[j] - self.z[i][j] + h * sum) / scales[j];
+                delta[i * m] = -self.evaluations[i].g;
+                for (index, &j) in self.eliminated.rows[..count].iter().enumerate() {
+                    delta[i * m + 1 + index] = h / scales[j] * (self.rates[i][index] - self.evaluations[i].f[j]);
                 }
-                delta[i * (n + 1) + n] = -self.evaluations[i].g;
             }
             self.lu.solve(&mut delta);
             let mut size = 0.0f64;
             for i in 0..3 {
-                for j in 0..n {
-                    let d = delta[i * (n + 1) + j];
-                    self.z[i][j] += d * scales[j];
-                    size = size.max(d.abs());
+                self.s[i] += delta[i * m] * slip_scale;
+                size = size.max(delta[i * m].abs());
+                for (index, &j) in self.eliminated.rows[..count].iter().enumerate() {
+                    self.rates[i][index] += delta[i * m + 1 + index] * scales[j] / h;
+                    size = size.max(delta[i * m + 1 + index].abs());
                 }
-                let d = delta[i * (n + 1) + n];
-                self.s[i] += d * slip_scale;
-                size = size.max(d.abs());
             }
             if !size.is_finite() {
                 return false;
             }
-            // Converged, or as close as rounding lets it come.
-            if size < 1e-10 || (size < 1e-6 && fresh && size > 0.5 * previous) {
+            // Converged, as far as the squaring of errors by Newton's method tells, or as close as rounding lets it come.
+            let ratio = if previous.is_finite() { size / previous } else { 1.0 };
+            if straight || size * ratio * ratio < 1e-12 || size < 1e-10 || (size < 1e-6 && ratio > 0.5) {
+                self.states(n, count, &base);
                 return true;
-            }
-            if size > 0.02 * previous {
-                fresh = false;
             }
             previous = size;
         }
         false
     }
 
-    fn factorise(&mut self, n: usize, h: f64, scales: &State, slip_scale: f64) -> bool {
-        let evaluations = &self.evaluations;
-        let m = self.lu.matrix(3 * (n + 1));
+    /// First values of the unknowns: continued from the last step in the same mode, or constant.
+    fn guess(&mut self, system: &dyn HybridSystem, t: f64, z: &State, s: f64, h: f64, mode: Mode) {
+        let count = self.eliminated.count;
+        if let Some((before, size, slips, rates)) = &self.last
+            && *before == mode
+            && h <= 2.0 * size
+        {
+            for i in 0..3 {
+                let weights = parabola(1.0 + C[i] * h / size);
+                self.s[i] = (0..3).map(|k| weights[k] * slips[k]).sum();
+                for index in 0..count {
+                    self.rates[i][index] = (0..3).map(|k| weights[k] * rates[k][index]).sum();
+                }
+            }
+            return;
+        }
+        self.s = [s; 3];
+        if count > 0 {
+            let e = &mut self.evaluations[0];
+            system.evaluate(&system.forcing(t), z, s, mode, e);
+            for (index, &j) in self.eliminated.rows[..count].iter().enumerate() {
+                self.rates.iter_mut().for_each(|rates| rates[index] = e.f[j]);
+            }
+        }
+    }
+
+    /// Keeps the step just taken, from which the next is guessed; `None` for a mode that ended with it.
+    pub fn accept(&mut self, going_on: Option<(Mode, f64)>) {
+        self.last = going_on.map(|(mode, size)| (mode, size, self.s, self.rates));
+    }
+
+    /// States at the stages from the unknowns.
+    fn states(&mut self, n: usize, count: usize, base: &[State; 3]) {
         for i in 0..3 {
             for j in 0..n {
-                let row = &mut m[i * (n + 1) + j];
-                for (k, e) in evaluations.iter().enumerate() {
-                    let factor = -h * A[i][k] / scales[j];
-                    let block = &mut row[k * (n + 1)..(k + 1) * (n + 1)];
-                    for l in 0..n {
-                        block[l] = factor * e.fz[j][l] * scales[l];
+                let by = &self.eliminated.unknowns[i][j];
+                let mut sum = base[i][j];
+                for k in 0..3 {
+                    sum += by[k][0] * self.s[k];
+                    for index in 0..count {
+                        sum += by[k][1 + index] * self.rates[k][index];
                     }
-                    block[n] = factor * e.fs[j] * slip_scale;
                 }
-                row[i * (n + 1) + j] += 1.0;
+                self.z[i][j] = sum;
             }
-            let row = &mut m[i * (n + 1) + n];
-            row[..3 * (n + 1)].fill(0.0);
-            for l in 0..n {
-                row[i * (n + 1) + l] = evaluations[i].gz[l] * scales[l];
+        }
+    }
+
+    fn evaluate(&mut self, system: &dyn HybridSystem, count: usize, mode: Mode) {
+        for i in 0..3 {
+            let e = &mut self.evaluations[i];
+            if count == 0 {
+                system.constraint(&self.forcing[i], &self.z[i], self.s[i], mode, e);
+            } else {
+                system.evaluate(&self.forcing[i], &self.z[i], self.s[i], mode, e);
             }
-            row[i * (n + 1) + n] = evaluations[i].gs * slip_scale;
+        }
+    }
+
+    fn factorise(&mut self, n: usize, count: usize, h: f64, scales: &State, slip_scale: f64) -> bool {
+        let m = 1 + count;
+        let eliminated = &self.eliminated;
+        let matrix = self.lu.matrix(3 * m);
+        for i in 0..3 {
+            let e = &self.evaluations[i];
+            for index in 0..m {
+                // Residuals: g, and f - r in units of the state over the step.
+                let (gradient, own, factor) = match index {
+                    0 => (&e.gz, e.gs, 1.0),
+                    _ => {
+                        let j = eliminated.rows[index - 1];
+                        (&e.fz[j], e.fs[j], h / scales[j])
+                    }
+                };
+                let row = &mut matrix[i * m + index];
+                for k in 0..3 {
+                    for u in 0..m {
+                        let through: f64 = (0..n).map(|l| gradient[l] * eliminated.unknowns[i][l][k][u]).sum();
+                        let unit = if u == 0 { slip_scale } else { scales[eliminated.rows[u - 1]] / h };
+                        row[k * m + u] = factor * through * unit;
+                    }
+                }
+                row[i * m] += factor * own * slip_scale;
+                if index > 0 {
+                    row[i * m + index] -= 1.0;
+                }
+            }
         }
         self.lu.factorise()
     }
 
     /// Evaluates and factorises the Jacobian at the converged stages, for exact tangents.
     pub fn refactorise(&mut self, system: &dyn HybridSystem, h: f64, mode: Mode) -> bool {
-        for i in 0..3 {
-            system.evaluate(&self.forcing[i], &self.z[i], self.s[i], mode, &mut self.evaluations[i]);
-        }
-        self.factorise(system.states(), h, &system.scales(), system.slip_scale())
+        let count = self.eliminated.count;
+        self.evaluate(system, count, mode);
+        self.factorise(system.states(), count, h, &system.scales(), system.slip_scale())
     }
 
     /// Derivative of the stage states by the state at the start: `out[stage][row][column]`, for the columns `0..n`.
-    pub fn tangent(&self, system: &dyn HybridSystem, out: &mut [[State; MAX_STATES]; 3]) {
+    pub fn tangent(&self, system: &dyn HybridSystem, h: f64, out: &mut [[State; MAX_STATES]; 3]) {
         let n = system.states();
-        let scales = system.scales();
-        let mut rhs = [[0.0; MAX_STATES]; MAX_ORDER];
+        self.respond::<MAX_STATES>(system, n, h, &self.eliminated.start, None, out);
+    }
+
+    /// Completes the response of the stage states to `W` disturbances, `count` of which are in use: `direct` without the
+    /// unknowns, which answer through the Jacobian to it and to what is given for the residuals themselves.
+    fn respond<const W: usize>(
+        &self,
+        system: &dyn HybridSystem,
+        used: usize,
+        h: f64,
+        direct: &[[[f64; W]; MAX_STATES]; 3],
+        residual: Option<&[[f64; W]; MAX_ORDER]>,
+        out: &mut [[[f64; W]; MAX_STATES]; 3],
+    ) {
+        let n = system.states();
+        let (scales, slip_scale) = (system.scales(), system.slip_scale());
+        let (eliminated, m) = (&self.eliminated, 1 + self.eliminated.count);
+        let mut rhs = [[0.0; W]; MAX_ORDER];
         for i in 0..3 {
-            for column in 0..n {
-                rhs[i * (n + 1) + column][column] = 1.0;
+            let e = &self.evaluations[i];
+            for index in 0..m {
+                let row = &mut rhs[i * m + index];
+                let (gradient, factor) = match index {
+                    0 => (&e.gz, 1.0),
+                    _ => (&e.fz[eliminated.rows[index - 1]], h / scales[eliminated.rows[index - 1]]),
+                };
+                for l in 0..n {
+                    let weight = -factor * gradient[l];
+                    if weight != 0.0 {
+                        for column in 0..used {
+                            row[column] += weight * direct[i][l][column];
+                        }
+                    }
+                }
+                if let Some(residual) = residual {
+                    for column in 0..used {
+                        row[column] -= residual[i * m + index][column];
+                    }
+                }
             }
         }
-        self.lu.solve_block(&mut rhs);
+        self.lu.solve_block(&mut rhs[..3 * m]);
         for i in 0..3 {
-            for row in 0..n {
-                for column in 0..n {
-                    out[i][row][column] = rhs[i * (n + 1) + row][column] * scales[row] / scales[column];
+            for j in 0..n {
+                let mut row = direct[i][j];
+                for k in 0..3 {
+                    for u in 0..m {
+                        let unit = if u == 0 { slip_scale } else { scales[eliminated.rows[u - 1]] / h };
+                        let weight = eliminated.unknowns[i][j][k][u] * unit;
+                        for column in 0..used {
+                            row[column] += weight * rhs[k * m + u][column];
+                        }
+                    }
                 }
+                out[i][j] = row;
             }
         }
     }
 
-    /// Adds the step's own part of the derivative of the stage states by the parameter columns: `out[stage][column]`
+    /// The step's own part of the derivative of the stage states by the parameter columns: `out[stage][column]`
     /// is overwritten with the response to the parameters alone (start state held fixed).
     pub fn parameter_tangent(
         &self,
@@ -156,26 +448,56 @@ impl Stepper {
         columns: &mut [ParameterColumns; 3],
         out: &mut [Vec<State>; 3],
     ) {
+        // As many right sides at once as there are columns, most often no more than half of the room for them.
+        if system.columns() <= MAX_COLUMNS / 2 {
+            self.respond_to_columns::<{ MAX_COLUMNS / 2 }>(system, h, mode, columns, out);
+        } else {
+            self.respond_to_columns::<MAX_COLUMNS>(system, h, mode, columns, out);
+        }
+    }
+
+    fn respond_to_columns<const W: usize>(
+        &self,
+        system: &dyn HybridSystem,
+        h: f64,
+        mode: Mode,
+        columns: &mut [ParameterColumns; 3],
+        out: &mut [Vec<State>; 3],
+    ) {
         let n = system.states();
         let scales = system.scales();
+        let eliminated = &self.eliminated;
+        let (used, m) = (system.columns(), 1 + eliminated.count);
         for i in 0..3 {
             system.parameter_columns(&self.forcing[i], &self.z[i], self.s[i], mode, &mut columns[i]);
         }
-        let mut rhs = [[0.0; MAX_COLUMNS]; MAX_ORDER];
-        for column in 0..system.columns() {
+        let mut rhs = [[0.0; W]; 3 * MAX_STATES];
+        let mut residual = [[0.0; W]; MAX_ORDER];
+        for column in 0..used {
             for i in 0..3 {
-                for j in 0..n {
+                for j in (0..n).filter(|&j| eliminated.affine.rows[j]) {
                     let sum: f64 = (0..3).map(|k| A[i][k] * columns[k].f[column][j]).sum();
-                    rhs[i * (n + 1) + j][column] = h * sum / scales[j];
+                    rhs[i * n + j][column] = h * sum / scales[j];
                 }
-                rhs[i * (n + 1) + n][column] = -columns[i].g[column];
+                residual[i * m][column] = columns[i].g[column];
+                for (index, &j) in eliminated.rows[..eliminated.count].iter().enumerate() {
+                    residual[i * m + 1 + index][column] = h / scales[j] * columns[i].f[column][j];
+                }
             }
         }
-        self.lu.solve_block(&mut rhs);
-        for column in 0..system.columns() {
-            for i in 0..3 {
+        eliminated.lu.solve_block(&mut rhs[..3 * n]);
+        let mut direct = [[[0.0; W]; MAX_STATES]; 3];
+        for i in 0..3 {
+            for j in 0..n {
+                direct[i][j] = rhs[i * n + j].map(|v| v * scales[j]);
+            }
+        }
+        let mut response = [[[0.0; W]; MAX_STATES]; 3];
+        self.respond(system, used, h, &direct, Some(&residual), &mut response);
+        for i in 0..3 {
+            for column in 0..used {
                 for j in 0..n {
-                    out[i][column][j] = rhs[i * (n + 1) + j][column] * scales[j];
+                    out[i][column][j] = response[i][j][column];
                 }
             }
         }
@@ -207,4 +529,12 @@ impl Stepper {
         ];
         (start - L[0] * stages[0] - L[1] * stages[1] - L[2] * stages[2]).abs()
     }
+}
+
+/// Weights of the values at the nodes in the parabola through them at `tau`.
+fn parabola(tau: f64) -> [f64; 3] {
+    std::array::from_fn(|i| {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        (tau - C[j]) * (tau - C[k]) / ((C[i] - C[j]) * (C[i] - C[k]))
+    })
 }

@@ -33,6 +33,14 @@ pub struct Periodic {
 const PERIODIC: f64 = 1e-10;
 /// Relative difference of slip rates from which on two branches are two.
 const SAME_SLIP: f64 = 1e-5;
+/// Relative change over a cycle below which coarse steps no longer serve.
+const NEAR: f64 = 3e-2;
+/// Relative change over a cycle below which the last step of Newton's may stand for a cycle.
+const SQUARED: f64 = 1e-4;
+/// Relative change over a cycle below which the next may be the last, and is observed.
+const LAST: f64 = 1e-3;
+/// Most cycles where the contact may come to rest: there is a closed form for that.
+const MAX_CYCLES_AT_REST: usize = 150;
 
 /// Finds the periodic solution from `guess` (or from the system's own first guess). Errors say why in words.
 pub fn solve(system: &dyn HybridSystem, guess: Option<&Start>, tolerance: &Tolerance) -> Result<Periodic, String> {
@@ -54,9 +62,13 @@ pub fn search(integrator: &mut Integrator, guess: Option<&Start>) -> Result<Peri
     let mut next_march = 3;
     let mut warm = guess.is_some();
     let mut sound: Option<Start> = None;
-    while cycles < integrator.tolerance().cycles {
+    let mut before = f64::INFINITY;
+    integrator.observe = guess.is_some();
+    integrator.coarse = !integrator.measures_order();
+    let most = integrator.tolerance().cycles.min(if system.can_rest() { MAX_CYCLES_AT_REST } else { usize::MAX });
+    while cycles < most {
         cycles += 1;
-        let cycle = match integrator.cycle(&start, entry) {
+        let mut cycle = match integrator.cycle(&start, entry) {
             Ok(cycle) => cycle,
             // A warm start that leads nowhere is dropped; a step of Newton's is taken back and the transient followed.
             Err(why) => {
@@ -84,7 +96,11 @@ pub fn search(integrator: &mut Integrator, guess: Option<&Start>) -> Result<Peri
         // Large constant states, such as the stretch under a heavy load, are known to rounding only.
         let rounding = start.iter().zip(&scales).take(n).fold(0.0f64, |m, (z, scale)| m.max(z.abs() / scale));
         let tolerated = PERIODIC + 1e-15 * rounding;
-        if size < tolerated && closes(system, &start, &cycle, tolerated) {
+        // Near the solution, and where nothing pulls towards it, the full accuracy is needed.
+        let coarse = integrator.coarse;
+        integrator.coarse = coarse && size > NEAR && size < 0.9 * best;
+        integrator.observe = size < LAST;
+        if !coarse && cycle.observed && size < tolerated && closes(system, &start, &cycle, tolerated) {
             let multiplier = largest_multiplier(system, &cycle);
             return Ok(Periodic { start, entry: cycle.branch[0], cycle, cycles, residual: size, multiplier });
         }
@@ -99,29 +115,50 @@ pub fn search(integrator: &mut Integrator, guess: Option<&Start>) -> Result<Peri
             start = cycle.end;
             continue;
         }
-        best = best.min(size);
+        // Coarse and fine cycles differ by more than their defects near the solution.
+        best = if coarse && !integrator.coarse { f64::INFINITY } else { best.min(size) };
+        let before = std::mem::replace(&mut before, size);
         let matrix = std::array::from_fn(|i| std::array::from_fn(|j| jacobian[i][j] * scales[j] / scales[i]));
         match dense::solve(n, matrix, residual.map(|r| -r)) {
             Some(delta) => {
+                let delta: State = std::array::from_fn(|i| delta[i] * scales[i]);
                 for i in 0..n {
-                    start[i] += delta[i] * scales[i];
+                    start[i] += delta[i];
+                }
+                // Newton's method squares the error: where that leaves nothing, the cycle need not be integrated again.
+                let ratio = if before.is_finite() { size / before } else { 1.0 };
+                let left = size * ratio * ratio;
+                if !coarse
+                    && !integrator.measures_order()
+                    && cycle.legs == 0
+                    && size < SQUARED
+                    && left < integrator.left()
+                    && same_branch(system, &cycle)
+                {
+                    let multiplier = largest_multiplier(system, &cycle);
+                    cycle.shift(n, &delta);
+                    return Ok(Periodic { start, entry: cycle.branch[1], cycle, cycles, residual: left, multiplier });
                 }
             }
             None => start = cycle.end,
         }
     }
-    Err(format!("no periodic state within {} cycles", integrator.tolerance().cycles))
+    Err(format!("no periodic state within {most} cycles"))
 }
 
 /// Whether a cycle ends on the branch on which it began, and, where it cannot be one of rest, in the states in which it began.
 fn closes(system: &dyn HybridSystem, start: &State, cycle: &Cycle, tolerated: f64) -> bool {
-    let [(first, before), (last, after)] = cycle.branch;
     let scales = system.scales();
     let states = system.can_rest()
         || (0..system.states()).all(|i| (cycle.end[i] - start[i]).abs() < 10.0 * tolerated * scales[i]);
+    states && same_branch(system, cycle)
+}
+
+/// Whether a cycle ends on the branch on which it began.
+fn same_branch(system: &dyn HybridSystem, cycle: &Cycle) -> bool {
+    let [(first, before), (last, after)] = cycle.branch;
     // Where a change of mode falls on the end of the cycle the slip rate tells.
-    states
-        && (first == last || (before - after).abs() < SAME_SLIP * system.slip_scale())
+    (first == last || (before - after).abs() < SAME_SLIP * system.slip_scale())
         && (before - after).abs() < SAME_SLIP * (system.slip_scale() + before.abs())
 }
 

@@ -57,7 +57,6 @@ impl HybridSystem for Problem {
 
     fn evaluate(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut Evaluation) {
         let p = self.point(forcing, z, if mode == Mode::Stick { 0.0 } else { s });
-        let sign = Self::sign(mode);
         let (x, b) = (self.x, self.b);
         // Gradient of F by (w, u, x, q, s).
         let force_v = self.cc + self.sigma2;
@@ -128,34 +127,57 @@ impl HybridSystem for Problem {
             out.fz[i][i] += law.d_second;
             out.fs[i] = if self.rate_element { 0.0 } else { slope };
         }
-        // Constraint.
+        self.constraint(forcing, z, s, mode, out);
+    }
+
+    fn constraint(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut Evaluation) {
         out.gz = [0.0; MAX_STATES];
-        let normal_th = if p.loaded { self.load_stiffness * b } else { 0.0 };
+        let sign = Self::sign(mode);
+        let (x, b) = (self.x, self.b);
         match mode {
             Mode::Stick => {
-                out.g = s;
-                out.gs = 1.0;
                 let scale = 1.0 / self.slip_scale();
-                out.g *= scale;
-                out.gs *= scale;
+                out.g = s * scale;
+                out.gs = scale;
             }
             Mode::SlipForward | Mode::SlipBackward => {
-                let (mu, mu_s, ..) = self.friction(sign * s, self.state(self.psi, z), self.state(self.heat, z));
+                let th = forcing.angle + z[0];
+                let v = self.relative_speed(forcing, z);
+                let normal = (self.load + self.load_stiffness * b * th).max(0.0);
+                let force = self.kc * z[x] + self.cc * (v - s) + self.state(self.q, z) + self.sigma2 * v;
+                let friction = self.friction(sign * s, self.state(self.psi, z), self.state(self.heat, z));
+                let (mu, mu_s, mu_psi, mu_heat, _) = friction;
                 let scale = 1.0 / self.force_scale();
-                out.g = scale * (p.force - sign * mu * p.normal);
-                out.gz = force_z;
-                out.gz[0] -= sign * mu * normal_th;
+                out.g = scale * (force - sign * mu * normal);
+                let force_v = scale * (self.cc + self.sigma2);
+                out.gz[1] = -b * force_v;
+                out.gz[x] = scale * self.kc;
+                if normal > 0.0 {
+                    out.gz[0] = -scale * sign * mu * self.load_stiffness * b;
+                }
+                if let Some(i) = self.roller {
+                    out.gz[i + 1] = force_v;
+                }
+                if let Some(i) = self.q {
+                    out.gz[i] = scale;
+                }
                 if let Some(i) = self.psi {
-                    out.gz[i] -= sign * p.mu_psi * p.normal;
+                    out.gz[i] = -scale * sign * mu_psi * normal;
                 }
                 if let Some(i) = self.heat {
-                    out.gz[i] -= sign * p.mu_heat * p.normal;
+                    out.gz[i] = -scale * sign * mu_heat * normal;
                 }
-                out.gz = out.gz.map(|g| scale * g);
-                out.gs = scale * (force_s - mu_s * p.normal);
+                out.gs = -scale * (self.cc + mu_s * normal);
             }
             Mode::RateForward | Mode::RateBackward => {
                 // s = kc |v| x / (mu N)
+                let p = self.point(forcing, z, s);
+                let normal_th = if p.loaded { self.load_stiffness * b } else { 0.0 };
+                let mut rate_z = [0.0; MAX_STATES];
+                rate_z[1] = -b;
+                if let Some(i) = self.roller {
+                    rate_z[i + 1] = 1.0;
+                }
                 let limit = (p.mu * p.normal).max(1e-12 * self.force_scale());
                 let flow = self.kc * z[x] / limit;
                 let scale = 1.0 / self.slip_scale();

@@ -50,9 +50,27 @@ impl Problem {
                 return Some(top);
             }
         }
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if self.excess(forcing, z, sign, middle) > 0.0 { low = middle } else { high = middle }
+        // Regula falsi with the value at an end that stays halved (Illinois).
+        let mut ends = [self.excess(forcing, z, sign, low), self.excess(forcing, z, sign, high)];
+        let (mut last, mut side) = (f64::INFINITY, 0);
+        for _ in 0..100 {
+            let inside = (low * ends[1] - high * ends[0]) / (ends[1] - ends[0]);
+            let s = if inside > low && inside < high { inside } else { 0.5 * (low + high) };
+            let value = self.excess(forcing, z, sign, s);
+            let now = if value > 0.0 { -1 } else { 1 };
+            if now < 0 {
+                (low, ends[0]) = (s, value)
+            } else {
+                (high, ends[1]) = (s, value)
+            }
+            if now == side {
+                ends[if now < 0 { 1 } else { 0 }] *= 0.5;
+            }
+            side = now;
+            if (s - last).abs() < 1e-14 * s || high - low < 1e-15 * high {
+                return Some(s);
+            }
+            last = s;
         }
         Some(0.5 * (low + high))
     }
