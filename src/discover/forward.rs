@@ -1,7 +1,7 @@
 //! Forward selection with backward elimination and exchange, from the calibrated base to the explanation.
 
 use super::hypothesis::{Addition, Hypothesis, additions, compatible, count, extended};
-use super::search::{Data, Found, movable, on_all, search};
+use super::search::{Base, Data, Explored, Found, explore, movable, on_all};
 use super::{Candidate, Discovery, MARGIN, Noise, NotTestable, Options, Step, Verdict, held_out, next};
 use crate::compare::{self, Calibration, Comparison, conditions_of};
 use crate::fit::{HUBER, Interval, approximate_intervals, robust_chi2};
@@ -15,6 +15,10 @@ use rayon::prelude::*;
 const PROMISING: f64 = 1.6;
 /// ... and its gain more than this share of what it needs to be accepted.
 const NEARLY: f64 = 0.4;
+/// After few steps a fit is pursued if its sum of squares is within this factor of the best.
+const CONTENDING: f64 = 8.0;
+/// An addition that leaves more than this share of the misfit explains little.
+const MINOR: f64 = 0.85;
 /// At least so many are followed.
 const FOLLOWED: usize = 3;
 /// Rivals of the explanation whose prediction of left-out conditions is computed.
@@ -113,26 +117,39 @@ impl Search<'_> {
             .copied()
             .filter(|a| !from.additions.contains(a) && compatible(&self.base, &with(&from.additions, *a)))
             .collect();
-        let found: Vec<Found> = fitting
+        let t = std::time::Instant::now();
+        let base = Base::new(&self.data, from);
+        let explored: Vec<Explored> = fitting
             .par_iter()
             .map(|&addition| {
                 let hint = first.and_then(|round| round.values(addition));
-                let t = std::time::Instant::now();
-                let f = search(&self.data, from, addition, hint.as_deref());
-                eprintln!(
-                    "{} {:.2?} obj {:.1} vis {:.1} ev {} {}",
-                    addition.name(),
-                    t.elapsed(),
-                    f.hypothesis.fit.objective,
-                    f.visibility,
-                    f.hypothesis.fit.evaluations,
-                    f.hypothesis.fit.termination
-                );
-                f
+                explore(&self.data, from, &base, addition, hint.as_deref())
+            })
+            .collect();
+        eprintln!("explored {:.2?} {:?}", t.elapsed(), explored.iter().map(|e| e.promises()).collect::<Vec<_>>());
+        // Those that explain little of much misfit wait until it is known that no other explains most of it.
+        let minor =
+            |e: &Explored| e.promises() && e.after > MINOR * e.before && e.before > 10.0 * self.data.part.len() as f64;
+        let mut followed: Vec<Option<Found>> =
+            explored.par_iter().map(|e| (!minor(e)).then(|| e.follow(&self.data, from, !e.promises()))).collect();
+        let objective = |f: &Found| f.hypothesis.fit.objective;
+        eprintln!("followed {:.2?}", t.elapsed());
+        let least = followed.iter().flatten().map(objective).fold(f64::INFINITY, f64::min);
+        let found: Vec<Found> = explored
+            .par_iter()
+            .zip(&mut followed)
+            .map(|(e, found)| {
+                let vain = least < (1.0 - MINOR) * e.before;
+                let mut found = found.take().unwrap_or_else(|| e.follow(&self.data, from, vain));
+                if found.gain > NEARLY && objective(&found) < CONTENDING * least + 0.1 * self.data.part.len() as f64 {
+                    e.pursue(&self.data, from, &mut found);
+                }
+                found
             })
             .collect();
         let scale = self.data.points.len() as f64 / self.data.part.len() as f64;
         let least = found.iter().map(|f| f.hypothesis.fit.objective).fold(f64::INFINITY, f64::min);
+        eprintln!("pursued {:.2?}", t.elapsed());
         let criterion = |f: &Found| {
             scale * f.hypothesis.fit.objective
                 + f.hypothesis.fit.parameters.len() as f64 * (self.readings() as f64).ln()
@@ -142,7 +159,7 @@ impl Search<'_> {
         let readings = self.data.part.len() as f64;
         let promising = |f: &Found| f.gain > NEARLY && f.hypothesis.fit.objective < PROMISING * least + 0.1 * readings;
         let mut full: Vec<bool> = found.iter().map(promising).collect();
-        order.iter().take(FOLLOWED).for_each(|&i| full[i] = true);
+        order.iter().filter(|&&i| found[i].gain > 0.0).take(FOLLOWED).for_each(|&i| full[i] = true);
         let found = found
             .into_par_iter()
             .zip(full)
@@ -156,6 +173,7 @@ impl Search<'_> {
                 Entry { found, full, objective }
             })
             .collect();
+        eprintln!("on all {:.2?}", t.elapsed());
         Round { found }
     }
 

@@ -15,7 +15,7 @@ pub use held_out::{HeldOut, held_out};
 pub use hypothesis::{Addition, Hypothesis, additions, extended};
 pub use json::{DiscoveryJson, SCHEMA, json};
 pub use next::{Bounds, NextMeasurement};
-pub use search::{Data, search};
+pub use search::Data;
 
 use crate::compare::{Comparison, Outlier};
 use crate::fit::{Correlation, Interval};

@@ -13,11 +13,15 @@ use nalgebra::{DMatrix, DVector};
 const STRIDE: usize = 3;
 /// Samples over the ranges of an effect of one, two, three, four parameters.
 const SAMPLES: [usize; 4] = [6, 12, 16, 20];
+/// Samples where values are known that are worth a look.
+const WITH_HINT: usize = 6;
 /// Samples that are followed.
 const FOLLOWED: usize = 2;
 /// Evaluations of a fit from a sample, from the best of these on, and on all points.
 const EVALUATIONS: [usize; 3] = [10, 24, 40];
 
+/// Accuracy of a fit to all points: errors of 1e-5, but points that are hard to solve are given up before long.
+const ON_ALL: Tolerance = Tolerance { steps: 24, roughness: 1e-3, cycles: 100, budget: 3000 };
 /// Share of the gain in the sum of squares that an addition needs to be accepted below which, in a linear estimate, no
 /// sample is followed.
 const HOPELESS: f64 = 0.5;
@@ -56,6 +60,23 @@ impl<'a> Data<'a> {
     }
 }
 
+/// An addition at samples of its ranges, before any fit.
+pub struct Explored {
+    addition: Addition,
+    samples: Vec<Model>,
+    /// The samples, the most promising first.
+    order: Vec<usize>,
+    /// Sum of squares over the part of the points before the addition.
+    pub before: f64,
+    /// The same less the most that one sample's direction could take off, in a linear estimate.
+    pub after: f64,
+    /// Gain over all points that the addition needs to be accepted.
+    needed: f64,
+    scale: f64,
+    visibility: f64,
+    strongest: Option<Model>,
+}
+
 /// A search for the best fit of one hypothesis.
 #[derive(Debug, Clone)]
 pub struct Found {
@@ -70,22 +91,15 @@ pub struct Found {
     pub strongest: Option<Model>,
 }
 
-/// Fits `from` with one more addition.
-pub fn search(data: &Data<'_>, from: &Hypothesis, addition: Addition, hint: Option<&[f64]>) -> Found {
-    let mut additions = from.additions.clone();
-    additions.push(addition);
-    let before = from.fitted();
-    let base = Base::new(data, from);
-    let samples = samples(&before, addition, data.seed, hint);
-    let mut visibility: f64 = 0.0;
-    let mut strongest = None;
-    let mut tried: Vec<(f64, usize)> = Vec::new();
-    let mut gain: f64 = 0.0;
-    let rest = base.without(&base.evaluation.residuals);
+/// Looks at samples of one more addition to `from`; `hint` are values of its parameters worth a look.
+pub fn explore(data: &Data<'_>, from: &Hypothesis, base: &Base, addition: Addition, hint: Option<&[f64]>) -> Explored {
+    let samples = samples(&from.fitted(), addition, data.seed, hint);
     let scale = data.points.len() as f64 / data.part.len() as f64;
+    let rest = base.without(&base.evaluation.residuals);
+    let (mut visibility, mut strongest, mut gain) = (0.0, None, 0.0f64);
+    let mut tried: Vec<(f64, usize)> = Vec::new();
     for (index, model) in samples.iter().enumerate() {
-        let mut problem = Problem::new(model.clone(), data.part.iter().copied(), Vec::new(), Tolerance::COARSE);
-        let residuals = problem.evaluate(&[], false).residuals;
+        let residuals = on_part(data, model, Vec::new()).evaluate(&[], false).residuals;
         let change = base.without(&(&residuals - &base.evaluation.residuals));
         let size = change.norm_squared();
         if size > 0.0 {
@@ -97,44 +111,68 @@ pub fn search(data: &Data<'_>, from: &Hypothesis, addition: Addition, hint: Opti
         tried.push((robust_chi2(&base.without(&residuals), data.threshold), index));
     }
     tried.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut keys: Vec<String> = from.fit.parameters.iter().map(|p| p.key.clone()).collect();
-    keys.extend(addition.keys());
-    let mut best: Option<(Model, Fit)> = None;
-    // Where no sample's change points to where the misfit is, following one is in vain.
-    let needed = addition.keys().len() as f64 * (base.evaluation.residuals.len() as f64).ln() + 3.0 * MARGIN;
-    let hopeless = gain < HOPELESS * needed / scale && addition.is_effect();
-    let (followed, evaluations) = if hopeless { (1, 1) } else { (FOLLOWED, EVALUATIONS[0]) };
-    for &(_, index) in tried.iter().take(followed) {
-        let model = &samples[index];
-        let mut problem = on_part(data, model, movable(model, &keys));
-        let start = problem.values();
-        let fit = minimise(&mut problem, &start, &Settings { evaluations, threshold: data.threshold });
-        if best.as_ref().is_none_or(|(_, b)| fit.objective < b.objective) {
-            best = Some((model.clone(), fit));
-        }
-    }
-    let before_it = robust_chi2(&base.evaluation.residuals, data.threshold);
-    if let Some((model, fit)) = &mut best
-        && scale * (before_it - fit.objective) > HOPELESS * needed
-    {
-        let mut problem = on_part(data, model, fit.parameters.clone());
-        let settings = Settings { evaluations: EVALUATIONS[1], threshold: data.threshold };
-        *fit = minimise(&mut problem, &fit.values.clone(), &settings);
-    }
-    let (model, mut fit) = best.unwrap_or_else(|| (extended(&before, &[addition]), from.fit.clone()));
-    // What counts is the change: which points are in the part is chance.
-    let mut gained = scale * (before_it - fit.objective);
-    if hopeless {
-        gained = 0.0;
-        fit.termination = "no strength within its range improves the fit".into();
-    }
-    let gain = gained / needed;
-    let estimate = Some(robust_chi2(&from.fit.evaluation.residuals, data.threshold) - gained);
-    Found {
-        hypothesis: Hypothesis { additions, model, fit, estimate, bic: f64::INFINITY },
-        gain,
+    let readings = base.evaluation.residuals.len() as f64 * scale;
+    Explored {
+        addition,
+        samples,
+        order: tried.into_iter().map(|(_, index)| index).collect(),
+        before: robust_chi2(&base.evaluation.residuals, data.threshold),
+        after: rest.norm_squared() - gain,
+        needed: addition.keys().len() as f64 * readings.ln() + 3.0 * MARGIN,
+        scale,
         visibility,
         strongest,
+    }
+}
+
+impl Explored {
+    /// Whether following a sample may help: its direction points to where the misfit is.
+    pub fn promises(&self) -> bool {
+        !self.addition.is_effect() || self.before - self.after > HOPELESS * self.needed / self.scale
+    }
+
+    /// Few steps of a fit to the part of the points from the best samples, or none where that is in vain.
+    pub fn follow(&self, data: &Data<'_>, from: &Hypothesis, vain: bool) -> Found {
+        let mut keys: Vec<String> = from.fit.parameters.iter().map(|p| p.key.clone()).collect();
+        keys.extend(self.addition.keys());
+        let mut best: Option<(Model, Fit)> = None;
+        let (followed, evaluations) = if vain { (1, 1) } else { (FOLLOWED, EVALUATIONS[0]) };
+        for &index in self.order.iter().take(followed) {
+            let model = &self.samples[index];
+            let mut problem = on_part(data, model, movable(model, &keys));
+            let start = problem.values();
+            let fit = minimise(&mut problem, &start, &Settings { evaluations, threshold: data.threshold });
+            if best.as_ref().is_none_or(|(_, b)| fit.objective < b.objective) {
+                best = Some((model.clone(), fit));
+            }
+        }
+        let mut additions = from.additions.clone();
+        additions.push(self.addition);
+        let untouched = || (extended(&from.fitted(), &[self.addition]), from.fit.clone());
+        let (model, mut fit) = best.unwrap_or_else(untouched);
+        if vain {
+            fit.termination = "no strength within its range improves the fit".into();
+        }
+        let hypothesis = Hypothesis { additions, model, fit, estimate: None, bic: f64::INFINITY };
+        let mut found = Found { hypothesis, gain: 0.0, visibility: self.visibility, strongest: self.strongest.clone() };
+        self.judge(data, from, &mut found, vain);
+        found
+    }
+
+    /// The fit of [`Explored::follow`] brought to its end on the part of the points.
+    pub fn pursue(&self, data: &Data<'_>, from: &Hypothesis, found: &mut Found) {
+        let fit = &mut found.hypothesis.fit;
+        let mut problem = on_part(data, &found.hypothesis.model, fit.parameters.clone());
+        let settings = Settings { evaluations: EVALUATIONS[1], threshold: data.threshold };
+        *fit = minimise(&mut problem, &fit.values.clone(), &settings);
+        self.judge(data, from, found, false);
+    }
+
+    /// What counts is the change: which points are in the part is chance.
+    fn judge(&self, data: &Data<'_>, from: &Hypothesis, found: &mut Found, vain: bool) {
+        let gained = if vain { 0.0 } else { self.scale * (self.before - found.hypothesis.fit.objective) };
+        found.gain = gained / self.needed;
+        found.hypothesis.estimate = Some(robust_chi2(&from.fit.evaluation.residuals, data.threshold) - gained);
     }
 }
 
@@ -144,7 +182,7 @@ fn on_part<'a>(data: &Data<'a>, model: &Model, parameters: Vec<Parameter>) -> Pr
 
 /// The fit followed on all points at full accuracy.
 pub fn on_all(data: &Data<'_>, model: &Model, fit: &Fit) -> Fit {
-    let mut problem = Problem::new(model.clone(), data.points, fit.parameters.clone(), Tolerance::default());
+    let mut problem = Problem::new(model.clone(), data.points, fit.parameters.clone(), ON_ALL);
     let settings = Settings { evaluations: EVALUATIONS[2], threshold: data.threshold };
     minimise(&mut problem, &fit.values, &settings)
 }
@@ -171,7 +209,8 @@ fn samples(before: &Model, addition: Addition, seed: u32, hint: Option<&[f64]>) 
             .collect();
     }
     let mut all: Vec<Model> = hint.map(|values| with(parameters.clone(), values)).into_iter().collect();
-    let count = SAMPLES[parameters.len().clamp(1, 4) - 1];
+    let most = SAMPLES[parameters.len().clamp(1, 4) - 1];
+    let count = if hint.is_some() { most.min(WITH_HINT) } else { most };
     for number in 0..count as u32 {
         let shares: Vec<f64> = if parameters.len() == 1 {
             vec![(f64::from(number) + 0.5) / count as f64]
@@ -190,14 +229,15 @@ fn samples(before: &Model, addition: Addition, seed: u32, hint: Option<&[f64]>) 
 }
 
 /// The hypothesis that a search starts from, on the part of the points.
-struct Base {
+pub struct Base {
     evaluation: Evaluation,
     /// Orthonormal columns that span what its parameters can do.
     span: DMatrix<f64>,
 }
 
 impl Base {
-    fn new(data: &Data<'_>, from: &Hypothesis) -> Self {
+    /// Its residuals and what its parameters can do.
+    pub fn new(data: &Data<'_>, from: &Hypothesis) -> Self {
         let mut problem =
             Problem::new(from.model.clone(), data.part.iter().copied(), from.fit.parameters.clone(), Tolerance::COARSE);
         let evaluation = problem.evaluate(&from.fit.values, true);

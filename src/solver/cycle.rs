@@ -27,7 +27,7 @@ pub struct Tolerance {
 
 impl Tolerance {
     /// For searches over many models: errors of 1e-4, and points that are hard to solve are given up soon.
-    pub const COARSE: Self = Self { steps: 16, roughness: 1e-2, cycles: 60, budget: 1500 };
+    pub const COARSE: Self = Self { steps: 16, roughness: 1e-2, cycles: 60, budget: 800 };
 }
 
 impl Tolerance {
