@@ -1,15 +1,17 @@
 //! What the contact must have done: dynamic stiffness and damping from the readings and the rig alone, beside those of the
 //! model; against frequency, or against the amplitude of the arm's speed.
 
+mod text;
+
 use super::columns::{Column, columns};
 use super::limits::{Limits, Outside};
-use super::words::{self, count};
+use super::words::count;
 use super::{ComparisonFigure, drawing};
 use crate::compare::{Comparison, ContactPoint};
 use crate::figures::axes::{Axis, Panel, range};
 use crate::figures::canvas::{Canvas, Point, Stroke, Type, document};
 use crate::figures::marks::Mark;
-use crate::figures::style::{Color, DASH_SLIP, DOTS, INK, Table, Unit, WIDTH, cell, significant, text_width};
+use crate::figures::style::{Color, DASH_SLIP, DOTS, INK, Unit, WIDTH, significant, text_width};
 use crate::figures::{Drawing, FigureError};
 
 const LEFT: f64 = 92.0;
@@ -189,92 +191,6 @@ impl<'a> Data<'a> {
                 None => {}
             }
         }
-    }
-
-    fn csv(&self) -> String {
-        let header = [
-            "source",
-            "speed [m/s]",
-            "load [N]",
-            "drive [m]",
-            "row",
-            "frequency [Hz]",
-            "speed amplitude [m/s]",
-            "stiffness [N/m]",
-            "sd of stiffness [N/m]",
-            "damping [N s/m]",
-            "sd of damping [N s/m]",
-        ];
-        let mut table = Table::new(&header);
-        for (source, points) in [("measured", &self.c.contact), ("model", &self.c.contact_model)] {
-            for p in points {
-                let s = self.c.conditions[p.condition].setting;
-                let before = [s.speed, s.load, s.drive].map(cell);
-                let after = [
-                    p.frequency_hz,
-                    p.speed_amplitude_m_s,
-                    p.stiffness_n_m,
-                    p.stiffness_sd_n_m,
-                    p.damping_n_s_m,
-                    p.damping_sd_n_s_m,
-                ];
-                let cells = std::iter::once(source.to_string()).chain(before);
-                table.row(cells.chain([p.row.to_string()]).chain(after.map(cell)));
-            }
-        }
-        table.finish()
-    }
-
-    fn caption(&self) -> String {
-        let against = if self.by_speed {
-            "against the amplitude bωα of the arm's speed; dotted, the speed V of the roller"
-        } else {
-            "against frequency"
-        };
-        let mut remarks = String::new();
-        let points = || self.columns.iter().flat_map(|column| &column.curves).flat_map(|curve| &curve.measured);
-        let pairs = || self.rows.iter().zip(&self.limits);
-        let vague = points().filter(|p| pairs().any(|(row, limits)| limits.vague(p, row))).count();
-        let outside = points().filter(|p| pairs().any(|(row, limits)| limits.outside(p, row).is_some())).count();
-        if vague > 0 {
-            remarks += &format!(
-                " Faded: {} whose standard deviation is more than {} times the typical one.",
-                count(vague, "reading"),
-                super::limits::VAGUE
-            );
-        }
-        if outside > 0 {
-            let verb = if outside == 1 { "lies" } else { "lie" };
-            remarks += &format!(" Arrows at the edges: {} that {verb} beyond the axes.", count(outside, "reading"));
-        }
-        format!(
-            "Dynamic stiffness k (above) and damping c (below) of the contact, {against}: marks with bars of one standard \
-             deviation, from the readings and the calibrated rig alone, with no law of the contact assumed; lines, those of the \
-             model at the same points. Dashed: the contact stuck throughout; zero: full slip, no elastic force.{}{remarks}",
-            words::shown(self.c).1
-        )
-    }
-
-    fn notes(&self) -> Vec<(String, String)> {
-        let [k, c] = &self.rows;
-        let worst = |row: &Row, of: &dyn Fn(&ContactPoint) -> (f64, f64)| {
-            let pairs = self.c.contact.iter().zip(&self.c.contact_model);
-            let square: Vec<f64> = pairs
-                .filter_map(|(p, q)| {
-                    let r = ((row.value)(p) - (row.value)(q)) / of(p).1;
-                    r.is_finite().then_some(r * r)
-                })
-                .collect();
-            significant((square.iter().sum::<f64>() / square.len().max(1) as f64).sqrt(), 3)
-        };
-        let sd = |row: &Row| worst(row, &|p| ((row.value)(p), (row.sd)(p)));
-        vec![
-            (
-                "Contact of the model, stuck".into(),
-                format!("k = {}, c = {}", k.unit.show(k.stuck, 3), c.unit.show(c.stuck, 3)),
-            ),
-            ("Measured against model, root mean square".into(), format!("{} σ in k, {} σ in c", sd(k), sd(c))),
-        ]
     }
 }
 

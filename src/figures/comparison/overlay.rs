@@ -1,5 +1,7 @@
 //! Measured points with error bars over the curve of the model, one panel per condition, the error beneath each.
 
+mod text;
+
 use super::grid::{Cell, Grid, LEFT, Rows, heading};
 use super::sigma::{BAND, Sigma};
 use super::words::{self, Amplitude, count};
@@ -10,9 +12,8 @@ use crate::figures::canvas::{Anchor, Canvas, Point, Stroke, Type, document};
 use crate::figures::legend::{Entry, Key};
 use crate::figures::marks::Mark;
 use crate::figures::resonance::{phase_axis, unbroken};
-use crate::figures::style::{Color, GREY, INK, LABEL_SIZE, SHADE, SLIP, STATIC, Table, WIDTH, cell, significant};
+use crate::figures::style::{Color, GREY, INK, LABEL_SIZE, SHADE, SLIP, STATIC, WIDTH, significant};
 use crate::figures::{Drawing, FigureError};
-use crate::solver::Status;
 use std::f64::consts::PI;
 
 /// Standard deviations on either side of a point that its bar spans.
@@ -200,75 +201,6 @@ impl<'a> Data<'a> {
             entries.push((Key::Mark(Mark::Diamond, SLIP, true), "outlier".into()));
         }
         entries
-    }
-
-    fn csv(&self) -> String {
-        let value = if self.phase { "phase [deg]".into() } else { self.amplitude.label() };
-        let (sd, model) = (format!("sd of {value}"), format!("model {value}"));
-        let header =
-            ["kind", "condition", "row", "frequency [Hz]", &value, &sd, &model, "error [sigma]", "phase error [sigma]"];
-        let mut table = Table::new(&header);
-        for condition in 0..self.c.conditions.len() {
-            let setting = *self.setting(condition);
-            let name = words::condition(&setting);
-            let measured = self.measured(condition);
-            let points = self.points(condition).filter(|p| !self.phase || p.point.phase.is_some());
-            for (p, (f, y, bar)) in points.zip(measured) {
-                let of_phase = p.phase_residual.unwrap_or(f64::NAN);
-                let (model, error) = match self.phase {
-                    true => (self.degrees(p.model.phase), of_phase),
-                    false => (self.amplitude.value(p.model.amplitude, &setting), p.amplitude_residual),
-                };
-                let numbers = [f, y, bar / BAR, model, error, of_phase].map(cell);
-                table.row(["reading".into(), name.clone(), p.point.row.to_string()].into_iter().chain(numbers));
-            }
-            for (f, y) in self.curve(condition) {
-                let blank = String::new;
-                let cells = [cell(f), blank(), blank(), cell(y), blank(), blank()];
-                table.row(["curve".into(), name.clone(), blank()].into_iter().chain(cells));
-            }
-        }
-        table.finish()
-    }
-
-    fn caption(&self) -> String {
-        let (what, companion) = match self.phase {
-            true => ("Phase φ relative to the actuator", ""),
-            false => {
-                ("Amplitude", " The strip below each panel shows the errors of amplitude and, where measured, phase.")
-            }
-        };
-        let lost = self.c.points.iter().filter(|p| p.model.status != Status::Steady).count();
-        let unsteady = match lost {
-            0 => String::new(),
-            n => format!(" At {} the model has no steady state.", count(n, "point")),
-        };
-        format!(
-            "{what} against frequency, one panel per condition: measured points with 95 % error bars over the curve of the \
-             calibrated model.{companion} {}{}{unsteady}",
-            self.scale.sentence(),
-            words::shown(self.c).1
-        )
-    }
-
-    fn notes(&self) -> Vec<(String, String)> {
-        let m = &self.c.overall;
-        let (error, noise) = match self.phase {
-            true => (m.rms_phase_deg, m.noise_phase_deg),
-            false => (Some(m.rms_error_percent), Some(m.noise_percent)),
-        };
-        let unit = if self.phase { "°" } else { " %" };
-        let show = |value: Option<f64>| format!("{}{unit}", significant(value.unwrap_or(f64::NAN), 3));
-        let residual = |p: &Compared| if self.phase { p.phase_residual } else { Some(p.amplitude_residual) };
-        let beyond = self.c.points.iter().filter_map(residual).filter(|r| r.abs() > BAND).count();
-        let all = self.c.points.iter().filter_map(residual).count();
-        vec![
-            ("Root mean square error".into(), format!("{} (noise {})", show(error), show(noise))),
-            (
-                "Readings beyond ±2 σ".into(),
-                format!("{beyond} of {all}; noise alone: about {:.0}", 0.0455 * all as f64),
-            ),
-        ]
     }
 }
 
