@@ -235,7 +235,7 @@ impl<'a> Integrator<'a> {
         }
         let (_, stretches, cycle) = self.orbit.take()?;
         let n = self.system.states();
-        if cycle.stick_fraction > 1.0 - 1e-9 {
+        if cycle.stick_fraction > 1.0 - 1e-9 && self.system.resting_state(start).iter().any(Option::is_some) {
             return None;
         }
         // Adjoint at the end: l (1 - monodromy) = derivative by the start.
