@@ -499,7 +499,7 @@ impl Search<'_> {
             let rival = candidates.iter().map(|c| &c.hypothesis).find(|h| {
                 h.additions != chosen.additions
                     && h.additions.len() == chosen.additions.len().max(1)
-                    && h.fit.evaluation.residuals.len() == self.readings()
+                    && h.estimate.is_none()
             })?;
             survivors = vec![chosen, rival];
         }

@@ -136,27 +136,36 @@ impl Explored {
         let mut keys: Vec<String> = from.fit.parameters.iter().map(|p| p.key.clone()).collect();
         keys.extend(self.addition.keys());
         let mut best: Option<(Model, Fit)> = None;
-        let (followed, evaluations) = if vain { (1, 1) } else { (FOLLOWED, EVALUATIONS[0]) };
-        for &index in self.order.iter().take(followed) {
+        for &index in self.order.iter().take(if vain { 0 } else { FOLLOWED }) {
             let model = &self.samples[index];
             let mut problem = on_part(data, model, movable(model, &keys));
             let start = problem.values();
-            let fit = minimise(&mut problem, &start, &Settings { evaluations, threshold: data.threshold });
+            let settings = Settings { evaluations: EVALUATIONS[0], threshold: data.threshold };
+            let fit = minimise(&mut problem, &start, &settings);
             if best.as_ref().is_none_or(|(_, b)| fit.objective < b.objective) {
                 best = Some((model.clone(), fit));
             }
         }
         let mut additions = from.additions.clone();
         additions.push(self.addition);
-        let untouched = || (extended(&from.fitted(), &[self.addition]), from.fit.clone());
-        let (model, mut fit) = best.unwrap_or_else(untouched);
-        if vain {
-            fit.termination = "no strength within its range improves the fit".into();
-        }
+        let (model, fit) = best.unwrap_or_else(|| self.untouched(from, &keys));
         let hypothesis = Hypothesis { additions, model, fit, estimate: None, bic: f64::INFINITY };
         let mut found = Found { hypothesis, gain: 0.0, visibility: self.visibility, strongest: self.strongest.clone() };
         self.judge(data, from, &mut found, vain);
         found
+    }
+
+    /// The hypothesis before, with an addition that has no strength to speak of: its parameters have no derivatives.
+    fn untouched(&self, from: &Hypothesis, keys: &[String]) -> (Model, Fit) {
+        let model = extended(&from.fitted(), &[self.addition]);
+        let mut fit = from.fit.clone();
+        fit.parameters = movable(&model, keys);
+        let none: [&Point; 0] = [];
+        fit.values = Problem::new(model.clone(), none, fit.parameters.clone(), Tolerance::COARSE).values();
+        let columns = fit.parameters.len();
+        fit.evaluation.jacobian.resize_horizontally_mut(columns, 0.0);
+        fit.termination = "no strength within its range improves the fit".into();
+        (model, fit)
     }
 
     /// The fit of [`Explored::follow`] brought to its end on the part of the points.

@@ -133,6 +133,8 @@ pub trait HybridSystem {
     fn enter(&self, forcing: &Forcing, z: &[f64], last: Option<(Mode, f64)>) -> (Mode, f64);
     /// A first guess of the periodic state at time 0.
     fn initial_state(&self) -> [f64; MAX_STATES];
+    /// Deflections under the mean force: what a start taken from a neighbouring problem is measured from.
+    fn reference(&self) -> [f64; MAX_STATES];
     /// States that a cycle without slip leaves undetermined, with the value they take from a start at rest.
     /// `None` for the determined ones.
     fn resting_state(&self, z: &[f64]) -> [Option<(f64, [f64; MAX_STATES])>; MAX_STATES];

@@ -3,11 +3,13 @@
 // Indices run over several matrices at once here.
 #![allow(clippy::needless_range_loop)]
 
+use super::columns::ColumnGatherer;
 use super::dense::solve;
+use super::events::{EVENT_ROUGHNESS, crosses, first_root};
 use super::flow::{self, Flow, Leg};
-use super::radau::{A, C, State, Stepper};
+use super::radau::{A, State, Stepper};
 use super::sensitivity::{self, Gradient, Stretch};
-use crate::model::system::{HybridSystem, MAX_COLUMNS, MAX_STATES, Mode, ParameterColumns};
+use crate::model::system::{HybridSystem, MAX_STATES, Mode};
 
 /// Square matrix over the states.
 pub type Matrix = [State; MAX_STATES];
@@ -156,6 +158,9 @@ pub struct ColumnDerivatives {
     pub fundamental: Vec<(f64, f64)>,
 }
 
+/// A cycle on exact flows: its start, its stretches and what it amounts to.
+type Orbit = (State, Vec<(Stretch, Leg)>, Cycle);
+
 /// Integrates period after period of one system, keeping what does not depend on where it starts.
 pub struct Integrator<'a> {
     system: &'a dyn HybridSystem,
@@ -164,7 +169,7 @@ pub struct Integrator<'a> {
     flows: Vec<(Mode, Option<Box<dyn Flow>>)>,
     stepper: Option<Stepper>,
     /// The last orbit that was observed and consists of exact flows: start, stretches and cycle.
-    orbit: Option<(State, Vec<(Stretch, Leg)>, Cycle)>,
+    orbit: Option<Orbit>,
     /// Whether mean and extremes of the force are wanted of exact flows.
     pub observe: bool,
     /// Whether steps may be coarser than the tolerance asks for: enough for a search that is still far off.
@@ -254,7 +259,7 @@ impl<'a> Integrator<'a> {
         }
         let (_, stretches, cycle) = self.orbit.take()?;
         let n = self.system.states();
-        if cycle.stick_fraction > 1.0 - 1e-9 {
+        if cycle.stick_fraction > 1.0 - 1e-9 && self.system.resting_state(start).iter().any(Option::is_some) {
             return None;
         }
         // Adjoint at the end: l (1 - monodromy) = derivative by the start.
@@ -507,33 +512,6 @@ impl<'a> Integrator<'a> {
     }
 }
 
-/// Largest deviation of the event function from its polynomial over a step, relative to its own size: with more, a crossing
-/// could not be told from a wiggle of the polynomial.
-const EVENT_ROUGHNESS: f64 = 0.03;
-
-/// Event values below this count as crossed.
-const CROSSED: f64 = -1e-11;
-/// Fractions of a step at which the interpolated event function is looked at.
-const LOOKS: [f64; 12] = [0.02, 0.05, 0.1, C[0], 0.25, 0.35, 0.45, 0.55, C[1], 0.75, 0.88, 1.0];
-
-/// Whether the event function falls below zero during the step, between the stages included.
-fn crosses(start: f64, e: [f64; 3]) -> bool {
-    e.iter().any(|&e| e < CROSSED)
-        || (e.iter().any(|&e| e < 0.1) && LOOKS.iter().any(|&tau| Stepper::interpolate(start, e, tau) < CROSSED))
-}
-
-/// Fraction of the step at which the event function first falls to zero.
-fn first_root(start: f64, e: [f64; 3]) -> f64 {
-    let value = |tau: f64| Stepper::interpolate(start, e, tau);
-    let first = LOOKS.into_iter().find(|&tau| value(tau) < CROSSED).unwrap_or(1.0);
-    let (mut low, mut high) = (0.0, first);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if value(middle) > 0.0 { low = middle } else { high = middle }
-    }
-    0.5 * (low + high)
-}
-
 fn identity() -> Matrix {
     std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }))
 }
@@ -542,56 +520,6 @@ fn multiply(rows: usize, n: usize, a: &Matrix, b: &Matrix, out: &mut Matrix) {
     for i in 0..rows {
         for j in 0..n {
             out[i][j] = (0..n).map(|k| a[i][k] * b[k][j]).sum();
-        }
-    }
-}
-
-struct ColumnGatherer {
-    end: Vec<State>,
-    fundamental: Vec<(f64, f64)>,
-    columns: Box<[ParameterColumns; 3]>,
-    own: [Vec<State>; 3],
-}
-
-impl ColumnGatherer {
-    fn new(count: usize) -> Self {
-        let empty = || ParameterColumns { f: [[0.0; MAX_STATES]; MAX_COLUMNS], g: [0.0; MAX_COLUMNS] };
-        Self {
-            end: vec![[0.0; MAX_STATES]; count],
-            fundamental: vec![(0.0, 0.0); count],
-            columns: Box::new([empty(), empty(), empty()]),
-            own: std::array::from_fn(|_| vec![[0.0; MAX_STATES]; count]),
-        }
-    }
-
-    #[allow(clippy::too_many_arguments)]
-    fn add(
-        &mut self,
-        system: &dyn HybridSystem,
-        stepper: &Stepper,
-        size: f64,
-        mode: Mode,
-        n: usize,
-        weight: f64,
-        tangents: &[Matrix; 3],
-    ) {
-        stepper.parameter_tangent(system, size, mode, &mut self.columns, &mut self.own);
-        for (column, end) in self.end.iter_mut().enumerate() {
-            let before = *end;
-            for i in 0..3 {
-                let through = |row: usize| -> f64 {
-                    self.own[i][column][row] + (0..n).map(|k| tangents[i][row][k] * before[k]).sum::<f64>()
-                };
-                let w = weight * A[2][i];
-                let dz = through(0);
-                self.fundamental[column].0 += w * stepper.forcing[i].sine * dz;
-                self.fundamental[column].1 += w * stepper.forcing[i].cosine * dz;
-                if i == 2 {
-                    for (row, value) in end.iter_mut().enumerate().take(n) {
-                        *value = through(row);
-                    }
-                }
-            }
         }
     }
 }

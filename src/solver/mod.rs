@@ -1,11 +1,15 @@
 //! Steady states. Knows no physics beyond the shape of the equations handed in by [`crate::model`].
 
 pub mod analytic;
+mod columns;
 pub mod cycle;
 mod dense;
+mod elimination;
+mod events;
 pub mod exponential;
 pub mod flow;
 mod integrated;
+mod harmonic;
 pub mod lu;
 pub mod paper_euler;
 pub mod parallel;
@@ -74,7 +78,8 @@ pub struct SteadyState {
     pub force_maximum: f64,
     /// Cycles integrated to reach the state (sum over Newton iterations for shooting; 0 for closed forms).
     pub cycles: usize,
-    /// Relative change of the state over the last cycle \[-\].
+    /// Relative change of the state over a cycle from the start that was found \[-\]: of the last cycle, or as estimated
+    /// where a step of Newton's followed it that leaves next to nothing.
     pub periodicity_error: f64,
     /// Whether it is a steady state.
     pub status: Status,

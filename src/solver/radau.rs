@@ -1,7 +1,7 @@
 //! One step of the three-stage Radau IIA collocation method (order 5; Hairer and Wanner, Solving ODEs II, IV.5) for a
 //! system with one algebraic unknown, and its tangent.
 //!
-//! What of the rates is affine ([`Affine`]) is eliminated beforehand: with the unknowns U at the stages - the algebraic
+//! What of the rates is affine ([`crate::model::system::Affine`]) is eliminated beforehand: with the unknowns U at the stages - the algebraic
 //! unknown s and the rates r of the rows that are not affine - the states at the stages are
 //!
 //!   Z = E z + K (1, sin wt, cos wt) + H U,
@@ -12,10 +12,9 @@
 // Indices run over several matrices at once here.
 #![allow(clippy::needless_range_loop)]
 
+use super::elimination::Elimination;
 use super::lu::{Lu, MAX_ORDER};
-use crate::model::system::{
-    Affine, Evaluation, Forcing, HybridSystem, MAX_COLUMNS, MAX_STATES, Mode, ParameterColumns,
-};
+use crate::model::system::{Evaluation, Forcing, HybridSystem, MAX_COLUMNS, MAX_STATES, Mode, ParameterColumns};
 
 const SQRT6: f64 = 2.449_489_742_783_178;
 /// Nodes.
@@ -29,32 +28,6 @@ pub const A: [[f64; 3]; 3] = [
 
 /// States of all systems are at most this many.
 pub type State = [f64; MAX_STATES];
-
-/// Most unknowns of a stage: the algebraic one and the rates of all states.
-const MAX_UNKNOWNS: usize = MAX_STATES + 1;
-/// Columns of E, K and H side by side, at most; the first number serves most systems.
-const COLUMNS: [usize; 2] = [12, MAX_STATES + 3 + 3 * MAX_UNKNOWNS];
-
-/// What the affine rows of a mode make of a step of one size.
-struct Elimination {
-    mode: Option<Mode>,
-    size: f64,
-    affine: Affine,
-    /// Rows that are not affine.
-    rows: [usize; MAX_STATES],
-    count: usize,
-    /// The affine rates: dz'/dz, dz'/ds and the parts of 1, sin wt, cos wt; rows that are not affine are zero.
-    linear: [State; MAX_STATES],
-    by_slip: State,
-    parts: [State; 3],
-    lu: Lu,
-    /// dZ/dz.
-    start: [[State; MAX_STATES]; 3],
-    /// Z of (1, sin wt, cos wt) at the start of the step.
-    forced: [[[f64; 3]; MAX_STATES]; 3],
-    /// dZ/dU: stage of Z, state, stage of U, unknown.
-    unknowns: [[[[f64; MAX_UNKNOWNS]; 3]; MAX_STATES]; 3],
-}
 
 /// Stage values and the factorised Jacobian of the last step taken.
 pub struct Stepper {
@@ -77,22 +50,8 @@ pub struct Stepper {
 
 impl Default for Stepper {
     fn default() -> Self {
-        let eliminated = Elimination {
-            mode: None,
-            size: 0.0,
-            affine: Affine { rows: [false; MAX_STATES], constraint: false, margins: false },
-            rows: [0; MAX_STATES],
-            count: 0,
-            linear: [[0.0; MAX_STATES]; MAX_STATES],
-            by_slip: [0.0; MAX_STATES],
-            parts: [[0.0; MAX_STATES]; 3],
-            lu: Lu::default(),
-            start: [[[0.0; MAX_STATES]; MAX_STATES]; 3],
-            forced: [[[0.0; 3]; MAX_STATES]; 3],
-            unknowns: [[[[0.0; MAX_UNKNOWNS]; 3]; MAX_STATES]; 3],
-        };
         Self {
-            eliminated: Box::new(eliminated),
+            eliminated: Box::default(),
             lu: Lu::default(),
             evaluations: Default::default(),
             forcing: Default::default(),
@@ -101,115 +60,6 @@ impl Default for Stepper {
             rates: [[0.0; MAX_STATES]; 3],
             last: None,
             iterations: 0,
-        }
-    }
-}
-
-impl Elimination {
-    /// Makes the matrices fit a mode and a size of step; false where they do not exist.
-    fn fit(&mut self, system: &dyn HybridSystem, mode: Mode, h: f64) -> bool {
-        if self.mode == Some(mode) && self.size == h {
-            return true;
-        }
-        let n = system.states();
-        if self.mode != Some(mode) {
-            self.learn(system, mode, n);
-        }
-        (self.mode, self.size) = (None, h);
-        let scales = system.scales();
-        let matrix = self.lu.matrix(3 * n);
-        for i in 0..3 {
-            for j in 0..n {
-                let row = &mut matrix[i * n + j];
-                for k in 0..3 {
-                    let factor = -h * A[i][k] / scales[j];
-                    for l in 0..n {
-                        row[k * n + l] = factor * self.linear[j][l] * scales[l];
-                    }
-                }
-                row[i * n + j] += 1.0;
-            }
-        }
-        if !self.lu.factorise() {
-            return false;
-        }
-        if n + 3 + 3 * (1 + self.count) <= COLUMNS[0] {
-            self.solve::<{ COLUMNS[0] }>(system, n, h, &scales);
-        } else {
-            self.solve::<{ COLUMNS[1] }>(system, n, h, &scales);
-        }
-        self.mode = Some(mode);
-        true
-    }
-
-    /// The affine rates of a mode.
-    fn learn(&mut self, system: &dyn HybridSystem, mode: Mode, n: usize) {
-        self.affine = system.affine(mode);
-        self.count = 0;
-        let zero = [0.0; MAX_STATES];
-        let mut e = [Evaluation::default(); 3];
-        system.evaluate(&Forcing::default(), &zero, 0.0, mode, &mut e[0]);
-        system.evaluate(&system.forcing(0.25 * system.period()), &zero, 0.0, mode, &mut e[1]);
-        system.evaluate(&system.forcing(0.0), &zero, 0.0, mode, &mut e[2]);
-        for j in 0..n {
-            if self.affine.rows[j] {
-                self.linear[j] = e[0].fz[j];
-                self.by_slip[j] = e[0].fs[j];
-                for (part, parts) in self.parts.iter_mut().enumerate() {
-                    parts[j] = e[part].f[j] - if part == 0 { 0.0 } else { e[0].f[j] };
-                }
-            } else {
-                self.linear[j] = [0.0; MAX_STATES];
-                self.by_slip[j] = 0.0;
-                self.parts.iter_mut().for_each(|part| part[j] = 0.0);
-                self.rows[self.count] = j;
-                self.count += 1;
-            }
-        }
-    }
-
-    /// Columns of E, K and H.
-    fn solve<const W: usize>(&mut self, system: &dyn HybridSystem, n: usize, h: f64, scales: &State) {
-        let omega = std::f64::consts::TAU / system.period();
-        let turn = C.map(|c| (omega * c * h).sin_cos());
-        let mut rhs = [[0.0; W]; 3 * MAX_STATES];
-        for i in 0..3 {
-            for j in 0..n {
-                let row = &mut rhs[i * n + j];
-                row[j] = 1.0;
-                for k in 0..3 {
-                    let factor = h * A[i][k] / scales[j];
-                    // sin w(t + ch) = sin wt cos wch + cos wt sin wch
-                    let (sine, cosine) = turn[k];
-                    row[n] += factor * self.parts[0][j];
-                    row[n + 1] += factor * (self.parts[1][j] * cosine - self.parts[2][j] * sine);
-                    row[n + 2] += factor * (self.parts[1][j] * sine + self.parts[2][j] * cosine);
-                    row[n + 3 + k * (1 + self.count)] = factor * self.by_slip[j];
-                }
-            }
-            for (index, &j) in self.rows[..self.count].iter().enumerate() {
-                for k in 0..3 {
-                    rhs[i * n + j][n + 3 + k * (1 + self.count) + 1 + index] = h * A[i][k] / scales[j];
-                }
-            }
-        }
-        self.lu.solve_block(&mut rhs[..3 * n]);
-        for i in 0..3 {
-            for j in 0..n {
-                let row = &rhs[i * n + j];
-                let scale = scales[j];
-                for l in 0..n {
-                    self.start[i][j][l] = row[l] * scale / scales[l];
-                }
-                for part in 0..3 {
-                    self.forced[i][j][part] = row[n + part] * scale;
-                }
-                for k in 0..3 {
-                    for u in 0..1 + self.count {
-                        self.unknowns[i][j][k][u] = row[n + 3 + k * (1 + self.count) + u] * scale;
-                    }
-                }
-            }
         }
     }
 }

@@ -10,7 +10,8 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::exponential::{Square, exponential, exponential_gradient};
-use super::flow::{Affine, Complex, Eliminated, products, times};
+use super::flow::{Affine, Eliminated};
+use super::harmonic::{Complex, products, times};
 use super::radau::State;
 use crate::model::system::{Forcing, HybridSystem, MAX_COLUMNS, MAX_STATES, Mode, ParameterColumns};
 

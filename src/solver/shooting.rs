@@ -64,7 +64,7 @@ pub fn search(integrator: &mut Integrator, guess: Option<&Start>) -> Result<Peri
     let mut sound: Option<Start> = None;
     let mut before = f64::INFINITY;
     integrator.observe = guess.is_some();
-    integrator.coarse = !integrator.measures_order();
+    integrator.coarse = guess.is_none() && !integrator.measures_order();
     let most = integrator.tolerance().cycles.min(if system.can_rest() { MAX_CYCLES_AT_REST } else { usize::MAX });
     while cycles < most {
         cycles += 1;

@@ -22,9 +22,23 @@ const SLOWER: f64 = 0.8;
 /// A motion this many times larger than without contact has no bound.
 const RUNAWAY: f64 = 1e6;
 
-/// Start for the neighbouring point of a sweep.
+/// Start for a neighbouring problem: the next point of a sweep, or the same point with other parameters.
 #[derive(Debug, Clone, Default)]
 pub struct Warm(Option<Start>);
+
+impl Warm {
+    /// The start for `system`. Kept relative to the deflection under the mean force, which a small change of stiffness,
+    /// load or friction moves by more than the arm swings.
+    fn start(&self, system: &dyn HybridSystem) -> Option<Start> {
+        let reference = system.reference();
+        self.0.map(|(z, entry)| (std::array::from_fn(|i| z[i] + reference[i]), entry))
+    }
+
+    fn keep(&mut self, system: &dyn HybridSystem, periodic: &Periodic) {
+        let (reference, z) = (system.reference(), periodic.start);
+        self.0 = Some((std::array::from_fn(|i| z[i] - reference[i]), periodic.entry));
+    }
+}
 
 /// A steady state with what else the solver can tell of it.
 #[derive(Debug, Clone)]
@@ -101,7 +115,7 @@ fn search(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_>, 
         return parallel_state(model, at, &problem, &continuum, with);
     }
     let mut integrator = Integrator::new(&problem, tolerance);
-    let found = shooting::search(&mut integrator, warm.0.as_ref())
+    let found = shooting::search(&mut integrator, warm.start(&problem).as_ref())
         .or_else(|why| from_full_slip(model, at, &problem, tolerance).ok_or(why));
     let periodic = match found {
         Ok(periodic) => periodic,
@@ -110,7 +124,7 @@ fn search(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_>, 
             return without_periodic_state(&problem, &why, with);
         }
     };
-    warm.0 = Some((periodic.start, periodic.entry));
+    warm.keep(&problem, &periodic);
     let lumps = &problem.lumps;
     let (free_re, free_im) = lumps.free_response();
     let (re, im) = (free_re.value + periodic.cycle.fundamental.0, free_im.value + periodic.cycle.fundamental.1);

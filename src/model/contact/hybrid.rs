@@ -203,7 +203,7 @@ impl HybridSystem for Problem {
     }
 
     fn affine(&self, mode: Mode) -> Affine {
-        let friction = self.laws.iter().any(|(e, p)| e.friction(p, 0.0, 0.0).is_some());
+        let friction = !self.friction_is_constant();
         let (torque, heated) = (self.laws.iter().any(|(e, p)| e.torque(p, 0.0, 0.0).is_some()), self.heat.is_some());
         let stick = mode == Mode::Stick;
         let mut rows = [true; MAX_STATES];
@@ -355,6 +355,18 @@ impl HybridSystem for Problem {
             }
             if let Some(i) = self.psi {
                 z[i] = psi;
+            }
+        }
+        z
+    }
+
+    fn reference(&self) -> [f64; MAX_STATES] {
+        let mut z = [0.0; MAX_STATES];
+        if self.speed > 0.0 {
+            let guess = self.initial_state();
+            (z[0], z[self.x]) = (guess[0], guess[self.x]);
+            if let Some(i) = self.roller {
+                z[i] = guess[i];
             }
         }
         z

@@ -6,7 +6,12 @@ use crate::model::system::{Forcing, HybridSystem};
 impl Problem {
     /// Whether nothing holds the slip rate back, so that it jumps to the relative speed at once.
     pub(super) fn instant_slip(&self) -> bool {
-        self.cc == 0.0 && !self.rate_element && self.laws.iter().all(|(e, p)| e.friction(p, 0.0, 0.0).is_none())
+        self.cc == 0.0 && !self.rate_element && self.friction_is_constant()
+    }
+
+    /// Whether no law makes friction depend on the slip rate.
+    pub(super) fn friction_is_constant(&self) -> bool {
+        self.laws.iter().all(|(e, p)| e.friction(p, 0.0, 0.0).is_none())
     }
 
     /// By how much the bristles pull harder in direction `sign` than friction holds, at the slip rate `s >= 0`.
@@ -26,6 +31,11 @@ impl Problem {
 
     /// Slip rate on the stable branch nearest to `last` in direction `sign`, or None where there is none.
     pub(super) fn slip_root_near(&self, forcing: &Forcing, z: &[f64], sign: f64, last: f64) -> Option<f64> {
+        if self.friction_is_constant() && self.cc > 0.0 {
+            // The pull falls in proportion to the slip rate.
+            let root = self.excess(forcing, z, sign, 0.0) / self.cc;
+            return (root > 0.0).then_some(root);
+        }
         let last = last.max(1e-9 * self.slip_scale());
         if self.excess(forcing, z, sign, last) > 0.0 {
             return self.slip_root_above(forcing, z, sign, (last, 1.1 * last));
