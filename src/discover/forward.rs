@@ -1,7 +1,7 @@
 //! Forward selection with backward elimination and exchange, from the calibrated base to the explanation.
 
 use super::hypothesis::{Addition, Hypothesis, additions, compatible, count, extended};
-use super::search::{Base, Data, Explored, Found, explore, movable, on_all};
+use super::search::{Base, Data, Explored, Found, Hint, explore, movable, on_all};
 use super::{Candidate, Discovery, MARGIN, Noise, NotTestable, Options, Step, Verdict, held_out, next};
 use crate::compare::{self, Calibration, Comparison, conditions_of};
 use crate::fit::{HUBER, Interval, approximate_intervals, robust_chi2};
@@ -77,7 +77,6 @@ impl Search<'_> {
         while chosen.additions.iter().filter(|a| a.is_effect()).count() < self.options.max_effects
             && chosen.additions.len() <= self.options.max_effects
         {
-            let t = std::time::Instant::now();
             let round = self.round(&chosen, &pool, rounds.first());
             eprintln!(
                 "round {:.2?} full {:?}",
@@ -117,23 +116,20 @@ impl Search<'_> {
             .copied()
             .filter(|a| !from.additions.contains(a) && compatible(&self.base, &with(&from.additions, *a)))
             .collect();
-        let t = std::time::Instant::now();
         let base = Base::new(&self.data, from);
         let explored: Vec<Explored> = fitting
             .par_iter()
             .map(|&addition| {
-                let hint = first.and_then(|round| round.values(addition));
-                explore(&self.data, from, &base, addition, hint.as_deref())
+                let hint = first.and_then(|round| round.hint(addition));
+                explore(&self.data, from, &base, addition, hint.as_ref())
             })
             .collect();
-        eprintln!("explored {:.2?} {:?}", t.elapsed(), explored.iter().map(|e| e.promises()).collect::<Vec<_>>());
         // Those that explain little of much misfit wait until it is known that no other explains most of it.
         let minor =
             |e: &Explored| e.promises() && e.after > MINOR * e.before && e.before > 10.0 * self.data.part.len() as f64;
         let mut followed: Vec<Option<Found>> =
             explored.par_iter().map(|e| (!minor(e)).then(|| e.follow(&self.data, from, !e.promises()))).collect();
         let objective = |f: &Found| f.hypothesis.fit.objective;
-        eprintln!("followed {:.2?}", t.elapsed());
         let least = followed.iter().flatten().map(objective).fold(f64::INFINITY, f64::min);
         let found: Vec<Found> = explored
             .par_iter()
@@ -149,7 +145,6 @@ impl Search<'_> {
             .collect();
         let scale = self.data.points.len() as f64 / self.data.part.len() as f64;
         let least = found.iter().map(|f| f.hypothesis.fit.objective).fold(f64::INFINITY, f64::min);
-        eprintln!("pursued {:.2?}", t.elapsed());
         let criterion = |f: &Found| {
             scale * f.hypothesis.fit.objective
                 + f.hypothesis.fit.parameters.len() as f64 * (self.readings() as f64).ln()
@@ -173,7 +168,6 @@ impl Search<'_> {
                 Entry { found, full, objective }
             })
             .collect();
-        eprintln!("on all {:.2?}", t.elapsed());
         Round { found }
     }
 
@@ -327,7 +321,6 @@ impl Search<'_> {
             ladder.push(chosen.clone());
         }
         let last = ladder.len() - 1;
-        let t = std::time::Instant::now();
         let steps: Vec<Step> = ladder
             .into_par_iter()
             .enumerate()
@@ -338,7 +331,6 @@ impl Search<'_> {
                 hypothesis,
             })
             .collect();
-        eprintln!("steps {:.2?}", t.elapsed());
         let candidates = self.rank(&steps, rounds, ties, noise);
         let end = &steps[last];
         let structured = end.comparison.whiteness.structured;
@@ -359,12 +351,9 @@ impl Search<'_> {
                 indistinguishable.push(names);
             }
         }
-        eprintln!("rank {:.2?}", t.elapsed());
         let outliers = end.comparison.outliers.clone();
         let not_testable = self.not_testable(&candidates, rounds);
-        eprintln!("nt {:.2?}", t.elapsed());
         let next_measurement = self.next(chosen, &rivals, &candidates, noise);
-        eprintln!("next {:.2?}", t.elapsed());
         let correlations = end.comparison.correlations.clone();
         let evaluations = rounds.iter().flat_map(|r| &r.found).map(|e| e.found.hypothesis.fit.evaluations).sum();
         let mut notes = Vec::new();
@@ -508,11 +497,13 @@ impl Search<'_> {
 }
 
 impl Round {
-    /// Values that an addition's own parameters had in the fit.
-    fn values(&self, addition: Addition) -> Option<Vec<f64>> {
+    /// What is known of an addition from this round.
+    fn hint(&self, addition: Addition) -> Option<Hint> {
         let entry = self.found.iter().find(|e| e.found.hypothesis.additions.last() == Some(&addition))?;
         let fit = &entry.found.hypothesis.fit;
-        addition.keys().iter().map(|key| Some(fit.values[fit.parameters.iter().position(|p| p.key == *key)?])).collect()
+        let value = |key: &String| Some(fit.values[fit.parameters.iter().position(|p| p.key == *key)?]);
+        let values = addition.keys().iter().map(value).collect::<Option<_>>()?;
+        Some(Hint { values, touched: entry.found.touched.clone() })
     }
 }
 

@@ -22,6 +22,8 @@ const EVALUATIONS: [usize; 3] = [10, 24, 40];
 
 /// Accuracy of a fit to all points: errors of 1e-5, but points that are hard to solve are given up before long.
 const ON_ALL: Tolerance = Tolerance { steps: 24, roughness: 1e-3, cycles: 100, budget: 3000 };
+/// Change of a residual, in standard deviations, below which a point counts as left alone.
+const UNTOUCHED: f64 = 0.1;
 /// Share of the gain in the sum of squares that an addition needs to be accepted below which, in a linear estimate, no
 /// sample is followed.
 const HOPELESS: f64 = 0.5;
@@ -60,6 +62,15 @@ impl<'a> Data<'a> {
     }
 }
 
+/// What an earlier search of an addition tells a later one.
+#[derive(Debug, Clone)]
+pub struct Hint {
+    /// Values of its parameters that are worth a look.
+    pub values: Vec<f64>,
+    /// Which points of the part it changes at all.
+    pub touched: Vec<bool>,
+}
+
 /// An addition at samples of its ranges, before any fit.
 pub struct Explored {
     addition: Addition,
@@ -75,6 +86,7 @@ pub struct Explored {
     scale: f64,
     visibility: f64,
     strongest: Option<Model>,
+    touched: Vec<bool>,
 }
 
 /// A search for the best fit of one hypothesis.
@@ -89,17 +101,24 @@ pub struct Found {
     pub visibility: f64,
     /// The sample with that change.
     pub strongest: Option<Model>,
+    /// Which points of the part it changes at all.
+    pub touched: Vec<bool>,
 }
 
-/// Looks at samples of one more addition to `from`; `hint` are values of its parameters worth a look.
-pub fn explore(data: &Data<'_>, from: &Hypothesis, base: &Base, addition: Addition, hint: Option<&[f64]>) -> Explored {
-    let samples = samples(&from.fitted(), addition, data.seed, hint);
+/// Looks at samples of one more addition to `from`. Points that the hint says it leaves alone are not solved again.
+pub fn explore(data: &Data<'_>, from: &Hypothesis, base: &Base, addition: Addition, hint: Option<&Hint>) -> Explored {
+    let samples = samples(&from.fitted(), addition, data.seed, hint.map(|h| h.values.as_slice()));
     let scale = data.points.len() as f64 / data.part.len() as f64;
     let rest = base.without(&base.evaluation.residuals);
+    let rows = rows(&data.part);
+    let mut touched = vec![false; data.part.len()];
     let (mut visibility, mut strongest, mut gain) = (0.0, None, 0.0f64);
     let mut tried: Vec<(f64, usize)> = Vec::new();
     for (index, model) in samples.iter().enumerate() {
-        let residuals = on_part(data, model, Vec::new()).evaluate(&[], false).residuals;
+        let residuals = residuals(data, model, base, hint);
+        for (touched, rows) in touched.iter_mut().zip(&rows) {
+            *touched |= rows.clone().any(|r| (residuals[r] - base.evaluation.residuals[r]).abs() > UNTOUCHED);
+        }
         let change = base.without(&(&residuals - &base.evaluation.residuals));
         let size = change.norm_squared();
         if size > 0.0 {
@@ -122,7 +141,35 @@ pub fn explore(data: &Data<'_>, from: &Hypothesis, base: &Base, addition: Additi
         scale,
         visibility,
         strongest,
+        touched,
     }
+}
+
+/// Rows of the residuals that belong to each point.
+fn rows(points: &[&Point]) -> Vec<std::ops::Range<usize>> {
+    let mut next = 0;
+    let mut range = |point: &&Point| {
+        let start = next;
+        next += 1 + usize::from(point.phase.is_some());
+        start..next
+    };
+    points.iter().map(&mut range).collect()
+}
+
+/// Residuals of a model on the part of the points, those of `base` where the hint says that nothing changes.
+fn residuals(data: &Data<'_>, model: &Model, base: &Base, hint: Option<&Hint>) -> DVector<f64> {
+    let Some(hint) = hint else { return on_part(data, model, Vec::new()).evaluate(&[], false).residuals };
+    let points = data.part.iter().zip(&hint.touched).filter(|(_, touched)| **touched).map(|(point, _)| *point);
+    let solved = Problem::new(model.clone(), points, Vec::new(), Tolerance::COARSE).evaluate(&[], false).residuals;
+    let mut all = base.evaluation.residuals.clone();
+    let mut next = 0;
+    for (range, _) in rows(&data.part).into_iter().zip(&hint.touched).filter(|(_, touched)| **touched) {
+        for row in range {
+            all[row] = solved[next];
+            next += 1;
+        }
+    }
+    all
 }
 
 impl Explored {
@@ -150,7 +197,8 @@ impl Explored {
         additions.push(self.addition);
         let (model, fit) = best.unwrap_or_else(|| self.untouched(from, &keys));
         let hypothesis = Hypothesis { additions, model, fit, estimate: None, bic: f64::INFINITY };
-        let mut found = Found { hypothesis, gain: 0.0, visibility: self.visibility, strongest: self.strongest.clone() };
+        let (strongest, touched) = (self.strongest.clone(), self.touched.clone());
+        let mut found = Found { hypothesis, gain: 0.0, visibility: self.visibility, strongest, touched };
         self.judge(data, from, &mut found, vain);
         found
     }
