@@ -78,16 +78,6 @@ impl Search<'_> {
             && chosen.additions.len() <= self.options.max_effects
         {
             let round = self.round(&chosen, &pool, rounds.first());
-            eprintln!(
-                "round {:.2?} full {:?}",
-                t.elapsed(),
-                round
-                    .found
-                    .iter()
-                    .filter(|e| e.full)
-                    .map(|e| (e.found.hypothesis.label(), e.objective))
-                    .collect::<Vec<_>>()
-            );
             let Some(best) = self.pick(&round, rounds.is_empty()) else { break };
             let best_hypothesis = best.found.hypothesis.clone();
             let noise = self.noise(&best_hypothesis);
