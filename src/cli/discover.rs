@@ -28,7 +28,7 @@ pub fn execute(path: &Path, json: Option<&Json>, options: &Options, global: &Glo
 fn words(d: &Discovery) -> Vec<String> {
     let end = d.explanation();
     let scenario = &end.comparison.scenario;
-    let mut lines = vec![format!("{}: {}", scenario.title, sentence(d))];
+    let mut lines = vec![format!("{}: {}", scenario.title, discover::sentence(d))];
     lines.extend(d.notes.iter().map(|note| format!("note: {note}")));
     lines.push("ladder:                                chi2   rms error  left-out".into());
     for step in &d.steps {
@@ -73,25 +73,6 @@ fn words(d: &Discovery) -> Vec<String> {
         ));
     }
     lines
-}
-
-/// The verdict in a sentence.
-pub(super) fn sentence(d: &Discovery) -> String {
-    let end = d.explanation();
-    let (effects, recalibrated) = (end.hypothesis.effects(), end.hypothesis.recalibrated());
-    let all = end.hypothesis.label();
-    match d.verdict {
-        Verdict::NothingMissing => {
-            "nothing is missing; the calibrated model explains the data within their noise".into()
-        }
-        Verdict::Recalibrate => format!("recalibrate {}: no effect is needed", recalibrated.join(", ")),
-        Verdict::EffectMissing if recalibrated.is_empty() => format!("missing: {}", effects.join(" + ")),
-        Verdict::EffectMissing => format!("missing: {}; recalibrate {}", effects.join(" + "), recalibrated.join(", ")),
-        Verdict::Unexplained if end.hypothesis.additions.is_empty() => {
-            "unexplained: structured misfit is left, and nothing of the catalogue reduces it".into()
-        }
-        Verdict::Unexplained => format!("unexplained: {all} helps, but structured misfit is left"),
-    }
 }
 
 fn candidate(c: &Candidate) -> String {

@@ -9,6 +9,7 @@ mod hypothesis;
 mod json;
 mod next;
 mod search;
+mod words;
 
 pub use forward::discover;
 pub use held_out::{HeldOut, held_out};
@@ -16,6 +17,7 @@ pub use hypothesis::{Addition, Hypothesis, additions, extended};
 pub use json::{DiscoveryJson, SCHEMA, json};
 pub use next::{Bounds, NextMeasurement};
 pub use search::Data;
+pub use words::{identified, open_ends, sentence};
 
 use crate::compare::{Comparison, Outlier};
 use crate::fit::{Correlation, Interval};

@@ -12,6 +12,7 @@ pub mod collapse;
 mod compact;
 pub mod comparison;
 pub mod data;
+pub mod discovery;
 pub mod formulations;
 pub mod friction_independence;
 pub mod legend;

@@ -26,20 +26,10 @@ files![
     "paper/rig.toml",
     "practice/1/measurements.csv",
     "practice/1/scenario.toml",
-    "practice/2/measurements.csv",
-    "practice/2/scenario.toml",
-    "practice/3/measurements.csv",
-    "practice/3/scenario.toml",
     "practice/4/measurements.csv",
     "practice/4/scenario.toml",
-    "practice/5/measurements.csv",
-    "practice/5/scenario.toml",
     "practice/6/measurements.csv",
     "practice/6/scenario.toml",
-    "practice/7/measurements.csv",
-    "practice/7/scenario.toml",
-    "practice/8/measurements.csv",
-    "practice/8/scenario.toml",
 ];
 
 /// The commented scenario for one's own rig; valid as it stands.

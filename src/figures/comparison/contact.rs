@@ -38,14 +38,42 @@ pub const FREQUENCY: Contact = Contact { by_speed: false };
 pub const SPEED: Contact = Contact { by_speed: true };
 
 /// Stiffness or damping: how it is read and shown.
-pub(super) struct Row {
+pub struct Row {
+    /// The value.
     pub value: fn(&ContactPoint) -> f64,
+    /// Its standard deviation.
     pub sd: fn(&ContactPoint) -> f64,
+    /// Its unit.
     pub unit: Unit,
-    label: String,
+    /// Label of its axis.
+    pub label: String,
     /// Value of the calibrated contact in sticking.
     pub stuck: f64,
     names: (&'static str, &'static str),
+}
+
+impl Row {
+    /// Stiffness and damping of a contact.
+    pub fn both(contact: &crate::scenario::Contact) -> [Self; 2] {
+        let unit = Unit::fitting(contact.stiffness, "N/m");
+        let stiffness = Self {
+            value: |p| p.stiffness_n_m,
+            sd: |p| p.stiffness_sd_n_m,
+            label: format!("dynamic stiffness k [{}]", unit.label),
+            unit,
+            stuck: contact.stiffness,
+            names: ("stick: k_c", "slip: 0"),
+        };
+        let damping = Self {
+            value: |p| p.damping_n_s_m,
+            sd: |p| p.damping_sd_n_s_m,
+            unit: Unit::new(1.0, "N s/m"),
+            label: "damping c [N s/m]".into(),
+            stuck: contact.damping,
+            names: ("stick: c_c", "slip: 0"),
+        };
+        [stiffness, damping]
+    }
 }
 
 struct Data<'a> {
@@ -59,26 +87,7 @@ struct Data<'a> {
 impl<'a> Data<'a> {
     fn of(c: &'a Comparison, by_speed: bool) -> Self {
         let columns = columns(c);
-        let (stiffness, damping) = (c.model.contact.stiffness, c.model.contact.damping);
-        let unit = Unit::fitting(stiffness, "N/m");
-        let rows = [
-            Row {
-                value: |p| p.stiffness_n_m,
-                sd: |p| p.stiffness_sd_n_m,
-                label: format!("dynamic stiffness k [{}]", unit.label),
-                unit,
-                stuck: stiffness,
-                names: ("stick: k_c", "slip: 0"),
-            },
-            Row {
-                value: |p| p.damping_n_s_m,
-                sd: |p| p.damping_sd_n_s_m,
-                unit: Unit::new(1.0, "N s/m"),
-                label: "damping c [N s/m]".into(),
-                stuck: damping,
-                names: ("stick: c_c", "slip: 0"),
-            },
-        ];
+        let rows = Row::both(&c.model.contact);
         let curves = || columns.iter().flat_map(|column| &column.curves);
         let limits = [&rows[0], &rows[1]].map(|row| {
             Limits::of(curves().flat_map(|curve| &curve.measured), curves().flat_map(|curve| &curve.model), row)

@@ -4,14 +4,14 @@
 
 mod budget;
 mod columns;
-mod contact;
-mod grid;
-mod limits;
+pub(super) mod contact;
+pub(super) mod grid;
+pub(super) mod limits;
 mod map;
-mod overlay;
+pub(super) mod overlay;
 mod peaks;
-mod sigma;
-mod words;
+pub(super) mod sigma;
+pub(super) mod words;
 
 use super::{Drawing, FigureError};
 use crate::compare::Comparison;

@@ -17,7 +17,7 @@ use crate::figures::{Drawing, FigureError};
 use std::f64::consts::PI;
 
 /// Standard deviations on either side of a point that its bar spans.
-const BAR: f64 = 1.96;
+pub const BAR: f64 = 1.96;
 const MODEL: Color = STATIC;
 
 /// Amplitudes, or their companion for phases.
@@ -31,17 +31,20 @@ pub const AMPLITUDE: Overlay = Overlay { phase: false };
 pub const PHASE: Overlay = Overlay { phase: true };
 
 /// What is shown.
-struct Data<'a> {
+pub struct Data<'a> {
     c: &'a Comparison,
     phase: bool,
-    wraps: bool,
-    amplitude: Amplitude,
+    /// Whether phases lie on the branch from -270° to 90°.
+    pub wraps: bool,
+    /// How amplitudes are shown.
+    pub amplitude: Amplitude,
     scale: Sigma,
     shown: Vec<usize>,
 }
 
 impl<'a> Data<'a> {
-    fn of(c: &'a Comparison, phase: bool) -> Self {
+    /// What a comparison holds, for amplitudes or for phases.
+    pub fn of(c: &'a Comparison, phase: bool) -> Self {
         let (low, high) = range(c.points.iter().flat_map(|p| [p.point.phase, Some(p.model.phase)]).flatten());
         let residuals = c.points.iter().flat_map(|p| [Some(p.amplitude_residual).filter(|_| !phase), p.phase_residual]);
         Self {
@@ -59,16 +62,18 @@ impl<'a> Data<'a> {
         (if self.wraps && phase > 0.5 * PI { phase - 2.0 * PI } else { phase }).to_degrees()
     }
 
-    fn setting(&self, condition: usize) -> &Setting {
+    /// The condition of that index.
+    pub fn setting(&self, condition: usize) -> &Setting {
         &self.c.conditions[condition].setting
     }
 
-    fn points(&self, condition: usize) -> impl Iterator<Item = &'a Compared> + use<'a> {
+    /// The points of a condition.
+    pub fn points(&self, condition: usize) -> impl Iterator<Item = &'a Compared> + use<'a> {
         self.c.points.iter().filter(move |p| p.condition == condition)
     }
 
     /// Frequency, value and half the length of the bar.
-    fn measured(&self, condition: usize) -> Vec<(f64, f64, f64)> {
+    pub fn measured(&self, condition: usize) -> Vec<(f64, f64, f64)> {
         let setting = *self.setting(condition);
         let of = |p: &Compared| {
             let f = p.point.frequency;
@@ -81,7 +86,8 @@ impl<'a> Data<'a> {
         self.points(condition).filter_map(of).collect()
     }
 
-    fn curve(&self, condition: usize) -> Vec<Point> {
+    /// The curve of the model, as shown.
+    pub fn curve(&self, condition: usize) -> Vec<Point> {
         let curve = &self.c.curves[condition];
         let setting = *self.setting(condition);
         let pairs = curve.frequency.iter().zip(if self.phase { &curve.phase } else { &curve.amplitude });

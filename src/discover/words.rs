@@ -1,0 +1,45 @@
+//! What a discovery says, in words that the terminal and the report share.
+
+use super::{Discovery, Verdict};
+use crate::fit::{Identified, Interval, Parameter};
+
+/// The verdict in a sentence.
+pub fn sentence(d: &Discovery) -> String {
+    let end = d.explanation();
+    let (effects, recalibrated) = (end.hypothesis.effects(), end.hypothesis.recalibrated());
+    let all = end.hypothesis.label();
+    match d.verdict {
+        Verdict::NothingMissing => {
+            "nothing is missing; the calibrated model explains the data within their noise".into()
+        }
+        Verdict::Recalibrate => format!("recalibrate {}: no effect is needed", recalibrated.join(", ")),
+        Verdict::EffectMissing if recalibrated.is_empty() => format!("missing: {}", effects.join(" + ")),
+        Verdict::EffectMissing => format!("missing: {}; recalibrate {}", effects.join(" + "), recalibrated.join(", ")),
+        Verdict::Unexplained if end.hypothesis.additions.is_empty() => {
+            "unexplained: structured misfit is left, and nothing of the catalogue reduces it".into()
+        }
+        Verdict::Unexplained => format!("unexplained: {all} helps, but structured misfit is left"),
+    }
+}
+
+/// Whether the lower and the upper end of an interval are the search's rather than the data's.
+pub fn open_ends(parameter: &Parameter, interval: &Interval) -> (bool, bool) {
+    match interval.identified {
+        Identified::Yes => (false, false),
+        Identified::No => (true, true),
+        Identified::OneSided => {
+            let low = parameter.at_bound(interval.low);
+            (low, !low)
+        }
+    }
+}
+
+/// What the data say of a parameter, in words.
+pub fn identified(parameter: &Parameter, interval: &Interval) -> &'static str {
+    match open_ends(parameter, interval) {
+        (false, false) => "identified",
+        (true, false) => "only an upper bound",
+        (false, true) => "only a lower bound",
+        (true, true) => "these data do not determine it",
+    }
+}

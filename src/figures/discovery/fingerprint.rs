@@ -1,0 +1,204 @@
+//! What the contact did before and after: measured stiffness and damping beside those of base and explanation.
+
+use super::{DiscoveryFigure, color, dash, drawing, ladder_of, name};
+use crate::compare::ContactPoint;
+use crate::discover::{Discovery, Step};
+use crate::figures::axes::{Axis, Panel, range};
+use crate::figures::canvas::{Canvas, Point, Stroke, Type, document};
+use crate::figures::comparison::contact::Row;
+use crate::figures::comparison::limits::Limits;
+use crate::figures::comparison::words::{self, count};
+use crate::figures::legend::{Entry, Key, legend};
+use crate::figures::marks::Mark;
+use crate::figures::style::{INK, Table, WIDTH, cell, significant, text_width};
+use crate::figures::{Drawing, FigureError};
+
+const LEFT: f64 = 92.0;
+const RIGHT: f64 = 20.0;
+const GAP: f64 = 30.0;
+/// Conditions at most.
+const MOST: usize = 4;
+const HEIGHT: f64 = 210.0;
+const TOP: f64 = 92.0;
+const BETWEEN: f64 = 18.0;
+
+/// The figure.
+pub struct Fingerprint;
+
+struct Data<'a> {
+    base: &'a Step,
+    end: &'a Step,
+    shown: Vec<usize>,
+    rows: [Row; 2],
+    limits: [Limits; 2],
+}
+
+/// Mean square distance of a model from the measured contact, in standard deviations, over some points.
+fn distance(measured: &[ContactPoint], model: &[ContactPoint], row: &Row, wanted: impl Fn(&ContactPoint) -> bool) -> f64 {
+    let pairs = measured.iter().zip(model).filter(|(p, _)| wanted(p));
+    let square = pairs.map(|(p, q)| (((row.value)(p) - (row.value)(q)) / (row.sd)(p)).powi(2));
+    let (sum, n) = square.filter(|s| s.is_finite()).fold((0.0, 0.0), |(sum, n), s| (sum + s, n + 1.0));
+    if n > 0.0 { sum / n } else { 0.0 }
+}
+
+impl<'a> Data<'a> {
+    fn of(steps: &'a [Step]) -> Self {
+        let (base, end) = (&steps[0], &steps[steps.len() - 1]);
+        let measured = &end.comparison.contact;
+        let rows = Row::both(&end.comparison.model.contact);
+        let telling = |i: &usize| {
+            let of = |p: &ContactPoint| p.condition == *i;
+            rows.iter().map(|row| distance(measured, &base.comparison.contact_model, row, of)).sum::<f64>()
+        };
+        let mut shown: Vec<usize> = (0..end.comparison.conditions.len()).collect();
+        shown.retain(|i| measured.iter().any(|p| p.condition == *i));
+        shown.sort_by(|a, b| telling(b).total_cmp(&telling(a)).then(a.cmp(b)));
+        shown.truncate(MOST);
+        shown.sort_unstable();
+        let of = |points: &'a [ContactPoint]| points.iter().filter(|p| shown.contains(&p.condition)).collect::<Vec<_>>();
+        let (points, models) =
+            (of(measured), [of(&base.comparison.contact_model), of(&end.comparison.contact_model)].concat());
+        let limits = [&rows[0], &rows[1]].map(|row| Limits::of(points.iter(), models.iter(), row));
+        Self { base, end, shown, rows, limits }
+    }
+
+    fn models(&self) -> [(&'a [ContactPoint], Stroke); 2] {
+        let stroke = |index| Stroke::dashed(color(index, 2), 2.4, dash(index, 2));
+        [(&self.base.comparison.contact_model, stroke(0)), (&self.end.comparison.contact_model, stroke(1))]
+    }
+
+    fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
+        let n = self.shown.len() as f64;
+        let width = (WIDTH - LEFT - RIGHT - GAP * (n - 1.0)) / n;
+        let measured = &self.end.comparison.contact;
+        let (low, high) =
+            range(measured.iter().filter(|p| self.shown.contains(&p.condition)).map(|p| p.frequency_hz));
+        let margin = if high > low { 0.02 * (high - low) } else { 0.0 };
+        let label = if n > 3.0 { "f [Hz]" } else { "frequency f [Hz]" };
+        let axis = Axis::linear(label, low - margin, high + margin);
+        document((WIDTH, TOP + 2.0 * HEIGHT + BETWEEN + 62.0), (title, alt), |canvas| {
+            self.legend(canvas);
+            for (index, &condition) in self.shown.iter().enumerate() {
+                let left = LEFT + (width + GAP) * index as f64;
+                let setting = &self.end.comparison.conditions[condition].setting;
+                canvas.text((left, TOP - 26.0), &words::speed(setting), Type::default().bold());
+                let small = Type { size: 14.0, ..Type::default() };
+                canvas.text((left, TOP - 8.0), &words::load_and_drive(setting), small);
+                for (lower, (row, limits)) in self.rows.iter().zip(&self.limits).enumerate() {
+                    let y = Axis::linear(row.label.clone(), limits.low, limits.high);
+                    let top = TOP + (HEIGHT + BETWEEN) * lower as f64;
+                    let panel = Panel { left, top, width, height: HEIGHT, x: axis.clone(), y };
+                    panel.frame(canvas, lower == 1, index == 0);
+                    self.panel(canvas, &panel, condition, (row, limits));
+                }
+            }
+        })
+    }
+
+    fn panel(&self, canvas: &mut Canvas, panel: &Panel, condition: usize, (row, limits): (&Row, &Limits)) {
+        let place = |p: &ContactPoint| (p.frequency_hz, row.unit.of((row.value)(p)));
+        for p in self.end.comparison.contact.iter().filter(|p| p.condition == condition) {
+            let ((x, y), sd) = (place(p), row.unit.of((row.sd)(p)));
+            let ink = if limits.vague(p, row) { INK.faded() } else { INK };
+            panel.curve(canvas, &[(x, y - sd), (x, y + sd)], Stroke::solid(ink, 1.1));
+            if (limits.low..=limits.high).contains(&y) {
+                canvas.dot((panel.px(x), panel.py(y)), 2.4, ink);
+            }
+        }
+        for (points, stroke) in self.models() {
+            let line: Vec<Point> = points.iter().filter(|p| p.condition == condition).map(place).collect();
+            panel.curve(canvas, &line, stroke);
+        }
+    }
+
+    fn legend(&self, canvas: &mut Canvas) {
+        let [(_, base), (_, end)] = self.models();
+        let entries: [Entry; 3] = [
+            (Key::Mark(Mark::Circle, INK, true), "measured, ± one standard deviation".into()),
+            (Key::Line(base), name(self.base)),
+            (Key::Line(end), format!("with {}", self.end.hypothesis.label())),
+        ];
+        let mut x = LEFT;
+        for entry in &entries {
+            legend(canvas, x, 2.0, std::slice::from_ref(entry));
+            x += 44.0 + text_width(&entry.1, 15.0, false) + 28.0;
+        }
+    }
+
+    fn csv(&self) -> String {
+        let header = [
+            "source",
+            "speed [m/s]",
+            "load [N]",
+            "drive [m]",
+            "row",
+            "frequency [Hz]",
+            "stiffness [N/m]",
+            "sd of stiffness [N/m]",
+            "damping [N s/m]",
+            "sd of damping [N s/m]",
+        ];
+        let mut table = Table::new(&header);
+        let sources: [(&str, &[ContactPoint]); 3] = [
+            ("measured", &self.end.comparison.contact),
+            ("base", &self.base.comparison.contact_model),
+            ("explanation", &self.end.comparison.contact_model),
+        ];
+        for (source, p) in sources.iter().flat_map(|(source, points)| points.iter().map(move |p| (source, p))) {
+            let s = self.end.comparison.conditions[p.condition].setting;
+            let numbers = [p.frequency_hz, p.stiffness_n_m, p.stiffness_sd_n_m, p.damping_n_s_m, p.damping_sd_n_s_m];
+            let cells = std::iter::once(source.to_string()).chain([s.speed, s.load, s.drive].map(cell));
+            table.row(cells.chain([p.row.to_string()]).chain(numbers.map(cell)));
+        }
+        table.finish()
+    }
+
+    fn notes(&self) -> Vec<(String, String)> {
+        let measured = &self.end.comparison.contact;
+        let root = |model: &[ContactPoint], row: &Row| significant(distance(measured, model, row, |_| true).sqrt(), 3);
+        let [(before, _), (after, _)] = self.models();
+        let note = |row: &Row| format!("{} σ before, {} σ after", root(before, row), root(after, row));
+        let [k, c] = &self.rows;
+        vec![("Distance in stiffness, rms".into(), note(k)), ("Distance in damping, rms".into(), note(c))]
+    }
+}
+
+impl DiscoveryFigure for Fingerprint {
+    fn name(&self) -> &'static str {
+        "fingerprint-before-after"
+    }
+
+    fn title(&self) -> &'static str {
+        "What the contact did, before and after"
+    }
+
+    fn draw(&self, discovery: &Discovery) -> Result<Drawing, FigureError> {
+        let steps = ladder_of(self, discovery)?;
+        let data = Data::of(steps);
+        if data.shown.is_empty() {
+            return Err(FigureError::missing(self.name(), "measured phases"));
+        }
+        let panels = count(data.shown.len(), "condition");
+        let alt = format!(
+            "Two rows of panels for {panels}, stiffness above and damping below against frequency: measured points with bars, a \
+             dashed line for the calibrated base and a solid one for the explanation."
+        );
+        let svg = data.draw(self.title(), &alt)?;
+        let rig = if discovery.explanation().hypothesis.recalibrated().is_empty() {
+            ""
+        } else {
+            " The measured contact is that seen through the recalibrated rig and instrument."
+        };
+        let caption = format!(
+            "Dynamic stiffness and damping that the contact must have had, from the readings and the rig alone, at the {panels} \
+             that tell most; dashed, what the contact of the calibrated base does there; solid, that of the explanation.{rig} \
+             Faded: readings that say little; some may lie beyond the axes."
+        );
+        let reading = [
+            "The solid line follows the measured points where the dashed one does not, in stiffness and in damping.",
+            "A solid line that follows one of the two only, or runs between the points: the law has the wrong form.",
+            "Where it fails, compare the measured shape with the fingerprints in the atlas.",
+        ];
+        Ok(drawing(self, (caption, alt), (svg, data.csv()), (data.notes(), reading)))
+    }
+}

@@ -1,0 +1,144 @@
+//! The error falling step by step: chi2 per reading, and the error of the amplitude beside the noise.
+
+use super::rows::Rows;
+use super::{DiscoveryFigure, drawing, ladder_of, name};
+use crate::discover::{Discovery, Step};
+use crate::figures::axes::{Axis, Panel};
+use crate::figures::canvas::{Canvas, Point, Stroke, Type, document};
+use crate::figures::legend::{Entry, Key, legend};
+use crate::figures::marks::Mark;
+use crate::figures::style::{DASH_SLIP, GREY, INK, SLIP, STATIC, Table, WHITE, WIDTH, cell, significant};
+use crate::figures::{Drawing, FigureError};
+
+const TOP: f64 = 48.0;
+const GAP: f64 = 40.0;
+const RIGHT: f64 = 30.0;
+
+/// The figure.
+pub struct Ladder;
+
+fn noise(steps: &[Step]) -> f64 {
+    steps[0].comparison.overall.noise_percent
+}
+
+fn draw(steps: &[Step], title: &str, alt: &str) -> Result<String, FigureError> {
+    let rows = Rows::of(steps.iter().map(name), TOP, 58.0);
+    let width = 0.5 * (WIDTH - rows.left - GAP - RIGHT);
+    let overall = |step: &Step| step.comparison.overall;
+    let chi2: Vec<f64> = steps.iter().map(|s| overall(s).chi2_per_point).collect();
+    let error: Vec<f64> = steps.iter().map(|s| overall(s).rms_error_percent).collect();
+    let left_out: Vec<f64> = steps.iter().map(|s| s.held_out.map_or(f64::NAN, |h| h.rms_percent)).collect();
+    let noise = noise(steps);
+    let axis = |label: &str, values: Vec<f64>| Axis::logarithmic(label, values, 0.14);
+    let first = rows.panel(rows.left, width, axis("χ² per reading", [chi2.as_slice(), &[1.0]].concat()));
+    let errors = [error.as_slice(), &left_out, &[noise]].concat();
+    let second = rows.panel(rows.left + width + GAP, width, axis("rms error of the amplitude [%]", errors));
+    document((WIDTH, rows.bottom() + 62.0), (title, alt), |canvas| {
+        entries(canvas, rows.left, &left_out);
+        for panel in [&first, &second] {
+            panel.frame(canvas, true, false);
+        }
+        rows.draw(canvas, &[&first, &second]);
+        for (panel, level) in [(&first, 1.0), (&second, noise)] {
+            let x = panel.px(level);
+            canvas.line((x, panel.top), (x, panel.bottom()), Stroke::dashed(SLIP, 1.8, DASH_SLIP));
+        }
+        steps_of(canvas, &rows, &first, &chi2, |value| significant(value, 3));
+        for (index, &value) in left_out.iter().enumerate().filter(|(_, value)| value.is_finite()) {
+            let at = (second.px(value), rows.y(index));
+            canvas.mark(Mark::Diamond, at, 8.0, WHITE, Stroke::solid(INK, 1.8));
+        }
+        steps_of(canvas, &rows, &second, &error, |value| format!("{} %", significant(value, 3)));
+    })
+}
+
+fn entries(canvas: &mut Canvas, left: f64, left_out: &[f64]) {
+    let mut entries: Vec<Entry> = vec![
+        (Key::Mark(Mark::Circle, STATIC, true), "all readings".into()),
+        (Key::Line(Stroke::dashed(SLIP, 1.8, DASH_SLIP)), "noise alone".into()),
+    ];
+    if left_out.iter().any(|value| value.is_finite()) {
+        entries.push((Key::Mark(Mark::Diamond, INK, false), "conditions left out of the fit, predicted".into()));
+    }
+    for (index, entry) in entries.iter().enumerate() {
+        legend(canvas, left + 170.0 * index as f64, 2.0, std::slice::from_ref(entry));
+    }
+}
+
+/// Marks from row to row, joined, with their numbers.
+fn steps_of(canvas: &mut Canvas, rows: &Rows, panel: &Panel, values: &[f64], show: impl Fn(f64) -> String) {
+    let line: Vec<Point> = values.iter().enumerate().map(|(i, &value)| (panel.px(value), rows.y(i))).collect();
+    canvas.polyline(&line, Stroke::solid(STATIC, 1.6));
+    for (&(x, y), &value) in line.iter().zip(values) {
+        canvas.dot((x, y), 5.0, STATIC);
+        let text = show(value);
+        let small = Type { size: 13.0, color: GREY.mix(INK, 0.6), ..Type::default() };
+        let width = crate::figures::style::text_width(&text, 13.0, false);
+        let left = (x + 10.0).min(panel.right() - width - 4.0);
+        canvas.text((left, y - 9.0), &text, small);
+    }
+}
+
+fn csv(steps: &[Step]) -> String {
+    let header = [
+        "step",
+        "chi2 per reading",
+        "rms error [%]",
+        "noise [%]",
+        "left-out rms error [%]",
+        "left-out chi2 per reading",
+        "rms phase error [deg]",
+        "remaining regions",
+    ];
+    let mut table = Table::new(&header);
+    for step in steps {
+        let c = &step.comparison;
+        let held_out = step.held_out.map_or([f64::NAN; 2], |h| [h.rms_percent, h.chi2_per_point]);
+        let numbers = [c.overall.chi2_per_point, c.overall.rms_error_percent, c.overall.noise_percent];
+        let phase = c.overall.rms_phase_deg.unwrap_or(f64::NAN);
+        let numbers = numbers.into_iter().chain(held_out).chain([phase, c.regions.len() as f64]).map(cell);
+        table.row(std::iter::once(name(step)).chain(numbers));
+    }
+    table.finish()
+}
+
+impl DiscoveryFigure for Ladder {
+    fn name(&self) -> &'static str {
+        "ladder"
+    }
+
+    fn title(&self) -> &'static str {
+        "The error, step by step"
+    }
+
+    fn draw(&self, discovery: &Discovery) -> Result<Drawing, FigureError> {
+        let steps = ladder_of(self, discovery)?;
+        let (first, last) = (&steps[0].comparison.overall, &steps[steps.len() - 1].comparison.overall);
+        let fall = |from: f64, to: f64| format!("{} to {}", significant(from, 3), significant(to, 3));
+        let chi2 = fall(first.chi2_per_point, last.chi2_per_point);
+        let error = fall(first.rms_error_percent, last.rms_error_percent);
+        let noise = significant(noise(steps), 3);
+        let alt = format!(
+            "Two panels with one row per step, from the calibrated base to the explanation: chi square per reading goes from \
+             {chi2}, the root mean square error of the amplitude from {error} percent; the noise is {noise} percent."
+        );
+        let caption = format!(
+            "One row per step, from the calibrated base downwards. Left: mean square of the errors in standard deviations, from \
+             {chi2}; noise alone gives 1. Right: root mean square error of the amplitude, from {error} %; the noise is {noise} %. \
+             Diamonds: each condition predicted by a fit to all others, so that a step that only bends to the data shows. Both \
+             axes are logarithmic."
+        );
+        let svg = draw(steps, self.title(), &alt)?;
+        let notes = vec![
+            ("χ² per reading".to_string(), chi2),
+            ("Error of the amplitude".to_string(), format!("{error} % (noise {noise} %)")),
+        ];
+        let reading = [
+            "The last row lies on the dashed lines, diamonds and points together: nothing but noise is left, and it predicts.",
+            "The last row stays right of the dashed lines: something is left. Diamonds right of the points: the step bends to the \
+             data rather than explaining them.",
+            "Trust the steps that bring a large fall; doubt those that bring a small one, and see the ranking.",
+        ];
+        Ok(drawing(self, (caption, alt), (svg, csv(steps)), (notes, reading)))
+    }
+}
