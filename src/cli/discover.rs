@@ -25,7 +25,7 @@ pub fn execute(path: &Path, json: Option<&Json>, options: &Options, global: &Glo
 }
 
 /// The discovery in lines of text.
-fn words(d: &Discovery) -> Vec<String> {
+pub(super) fn words(d: &Discovery) -> Vec<String> {
     let end = d.explanation();
     let scenario = &end.comparison.scenario;
     let mut lines = vec![format!("{}: {}", scenario.title, discover::sentence(d))];

@@ -3,6 +3,7 @@
 use super::{Global, compare, say, select, simulate};
 use crate::claims::{self, Judged, Relation};
 use crate::compare::Comparison;
+use crate::discover::{self, Discovery};
 use crate::error::{Error, Result};
 use crate::measurement::Table;
 use crate::report::{
@@ -41,6 +42,8 @@ pub fn execute(paths: &[PathBuf], out: &Path, global: &Global) -> Result<()> {
     clock.lap("figures");
     let compared = compared(&scenarios, &tables, out)?;
     clock.lap("comparisons");
+    let discovered = discovered(&scenarios, &tables, out)?;
+    clock.lap("discoveries");
     let claims = judge(&scenarios)?;
     clock.lap("claims");
     let atlas = if of_paper(&scenarios).is_some() { simulate::atlas(&scenario::paper(), out)? } else { Vec::new() };
@@ -49,8 +52,8 @@ pub fn execute(paths: &[PathBuf], out: &Path, global: &Global) -> Result<()> {
     checks.extend(verification::numerical_error(&outcomes));
     clock.lap("verification");
 
-    let sections = outcomes.iter().zip(&figures).zip(&compared);
-    let sections = sections.map(|((o, f), compared)| section(o, f, compared.as_ref())).collect();
+    let sections = outcomes.iter().zip(&figures).zip(compared.iter().zip(&discovered));
+    let sections = sections.map(|((o, f), (c, d))| section(o, f, c.as_ref(), d.as_ref())).collect();
     let mut provenance = Provenance::from_environment(&command(paths), rayon::current_num_threads());
     provenance.timings = clock.laps;
     let claims = claims.iter().map(claim_view).collect();
@@ -68,8 +71,9 @@ pub fn execute(paths: &[PathBuf], out: &Path, global: &Global) -> Result<()> {
     Ok(())
 }
 
-/// A comparison with its figures.
+/// A comparison and a discovery, each with its figures.
 type Compared = (Comparison, Vec<FigureInput>);
+type Discovered = (Discovery, Vec<FigureInput>);
 
 /// Compares every scenario that has measurements, and draws that.
 fn compared(scenarios: &[Scenario], tables: &[Option<Table>], out: &Path) -> Result<Vec<Option<Compared>>> {
@@ -83,10 +87,30 @@ fn compared(scenarios: &[Scenario], tables: &[Option<Table>], out: &Path) -> Res
     scenarios.iter().zip(tables).map(one).collect()
 }
 
-fn section(outcome: &Outcome, figures: &[FigureInput], compared: Option<&Compared>) -> ScenarioView {
-    let view = report::scenario_view(outcome, figures);
-    match compared {
-        Some((comparison, figures)) => view.with_comparison(comparison, figures),
+/// Looks for what is missing in every scenario that has measurements, and draws that.
+fn discovered(scenarios: &[Scenario], tables: &[Option<Table>], out: &Path) -> Result<Vec<Option<Discovered>>> {
+    let one = |(scenario, table): (&Scenario, &Option<Table>)| {
+        let Some(table) = table else { return Ok(None) };
+        simulate::go_on()?;
+        let discovery = discover::discover(scenario, table, &discover::Options::default());
+        let figures = simulate::discovery(&discovery, out)?;
+        Ok(Some((discovery, figures)))
+    };
+    scenarios.iter().zip(tables).map(one).collect()
+}
+
+fn section(
+    outcome: &Outcome,
+    figures: &[FigureInput],
+    compared: Option<&Compared>,
+    discovered: Option<&Discovered>,
+) -> ScenarioView {
+    let mut view = report::scenario_view(outcome, figures);
+    if let Some((comparison, figures)) = compared {
+        view = view.with_comparison(comparison, figures);
+    }
+    match discovered {
+        Some((discovery, figures)) => view.with_discovery(discovery, figures),
         None => view,
     }
 }

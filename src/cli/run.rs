@@ -1,6 +1,7 @@
-//! `stickslip run`: simulate one scenario, compare it with its measurements, draw it.
+//! `stickslip run`: simulate one scenario, compare it with its measurements, find what is missing, draw it.
 
 use super::{Global, compare, say, select, simulate};
+use crate::discover;
 use crate::error::{Error, Result};
 use crate::files;
 use std::path::{Path, PathBuf};
@@ -33,6 +34,9 @@ pub fn execute(path: &Path, out: &Path, global: &Global) -> Result<()> {
             let comparison = compare::compare(scenario, table);
             figures.extend(simulate::comparison(&comparison, out)?);
             compare::words(&comparison).iter().for_each(|line| say(global, line));
+            let discovery = discover::discover(scenario, table, &discover::Options::default());
+            figures.extend(simulate::discovery(&discovery, out)?);
+            super::discover::words(&discovery).iter().for_each(|line| say(global, line));
         }
         for name in figures.iter().flat_map(|figure| &figure.files) {
             say(global, &format!("  {}", out.join(name).display()));

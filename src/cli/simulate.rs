@@ -2,8 +2,10 @@
 
 use crate::atlas;
 use crate::compare::Comparison;
+use crate::discover::Discovery;
 use crate::error::{Error, Result};
 use crate::figures::comparison::{ComparisonFigure, REGISTRY};
+use crate::figures::discovery::DiscoveryFigure;
 use crate::figures::{self, Drawing, Figure, FigureError};
 use crate::files;
 use crate::report::{self, EffectView, FigureInput};
@@ -105,6 +107,21 @@ pub fn comparison(comparison: &Comparison, out: &Path) -> Result<Vec<FigureInput
         }
     };
     let drawn: Vec<Option<FigureInput>> = REGISTRY.par_iter().map(draw).collect::<Result<_>>()?;
+    Ok(drawn.into_iter().flatten().collect())
+}
+
+/// Draws the figures of a discovery that it can fill, and writes them below `out`.
+pub fn discovery(discovery: &Discovery, out: &Path) -> Result<Vec<FigureInput>> {
+    let id = &discovery.explanation().comparison.scenario.id;
+    let draw = |figure: &&dyn DiscoveryFigure| {
+        go_on()?;
+        match figure.draw(discovery) {
+            Ok(drawing) => write(drawing, id, out).map(Some),
+            Err(FigureError::MissingData(_)) => Ok(None),
+            Err(why) => Err(Error::Unfinished(why.to_string())),
+        }
+    };
+    let drawn: Vec<Option<FigureInput>> = figures::discovery::REGISTRY.par_iter().map(draw).collect::<Result<_>>()?;
     Ok(drawn.into_iter().flatten().collect())
 }
 

@@ -31,6 +31,11 @@ pub fn comparison(id: &str) -> String {
     format!("comparison-{}", slug(id))
 }
 
+/// Anchor of the discovery of a scenario.
+pub fn discovery(id: &str) -> String {
+    format!("discovery-{}", slug(id))
+}
+
 /// Anchor of an effect of the atlas.
 pub fn effect(name: &str) -> String {
     format!("effect-{}", slug(name))

@@ -144,7 +144,7 @@ fn peak(peak: Option<Peak>) -> PeakView {
     }
 }
 
-fn fitted(parameter: &Parameter, interval: &Interval) -> FittedView {
+pub(super) fn fitted(parameter: &Parameter, interval: &Interval) -> FittedView {
     let meaning = match interval.identified {
         Identified::Yes => "bounded on both sides",
         Identified::OneSided => "bounded on one side; the other end is that of the search",
@@ -160,12 +160,12 @@ fn fitted(parameter: &Parameter, interval: &Interval) -> FittedView {
     }
 }
 
-fn tie(pair: &crate::fit::Correlation) -> String {
+pub(super) fn tie(pair: &crate::fit::Correlation) -> String {
     let (a, b) = &pair.parameters;
     format!("The estimates of {a} and {b} are tied together (correlation {}).", quantity(pair.value, "1", 3))
 }
 
-fn outlier(outlier: &crate::compare::Outlier) -> OutlierView {
+pub(super) fn outlier(outlier: &crate::compare::Outlier) -> OutlierView {
     let column = if outlier.column == "phase_rad" { "phase" } else { "amplitude" };
     OutlierView { row: outlier.row, column: column.into(), error: shown(outlier.sigma, "σ", 3) }
 }
@@ -181,12 +181,12 @@ fn budget(c: &Comparison) -> Vec<NoteView> {
     parts.iter().map(|(label, value)| NoteView { label: (*label).into(), text: quantity(*value, "%", 3) }).collect()
 }
 
-fn shown(value: f64, unit: &str, digits: usize) -> Quantity {
+pub(super) fn shown(value: f64, unit: &str, digits: usize) -> Quantity {
     // Degrees stand close to their number.
     let text = quantity(value, unit, digits).replace(" °", "°");
     Quantity { value: Some(value).filter(|value| value.is_finite()), text }
 }
 
-fn none() -> Quantity {
+pub(super) fn none() -> Quantity {
     Quantity { value: None, text: NONE.into() }
 }

@@ -9,6 +9,8 @@ pub mod anchor;
 mod atlas;
 mod comparison;
 mod comparison_view;
+mod discovery;
+mod discovery_view;
 pub mod format;
 mod glossary;
 mod parameters;
@@ -23,14 +25,16 @@ mod view;
 
 pub use atlas::effect_view;
 pub use comparison::comparison_view;
+pub use discovery::discovery_view;
 pub use glossary::glossary;
 pub use parameters::formulation;
 pub use provenance::{Provenance, SECTION as PROVENANCE_SECTION};
 pub use render::{RenderError, json, render};
 pub use scenario::{FigureInput, scenario_view};
-pub use verdict::{Agreement, Completeness, Match, Tone, Verdict};
+pub use verdict::{Agreement, Completeness, Found, Match, Tone, Verdict};
 pub use view::{
-    AxisView, CheckView, ClaimView, ComparisonView, CurveView, EffectParameterView, EffectView, FigureView, FileView,
-    FittedView, Headline, InputView, LimitView, MatchView, NoteView, OutlierView, ParameterView, PeakView,
-    ProvenanceView, Quantity, ReportView, SCHEMA, ScenarioView, SummaryView, SymbolView, TallyView, TimingView,
+    AxisView, CandidateView, CheckView, ClaimView, ComparisonView, CurveView, DiscoveryView, EffectParameterView,
+    EffectView, FigureView, FileView, FittedView, Headline, InputView, LimitView, MatchView, NextView, NotTestableView,
+    NoteView, OutlierView, ParameterView, PeakView, ProvenanceView, Quantity, ReportView, SCHEMA, ScenarioView,
+    StepView, SummaryView, SymbolView, TallyView, TimingView,
 };

@@ -20,6 +20,7 @@ const TEMPLATES: &[(&str, &str)] = &[
     ("claims.html.j2", include_str!("../../templates/partials/claims.html.j2")),
     ("scenario.html.j2", include_str!("../../templates/partials/scenario.html.j2")),
     ("comparison.html.j2", include_str!("../../templates/partials/comparison.html.j2")),
+    ("discovery.html.j2", include_str!("../../templates/partials/discovery.html.j2")),
     ("figure.html.j2", include_str!("../../templates/partials/figure.html.j2")),
     ("atlas.html.j2", include_str!("../../templates/partials/atlas.html.j2")),
     ("verification.html.j2", include_str!("../../templates/partials/verification.html.j2")),
@@ -47,8 +48,11 @@ pub fn render(view: &ReportView) -> Result<String, RenderError> {
     let of_scenarios = view.scenarios.iter().flat_map(|scenario| &scenario.figures);
     let comparisons = view.scenarios.iter().filter_map(|scenario| scenario.comparison.as_ref());
     let of_comparisons = comparisons.flat_map(|comparison| comparison.figures.iter().chain(&comparison.more));
+    let discoveries = view.scenarios.iter().filter_map(|scenario| scenario.discovery.as_ref());
+    let of_discoveries = discoveries.flat_map(|discovery| discovery.figures.iter().chain(&discovery.more));
     let of_effects = view.atlas.iter().map(|effect| &effect.figure);
-    let drawings: BTreeMap<String, Value> = of_scenarios.chain(of_comparisons).chain(of_effects).map(drawing).collect();
+    let drawings: BTreeMap<String, Value> =
+        of_scenarios.chain(of_comparisons).chain(of_discoveries).chain(of_effects).map(drawing).collect();
     let environment = environment()?;
     let page = environment.get_template("report.html.j2")?;
     Ok(page.render(context! { report => Value::from(Serde(view)), drawings => drawings })?)

@@ -69,6 +69,7 @@ pub fn scenario_view(outcome: &Outcome, figures: &[FigureInput]) -> ScenarioView
         curves,
         limits: outcome.limits.iter().map(limit).collect(),
         comparison: None,
+        discovery: None,
         path: scenario.path.display().to_string(),
         hash: scenario.hash.clone(),
     }

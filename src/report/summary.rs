@@ -3,10 +3,10 @@
 use super::anchor::{self, Anchors};
 use super::glossary::glossary;
 use super::provenance::{Provenance, SECTION};
-use super::verdict::{Agreement, Completeness, Match, Tone, Verdict};
+use super::verdict::{Agreement, Completeness, Found, Match, Tone, Verdict};
 use super::view::{
-    CheckView, ClaimView, ComparisonView, EffectView, Headline, ReportView, SCHEMA, ScenarioView, SummaryView,
-    TallyView,
+    CheckView, ClaimView, ComparisonView, DiscoveryView, EffectView, Headline, ReportView, SCHEMA, ScenarioView,
+    SummaryView, TallyView,
 };
 
 /// Ids of the page's own sections.
@@ -38,6 +38,12 @@ impl ReportView {
             scenario.anchor = anchors.claim(&scenario.anchor);
             for figure in &mut scenario.figures {
                 figure.anchor = anchors.claim(&figure.anchor);
+            }
+            if let Some(discovery) = &mut scenario.discovery {
+                discovery.anchor = anchors.claim(&discovery.anchor);
+                for figure in discovery.figures.iter_mut().chain(&mut discovery.more) {
+                    figure.anchor = anchors.claim(&figure.anchor);
+                }
             }
             if let Some(comparison) = &mut scenario.comparison {
                 comparison.anchor = anchors.claim(&comparison.anchor);
@@ -83,11 +89,7 @@ impl SummaryView {
             claims: tally(&Verdict::ALL.map(Verdict::words), claim_words()),
             verification: tally(&Agreement::ALL.map(Agreement::words), check_words()),
             scenarios: tally(&Completeness::ALL.map(Completeness::words), scenario_words()),
-            comparisons: if comparisons(scenarios).next().is_none() {
-                Vec::new()
-            } else {
-                tally(&Match::ALL.map(Match::words), comparisons(scenarios).map(|(_, c)| c.verdict.words()))
-            },
+            comparisons: tables(scenarios),
             compared: compared(scenarios),
             headlines: headlines(claims, scenarios, checks),
         }
@@ -101,9 +103,13 @@ fn comparisons(scenarios: &[ScenarioView]) -> impl Iterator<Item = (&ScenarioVie
 /// One line per comparison, the most serious first.
 fn compared(scenarios: &[ScenarioView]) -> Vec<Headline> {
     let mut found: Vec<_> = comparisons(scenarios).collect();
+    let tone = |(scenario, c): (&ScenarioView, &ComparisonView)| Tone::of(outcome(scenario, c));
     let chi2 = |c: &ComparisonView| c.overall.chi2.value.unwrap_or(f64::INFINITY);
-    found.sort_by(|(_, a), (_, b)| b.verdict.tone().cmp(&a.verdict.tone()).then(chi2(b).total_cmp(&chi2(a))));
+    found.sort_by(|&a, &b| tone(b).cmp(&tone(a)).then(chi2(b.1).total_cmp(&chi2(a.1))));
     let line = |(scenario, c): (&ScenarioView, &ComparisonView)| {
+        if let Some(d) = &scenario.discovery {
+            return of_discovery(scenario, d);
+        }
         let worst = c.regions.first().map_or(String::new(), |region| format!("; worst: {region}"));
         Headline {
             verdict: c.verdict.words().into(),
@@ -116,6 +122,45 @@ fn compared(scenarios: &[ScenarioView]) -> Vec<Headline> {
         }
     };
     found.into_iter().map(line).collect()
+}
+
+/// The outcome of a discovery in a line.
+fn of_discovery(scenario: &ScenarioView, d: &DiscoveryView) -> Headline {
+    let by = if d.added.is_empty() { String::new() } else { format!(" + {}", d.added) };
+    let numbers = match d.verdict {
+        Found::Nothing => format!("χ² per reading {}", d.before.text),
+        Found::Unexplained if d.added.is_empty() => format!("χ² per reading {}", d.before.text),
+        Found::Unexplained => format!("χ² per reading {} → {}, still structured", d.before.text, d.after.text),
+        Found::Effect | Found::Recalibrated => {
+            format!("explained by{by}: χ² per reading {} → {}", d.before.text, d.after.text)
+        }
+    };
+    Headline {
+        verdict: d.verdict.words().into(),
+        subject: scenario.title.clone(),
+        detail: format!("{} {}", d.sentence, super::discovery::capital(&numbers)),
+        anchor: d.anchor.clone(),
+    }
+}
+
+/// What is known of a table in the end: what was discovered, or what the model leaves.
+fn outcome(scenario: &ScenarioView, c: &ComparisonView) -> &'static str {
+    scenario.discovery.as_ref().map_or(c.verdict.words(), |d| d.verdict.words())
+}
+
+/// Number of tables by outcome; of what the model leaves only what occurs, where there were discoveries.
+fn tables(scenarios: &[ScenarioView]) -> Vec<TallyView> {
+    let words = || comparisons(scenarios).map(|(scenario, c)| outcome(scenario, c));
+    if words().next().is_none() {
+        return Vec::new();
+    }
+    let matches = tally(&Match::ALL.map(Match::words), words());
+    if scenarios.iter().all(|scenario| scenario.discovery.is_none()) {
+        return matches;
+    }
+    let mut found = tally(&Found::ALL.map(Found::words), words());
+    found.extend(matches.into_iter().filter(|tally| tally.count > 0));
+    found
 }
 
 fn tally<'a>(order: &[&str], found: impl Iterator<Item = &'a str>) -> Vec<TallyView> {
@@ -153,6 +198,13 @@ fn sentence(claims: &[ClaimView], scenarios: &[ScenarioView], checks: &[CheckVie
             matches.len(),
             plural(matches.len(), "table")
         ));
+        let found = |wanted: &[Found]| {
+            scenarios.iter().filter_map(|s| s.discovery.as_ref()).filter(|d| wanted.contains(&d.verdict)).count()
+        };
+        let (explained, not) = (found(&[Found::Effect, Found::Recalibrated]), found(&[Found::Unexplained]));
+        if explained + not > 0 {
+            parts.push(format!("what misfits is explained in {explained} and unexplained in {not}"));
+        }
     }
     if !checks.is_empty() {
         parts.push(format!("{agree} of {} {} of the solvers agree", checks.len(), plural(checks.len(), "check")));

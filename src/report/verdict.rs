@@ -43,10 +43,12 @@ impl Tone {
         let scenarios = Completeness::ALL.iter().map(|v| (v.words(), v.tone()));
         let checks = Agreement::ALL.iter().map(|v| (v.words(), v.tone()));
         let matches = Match::ALL.iter().map(|v| (v.words(), v.tone()));
+        let found = Found::ALL.iter().map(|v| (v.words(), v.tone()));
         claims
             .chain(scenarios)
             .chain(checks)
             .chain(matches)
+            .chain(found)
             .find(|(w, _)| *w == words)
             .map_or(Self::Open, |(_, tone)| tone)
     }
@@ -165,6 +167,58 @@ impl Match {
             Self::Structured => Tone::Bad,
             Self::Noisy => Tone::Caveat,
             Self::Noise => Tone::Good,
+        }
+    }
+}
+
+/// What a discovery makes of a table of measurements.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Found {
+    /// Structured misfit is left whatever is added.
+    #[serde(rename = "unexplained")]
+    Unexplained,
+    /// Effects explain the misfit.
+    #[serde(rename = "explained by an effect")]
+    Effect,
+    /// A number of rig or instrument explains it.
+    #[serde(rename = "explained by recalibration")]
+    Recalibrated,
+    /// There is no misfit to explain.
+    #[serde(rename = "nothing missing")]
+    Nothing,
+}
+
+impl Found {
+    /// All of them, the most serious first.
+    pub const ALL: [Self; 4] = [Self::Unexplained, Self::Effect, Self::Recalibrated, Self::Nothing];
+
+    /// The word for a verdict.
+    pub fn of(verdict: crate::discover::Verdict) -> Self {
+        use crate::discover::Verdict;
+        match verdict {
+            Verdict::Unexplained => Self::Unexplained,
+            Verdict::EffectMissing => Self::Effect,
+            Verdict::Recalibrate => Self::Recalibrated,
+            Verdict::NothingMissing => Self::Nothing,
+        }
+    }
+
+    /// The words of the report and of the JSON.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Unexplained => "unexplained",
+            Self::Effect => "explained by an effect",
+            Self::Recalibrated => "explained by recalibration",
+            Self::Nothing => "nothing missing",
+        }
+    }
+
+    /// How it is to be read.
+    pub fn tone(self) -> Tone {
+        match self {
+            Self::Unexplained => Tone::Bad,
+            Self::Effect | Self::Recalibrated => Tone::Caveat,
+            Self::Nothing => Tone::Good,
         }
     }
 }

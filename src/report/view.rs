@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 pub use super::comparison_view::{ComparisonView, FittedView, MatchView, OutlierView, PeakView};
+pub use super::discovery_view::{CandidateView, DiscoveryView, NextView, NotTestableView, StepView};
 use super::verdict::{Agreement, Completeness, Verdict};
 
 /// Schema of `report.json`.
@@ -151,6 +152,9 @@ pub struct ScenarioView {
     pub limits: Vec<LimitView>,
     /// Model against measurements, where there are any.
     pub comparison: Option<ComparisonView>,
+    /// What is missing, where there are measurements.
+    #[serde(default)]
+    pub discovery: Option<DiscoveryView>,
     /// The file as the user named it.
     pub path: String,
     /// BLAKE3 hash of the file and everything it extends.

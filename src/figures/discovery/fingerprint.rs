@@ -34,7 +34,12 @@ struct Data<'a> {
 }
 
 /// Mean square distance of a model from the measured contact, in standard deviations, over some points.
-fn distance(measured: &[ContactPoint], model: &[ContactPoint], row: &Row, wanted: impl Fn(&ContactPoint) -> bool) -> f64 {
+fn distance(
+    measured: &[ContactPoint],
+    model: &[ContactPoint],
+    row: &Row,
+    wanted: impl Fn(&ContactPoint) -> bool,
+) -> f64 {
     let pairs = measured.iter().zip(model).filter(|(p, _)| wanted(p));
     let square = pairs.map(|(p, q)| (((row.value)(p) - (row.value)(q)) / (row.sd)(p)).powi(2));
     let (sum, n) = square.filter(|s| s.is_finite()).fold((0.0, 0.0), |(sum, n), s| (sum + s, n + 1.0));
@@ -55,7 +60,8 @@ impl<'a> Data<'a> {
         shown.sort_by(|a, b| telling(b).total_cmp(&telling(a)).then(a.cmp(b)));
         shown.truncate(MOST);
         shown.sort_unstable();
-        let of = |points: &'a [ContactPoint]| points.iter().filter(|p| shown.contains(&p.condition)).collect::<Vec<_>>();
+        let of =
+            |points: &'a [ContactPoint]| points.iter().filter(|p| shown.contains(&p.condition)).collect::<Vec<_>>();
         let (points, models) =
             (of(measured), [of(&base.comparison.contact_model), of(&end.comparison.contact_model)].concat());
         let limits = [&rows[0], &rows[1]].map(|row| Limits::of(points.iter(), models.iter(), row));
@@ -71,8 +77,7 @@ impl<'a> Data<'a> {
         let n = self.shown.len() as f64;
         let width = (WIDTH - LEFT - RIGHT - GAP * (n - 1.0)) / n;
         let measured = &self.end.comparison.contact;
-        let (low, high) =
-            range(measured.iter().filter(|p| self.shown.contains(&p.condition)).map(|p| p.frequency_hz));
+        let (low, high) = range(measured.iter().filter(|p| self.shown.contains(&p.condition)).map(|p| p.frequency_hz));
         let margin = if high > low { 0.02 * (high - low) } else { 0.0 };
         let label = if n > 3.0 { "f [Hz]" } else { "frequency f [Hz]" };
         let axis = Axis::linear(label, low - margin, high + margin);

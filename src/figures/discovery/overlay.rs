@@ -36,7 +36,8 @@ fn residual(p: &Compared, phase: bool) -> Option<f64> {
 impl<'a> Steps<'a> {
     fn of(steps: &'a [Step]) -> Self {
         let base = &steps[0].comparison;
-        let square = |phase: bool| -> f64 { base.points.iter().filter_map(|p| residual(p, phase)).map(|r| r * r).sum() };
+        let square =
+            |phase: bool| -> f64 { base.points.iter().filter_map(|p| residual(p, phase)).map(|r| r * r).sum() };
         // Amplitudes, unless the base is chiefly wrong in phase.
         let phase = square(true) > 2.0 * square(false);
         let mut data: Vec<Data> = steps.iter().map(|step| Data::of(&step.comparison, phase)).collect();

@@ -104,8 +104,7 @@ fn numbers(p: &Parameter, i: &Interval) -> String {
 fn ticks(canvas: &mut Canvas, panel: &Panel, end: f64) {
     let mut right = f64::NEG_INFINITY;
     let positive = TICKS.iter().filter(|tick| **tick <= end);
-    let all: Vec<f64> =
-        positive.clone().rev().map(|tick| -tick).chain([0.0]).chain(positive.copied()).collect();
+    let all: Vec<f64> = positive.clone().rev().map(|tick| -tick).chain([0.0]).chain(positive.copied()).collect();
     for tick in all {
         let x = panel.px(place(tick));
         canvas.line((x, panel.top), (x, panel.bottom()), Stroke::solid(GRID, 1.0));

@@ -8,7 +8,9 @@ use crate::figures::canvas::{Anchor, Canvas, Stroke, Type, document};
 use crate::figures::comparison::words::count;
 use crate::figures::legend::{Entry, Key, legend};
 use crate::figures::marks::Mark;
-use crate::figures::style::{Color, GREY, GRID, INK, ROLLER, SHADE, SLIP, STATIC, Table, WHITE, WIDTH, cell, significant};
+use crate::figures::style::{
+    Color, GREY, GRID, INK, ROLLER, SHADE, SLIP, STATIC, Table, WHITE, WIDTH, cell, significant,
+};
 use crate::figures::{Drawing, FigureError};
 
 const TOP: f64 = 52.0;
@@ -48,7 +50,8 @@ fn place(delta: f64) -> f64 {
 fn draw(shown: &[&Candidate], title: &str, alt: &str) -> Result<String, FigureError> {
     let rows = Rows::of(shown.iter().map(|c| c.hypothesis.label()), TOP, 30.0);
     let width = WIDTH - rows.left - NUMBERS - 14.0;
-    let largest = shown.iter().map(|c| place(c.delta_bic)).filter(|p| p.is_finite()).fold(place(4.0 * MARGIN), f64::max);
+    let largest =
+        shown.iter().map(|c| place(c.delta_bic)).filter(|p| p.is_finite()).fold(place(4.0 * MARGIN), f64::max);
     let high = 1.06 * largest;
     // The panel names its own ticks: its axis is in places.
     let panel = rows.panel(rows.left, width, Axis::linear("", -0.04 * high, high).step(1e9));

@@ -1,0 +1,183 @@
+//! Which effect is missing: the part of a scenario's section that a discovery fills.
+
+use super::anchor;
+use super::comparison::{fitted, none, outlier, shown, tie};
+use super::discovery_view::{CandidateView, DiscoveryView, NextView, NotTestableView, StepView};
+use super::format::{quantity, setting};
+use super::scenario::{FigureInput, figure};
+use super::verdict::Found;
+use super::view::{FigureView, Quantity, ScenarioView};
+use crate::discover::{self, Candidate, Discovery, NextMeasurement, NotTestable, Step, Verdict, identified};
+
+/// Figures shown at once; the others are folded.
+const FIRST: [&str; 4] = ["ladder", "ladder-overlay", "fingerprint-before-after", "ranking"];
+/// Candidates, ranges of misfit and outliers listed.
+const CANDIDATES: usize = 12;
+const REGIONS: usize = 8;
+const OUTLIERS: usize = 24;
+/// A distance in standard deviations from which on one reading decides.
+const DECIDES: f64 = 3.0;
+
+impl ScenarioView {
+    /// The section with a discovery in it.
+    pub fn with_discovery(mut self, d: &Discovery, figures: &[FigureInput]) -> Self {
+        self.discovery = Some(discovery_view(d, figures));
+        self
+    }
+}
+
+/// The view of a discovery.
+pub fn discovery_view(d: &Discovery, figures: &[FigureInput]) -> DiscoveryView {
+    let end = d.explanation();
+    let c = &end.comparison;
+    let id = &c.scenario.id;
+    let views: Vec<FigureView> = figures.iter().map(|input| figure(id, input)).collect();
+    let (first, more) = views.into_iter().partition(|view| FIRST.contains(&view.name.as_str()));
+    let words = |(p, i)| super::view::FittedView { meaning: identified(p, i).into(), ..fitted(p, i) };
+    DiscoveryView {
+        anchor: anchor::discovery(id),
+        verdict: Found::of(d.verdict),
+        sentence: capital(&discover::sentence(d)),
+        story: story(d),
+        added: if end.hypothesis.additions.is_empty() { String::new() } else { end.hypothesis.label() },
+        before: shown(d.steps[0].comparison.overall.chi2_per_point, "1", 3),
+        after: shown(c.overall.chi2_per_point, "1", 3),
+        steps: d.steps.iter().map(step).collect(),
+        parameters: c.fit.parameters.iter().zip(&c.intervals).map(words).collect(),
+        ties: d.correlations.iter().map(tie).collect(),
+        candidates: d.candidates.iter().take(CANDIDATES).map(candidate).collect(),
+        more_candidates: d.candidates.len().saturating_sub(CANDIDATES),
+        indistinguishable: d.indistinguishable.iter().map(|group| group.join(", ")).collect(),
+        not_testable: d.not_testable.iter().map(not_testable).collect(),
+        outliers: d.outliers.iter().take(OUTLIERS).map(outlier).collect(),
+        more_outliers: d.outliers.len().saturating_sub(OUTLIERS),
+        next: d.next_measurement.as_ref().map(next),
+        notes: d.notes.clone(),
+        regions: c.regions.iter().take(REGIONS).map(|region| region.sentence.clone()).collect(),
+        more_regions: c.regions.len().saturating_sub(REGIONS),
+        contact: contact(d),
+        figures: first,
+        more,
+    }
+}
+
+/// What happened, in a few sentences with numbers.
+fn story(d: &Discovery) -> Vec<String> {
+    let (base, end) = (&d.steps[0], d.explanation());
+    let (before, after) = (&base.comparison.overall, &end.comparison.overall);
+    let number = |value: f64| quantity(value, "1", 3);
+    let percent = |value: f64| quantity(value, "%", 3);
+    let mut lines = Vec::new();
+    if d.verdict == Verdict::NothingMissing {
+        lines.push(format!(
+            "The calibrated model leaves χ² = {} per reading, and an error of {} where the noise is {}. None of {} candidates \
+             improves on that by more than its own parameters cost.",
+            number(before.chi2_per_point),
+            percent(before.rms_error_percent),
+            percent(before.noise_percent),
+            d.candidates.len()
+        ));
+    } else {
+        let added = end.hypothesis.label();
+        let with = if end.hypothesis.additions.is_empty() { String::new() } else { format!(" With {added} it") };
+        let fall = format!(
+            " comes to χ² = {} and an error of {}; the noise is {}.",
+            number(after.chi2_per_point),
+            percent(after.rms_error_percent),
+            percent(after.noise_percent)
+        );
+        lines.push(format!(
+            "The calibrated model leaves χ² = {} per reading, and an error of {} in the amplitude.{with}{}",
+            number(before.chi2_per_point),
+            percent(before.rms_error_percent),
+            if with.is_empty() { String::new() } else { fall }
+        ));
+    }
+    if let Some(held_out) = end.held_out {
+        lines.push(format!(
+            "Each condition predicted by a fit to all others: error {}, χ² = {} per reading.",
+            percent(held_out.rms_percent),
+            number(held_out.chi2_per_point)
+        ));
+    }
+    lines
+}
+
+/// What is known of something unknown.
+fn contact(d: &Discovery) -> String {
+    let points = d.explanation().comparison.contact.len();
+    if d.verdict != Verdict::Unexplained || points == 0 {
+        return String::new();
+    }
+    format!(
+        "What is known of the unknown: the stiffness and damping that the contact must have had at {points} readings, from the \
+         readings and the rig alone. They are in the figure of the contact above and in its CSV, whatever law they follow."
+    )
+}
+
+fn step(step: &Step) -> StepView {
+    let m = &step.comparison.overall;
+    StepView {
+        name: step.added.as_ref().map_or("base, calibrated".into(), |name| format!("+ {name}")),
+        chi2: shown(m.chi2_per_point, "1", 3),
+        error: shown(m.rms_error_percent, "%", 3),
+        noise: shown(m.noise_percent, "%", 2),
+        held_out: left_out(step.held_out),
+        phase_error: m.rms_phase_deg.map_or(none(), |value| shown(value, "°", 3)),
+        regions: step.comparison.regions.len(),
+    }
+}
+
+fn left_out(held_out: Option<discover::HeldOut>) -> Quantity {
+    held_out.map_or(none(), |h| shown(h.rms_percent, "%", 3))
+}
+
+fn candidate(c: &Candidate) -> CandidateView {
+    let small = Quantity { value: Some(c.weight), text: "< 0.001".into() };
+    CandidateView {
+        name: c.hypothesis.label(),
+        delta_bic: shown(c.delta_bic, "1", 3),
+        weight: if c.weight < 1e-3 { small } else { shown(c.weight, "1", 2) },
+        chi2: shown(c.chi2_per_point, "1", 3),
+        held_out: left_out(c.held_out),
+        testable: if c.testable { "yes" } else { "no" }.into(),
+    }
+}
+
+fn not_testable(n: &NotTestable) -> NotTestableView {
+    let nowhere = "would not show within the ranges of these readings either";
+    NotTestableView {
+        effect: n.effect.clone(),
+        largest: shown(n.largest_sigma, "σ", 2),
+        would_show: if n.would_show.is_empty() { nowhere.into() } else { format!("would show {}", n.would_show) },
+    }
+}
+
+fn next(n: &NextMeasurement) -> NextView {
+    let meaning = if n.sigma >= DECIDES {
+        "one reading there decides"
+    } else {
+        "too little for one reading within these ranges: repeat it, or go beyond them"
+    };
+    NextView {
+        speed: rounded(n.speed_m_s, "m/s"),
+        load: rounded(n.load_n, "N"),
+        drive: rounded(n.drive_m, "m"),
+        frequency: rounded(n.frequency_hz, "Hz"),
+        separates: n.separates.to_vec(),
+        sigma: shown(n.sigma, "σ", 2),
+        meaning: meaning.into(),
+    }
+}
+
+/// A setting as one would dial it: three digits.
+fn rounded(value: f64, unit: &str) -> Quantity {
+    let near = format!("{value:.2e}").parse().unwrap_or(value);
+    Quantity { value: Some(value).filter(|v| v.is_finite()), ..setting(near, unit) }
+}
+
+/// The sentence with a capital letter and a full stop.
+pub(super) fn capital(sentence: &str) -> String {
+    let mut chars = sentence.chars();
+    chars.next().map_or_else(String::new, |first| first.to_uppercase().chain(chars).chain(['.']).collect())
+}

@@ -1,0 +1,124 @@
+//! What the report says of a discovery, as data.
+
+use serde::{Deserialize, Serialize};
+
+use super::comparison_view::{FittedView, OutlierView};
+use super::verdict::Found;
+use super::view::{FigureView, Quantity};
+
+/// Which effect is missing, as a story.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DiscoveryView {
+    /// Stable id in the page.
+    pub anchor: String,
+    /// What the data say.
+    pub verdict: Found,
+    /// The verdict in a sentence.
+    pub sentence: String,
+    /// The same for readers without the words of the program, with its numbers.
+    pub story: Vec<String>,
+    /// Names of what the explanation adds; empty where nothing.
+    pub added: String,
+    /// Mean square of the residuals of the calibrated base.
+    pub before: Quantity,
+    /// The same of the explanation.
+    pub after: Quantity,
+    /// The ladder, the calibrated base first.
+    pub steps: Vec<StepView>,
+    /// Parameters of the explanation.
+    pub parameters: Vec<FittedView>,
+    /// Estimates that are tied together.
+    pub ties: Vec<String>,
+    /// The leading candidates, the best first.
+    pub candidates: Vec<CandidateView>,
+    /// How many more there are.
+    pub more_candidates: usize,
+    /// Groups that these data do not tell apart.
+    pub indistinguishable: Vec<String>,
+    /// Effects that the data cannot show.
+    pub not_testable: Vec<NotTestableView>,
+    /// Readings that stand out of the explanation.
+    pub outliers: Vec<OutlierView>,
+    /// How many more there are.
+    pub more_outliers: usize,
+    /// What to measure next.
+    pub next: Option<NextView>,
+    /// Remarks.
+    pub notes: Vec<String>,
+    /// Where the explanation still fails.
+    pub regions: Vec<String>,
+    /// How many more such ranges there are.
+    pub more_regions: usize,
+    /// What is known of the contact where something is left unexplained; may be empty.
+    pub contact: String,
+    /// Figures that carry the story.
+    pub figures: Vec<FigureView>,
+    /// Further figures.
+    pub more: Vec<FigureView>,
+}
+
+/// A rung of the ladder.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StepView {
+    /// What it added.
+    pub name: String,
+    /// Mean square of the residuals in standard deviations.
+    pub chi2: Quantity,
+    /// Root mean square error of the amplitude.
+    pub error: Quantity,
+    /// Noise of the amplitude.
+    pub noise: Quantity,
+    /// The same error for conditions left out of the fit.
+    pub held_out: Quantity,
+    /// Root mean square error of the phase.
+    pub phase_error: Quantity,
+    /// Ranges at which it still fails.
+    pub regions: usize,
+}
+
+/// A ranked candidate.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CandidateView {
+    /// What it adds.
+    pub name: String,
+    /// Schwarz's criterion above the best.
+    pub delta_bic: Quantity,
+    /// Share of the evidence.
+    pub weight: Quantity,
+    /// Mean square of the residuals in standard deviations.
+    pub chi2: Quantity,
+    /// Error for conditions left out of the fit.
+    pub held_out: Quantity,
+    /// `yes` or `no`.
+    pub testable: String,
+}
+
+/// An effect that the data cannot show.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct NotTestableView {
+    /// Its name.
+    pub effect: String,
+    /// Largest change at any plausible strength, over all readings together.
+    pub largest: Quantity,
+    /// Where it would show.
+    pub would_show: String,
+}
+
+/// The measurement that decides most.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct NextView {
+    /// V.
+    pub speed: Quantity,
+    /// W.
+    pub load: Quantity,
+    /// u0.
+    pub drive: Quantity,
+    /// f.
+    pub frequency: Quantity,
+    /// What it separates.
+    pub separates: Vec<String>,
+    /// Expected distance in standard deviations of one reading.
+    pub sigma: Quantity,
+    /// What that distance means.
+    pub meaning: String,
+}
