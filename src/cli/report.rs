@@ -12,6 +12,7 @@ use crate::report::{
 use crate::scenario::{self, Scenario};
 use crate::sweep::Outcome;
 use crate::{figures, files, verification};
+use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -96,7 +97,8 @@ fn discovered(scenarios: &[Scenario], tables: &[Option<Table>], out: &Path) -> R
         let figures = simulate::discovery(&discovery, out)?;
         Ok(Some((discovery, figures)))
     };
-    scenarios.iter().zip(tables).map(one).collect()
+    // One table keeps few threads busy towards its end.
+    scenarios.par_iter().zip(tables).map(one).collect()
 }
 
 fn section(

@@ -51,7 +51,12 @@ pub fn discovery_view(d: &Discovery, figures: &[FigureInput]) -> DiscoveryView {
         not_testable: d.not_testable.iter().map(not_testable).collect(),
         outliers: d.outliers.iter().take(OUTLIERS).map(outlier).collect(),
         more_outliers: d.outliers.len().saturating_sub(OUTLIERS),
-        next: d.next_measurement.as_ref().map(next),
+        // Where nothing is missing, a rival that cannot be told apart is no news.
+        next: d
+            .next_measurement
+            .as_ref()
+            .filter(|n| d.verdict != Verdict::NothingMissing || n.sigma >= DECIDES)
+            .map(next),
         notes: d.notes.clone(),
         regions: c.regions.iter().take(REGIONS).map(|region| region.sentence.clone()).collect(),
         more_regions: c.regions.len().saturating_sub(REGIONS),
@@ -70,12 +75,12 @@ fn story(d: &Discovery) -> Vec<String> {
     let mut lines = Vec::new();
     if d.verdict == Verdict::NothingMissing {
         lines.push(format!(
-            "The calibrated model leaves χ² = {} per reading, and an error of {} where the noise is {}. None of {} candidates \
+            "The calibrated model leaves χ² = {} per reading, and an error of {} where the noise is {}. None of {} additions \
              improves on that by more than its own parameters cost.",
             number(before.chi2_per_point),
             percent(before.rms_error_percent),
             percent(before.noise_percent),
-            d.candidates.len()
+            d.candidates.len().saturating_sub(1)
         ));
     } else {
         let added = end.hypothesis.label();
@@ -177,7 +182,7 @@ fn rounded(value: f64, unit: &str) -> Quantity {
 }
 
 /// The sentence with a capital letter and a full stop.
-pub(super) fn capital(sentence: &str) -> String {
+fn capital(sentence: &str) -> String {
     let mut chars = sentence.chars();
     chars.next().map_or_else(String::new, |first| first.to_uppercase().chain(chars).chain(['.']).collect())
 }

@@ -128,9 +128,9 @@ fn compared(scenarios: &[ScenarioView]) -> Vec<Headline> {
 fn of_discovery(scenario: &ScenarioView, d: &DiscoveryView) -> Headline {
     let by = if d.added.is_empty() { String::new() } else { format!(" + {}", d.added) };
     let numbers = match d.verdict {
-        Found::Nothing => format!("χ² per reading {}", d.before.text),
-        Found::Unexplained if d.added.is_empty() => format!("χ² per reading {}", d.before.text),
-        Found::Unexplained => format!("χ² per reading {} → {}, still structured", d.before.text, d.after.text),
+        Found::Nothing => format!("{} (χ² per reading {})", d.sentence, d.before.text),
+        Found::Unexplained if d.added.is_empty() => format!("{} (χ² per reading {})", d.sentence, d.before.text),
+        Found::Unexplained => format!("{} (χ² per reading {} → {})", d.sentence, d.before.text, d.after.text),
         Found::Effect | Found::Recalibrated => {
             format!("explained by{by}: χ² per reading {} → {}", d.before.text, d.after.text)
         }
@@ -138,7 +138,7 @@ fn of_discovery(scenario: &ScenarioView, d: &DiscoveryView) -> Headline {
     Headline {
         verdict: d.verdict.words().into(),
         subject: scenario.title.clone(),
-        detail: format!("{} {}", d.sentence, super::discovery::capital(&numbers)),
+        detail: numbers,
         anchor: d.anchor.clone(),
     }
 }

@@ -225,6 +225,19 @@ pub fn measured(number: usize, title: &str) -> ScenarioView {
     scenario_view(&outcome, &[]).with_comparison(&comparison, &figures)
 }
 
+/// A scenario with measurements and nothing else, compared, and searched for what is missing.
+pub fn discovered(number: usize, title: &str) -> ScenarioView {
+    let discovery = super::small_discovery::discovered(number, |scenario, table| {
+        scenario.title = title.into();
+        table.notes = vec![format!("the noise is that of the table of {title}")];
+    });
+    let base = &discovery.steps[0].comparison;
+    let outcome = Outcome { scenario: base.scenario.clone(), curves: Vec::new(), limits: Vec::new(), seconds: 0.0 };
+    let names = ["ladder", "ladder-overlay", "ranking", "parameters"];
+    let figures = names.map(|name| figure(&base.scenario.id, name, name));
+    scenario_view(&outcome, &[]).with_comparison(base, &[]).with_discovery(&discovery, &figures)
+}
+
 /// The report with the given title, fixed so that two are the same.
 pub fn report(title: &str) -> ReportView {
     let figures = |id: &str| {

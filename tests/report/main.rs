@@ -1,6 +1,8 @@
 //! The report: escaped, self-contained, navigable, the same every time, and the same as its JSON.
 
 mod demo;
+#[path = "../figures/small_discovery.rs"]
+mod small_discovery;
 
 use std::collections::BTreeSet;
 
@@ -238,6 +240,62 @@ fn what_the_json_says_of_a_comparison_the_page_shows() {
 fn hostile_names_of_measurements_stay_text() {
     let page = render(&compared(HOSTILE)).unwrap();
     assert!(!page.contains("<script") && !page.contains("<img"));
+    let ids = attributes(&page, "id");
+    assert_eq!(ids.len(), ids.iter().collect::<BTreeSet<_>>().len());
+}
+
+/// A report on two tables: what one misfits is explained by an effect, the other misses nothing.
+fn discovered(title: &str) -> ReportView {
+    let provenance = stickslip::report::Provenance::fixed("stickslip");
+    let scenarios = vec![demo::discovered(4, title), demo::discovered(1, title)];
+    ReportView::assemble(title, vec![], scenarios, vec![], vec![], &provenance)
+}
+
+#[test]
+fn discoveries_are_told_and_summed_up() {
+    let view = discovered("Readings");
+    let verdicts: Vec<&str> = view.summary.compared.iter().map(|line| line.verdict.as_str()).collect();
+    assert_eq!(verdicts, ["explained by an effect", "nothing missing"]);
+    assert!(view.summary.compared[0].detail.contains(" → "), "{}", view.summary.compared[0].detail);
+    assert!(view.summary.sentence.contains("what misfits is explained in 1 and unexplained in 0"));
+    assert_eq!(view.summary.comparisons.iter().map(|tally| tally.count).sum::<usize>(), 2);
+    let text = json(&view).unwrap();
+    let page = render(&view).unwrap();
+    let ids: Vec<&str> = attributes(&page, "id");
+    assert!(view.summary.compared.iter().all(|line| ids.contains(&line.anchor.as_str())));
+    let page = unescape(&page);
+    let data: Value = serde_json::from_str(&text).unwrap();
+    for scenario in data["scenarios"].as_array().unwrap() {
+        let mut found = Vec::new();
+        leaves(&scenario["discovery"], "", &mut found);
+        assert!(found.len() > 80);
+        let silent = ["name", "value", "identified"];
+        for (key, text) in found.iter().filter(|(key, text)| text != "–" && !text.is_empty() && !silent.contains(key))
+        {
+            assert!(page.contains(text.as_str()), "{key}: {text} is not in the page");
+        }
+    }
+    let read: ReportView = serde_json::from_str(&text).unwrap();
+    assert_eq!(read.summary, view.summary);
+}
+
+#[test]
+fn what_stays_unexplained_is_a_failure_with_what_is_known() {
+    let mut discovery = small_discovery::discovered(1, |_, _| {});
+    discovery.steps.truncate(1);
+    discovery.verdict = stickslip::discover::Verdict::Unexplained;
+    discovery.indistinguishable = vec![vec![HOSTILE.into(), "b".into()]];
+    discovery.notes = vec![HOSTILE.into()];
+    let view = stickslip::report::discovery_view(&discovery, &[demo::figure(HOSTILE, HOSTILE, HOSTILE)]);
+    let mut scenario = demo::discovered(4, HOSTILE);
+    scenario.discovery = Some(view);
+    let provenance = stickslip::report::Provenance::fixed("stickslip");
+    let view = ReportView::assemble(HOSTILE, vec![], vec![scenario], vec![], vec![], &provenance);
+    assert_eq!(view.summary.compared[0].verdict, "unexplained");
+    assert_eq!(stickslip::report::Tone::of("unexplained"), stickslip::report::Tone::Bad);
+    let page = render(&view).unwrap();
+    assert!(!page.contains("<script") && !page.contains("<img"));
+    assert!(page.contains("What is known about the unknown") && page.contains("These data do not tell apart"));
     let ids = attributes(&page, "id");
     assert_eq!(ids.len(), ids.iter().collect::<BTreeSet<_>>().len());
 }

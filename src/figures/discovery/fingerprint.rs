@@ -121,7 +121,7 @@ impl<'a> Data<'a> {
         let entries: [Entry; 3] = [
             (Key::Mark(Mark::Circle, INK, true), "measured, ± one standard deviation".into()),
             (Key::Line(base), name(self.base)),
-            (Key::Line(end), format!("with {}", self.end.hypothesis.label())),
+            (Key::Line(end), "explanation".into()),
         ];
         let mut x = LEFT;
         for entry in &entries {
@@ -194,9 +194,10 @@ impl DiscoveryFigure for Fingerprint {
         } else {
             " The measured contact is that seen through the recalibrated rig and instrument."
         };
+        let added = discovery.explanation().hypothesis.label();
         let caption = format!(
             "Dynamic stiffness and damping that the contact must have had, from the readings and the rig alone, at the {panels} \
-             that tell most; dashed, what the contact of the calibrated base does there; solid, that of the explanation.{rig} \
+             that tell most; dashed, what the contact of the calibrated base does there; solid, that of the explanation, with {added}.{rig} \
              Faded: readings that say little; some may lie beyond the axes."
         );
         let reading = [

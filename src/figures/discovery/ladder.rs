@@ -34,7 +34,7 @@ fn draw(steps: &[Step], title: &str, alt: &str) -> Result<String, FigureError> {
     let errors = [error.as_slice(), &left_out, &[noise]].concat();
     let second = rows.panel(rows.left + width + GAP, width, axis("rms error of the amplitude [%]", errors));
     document((WIDTH, rows.bottom() + 62.0), (title, alt), |canvas| {
-        entries(canvas, rows.left, &left_out);
+        entries(canvas, rows.left.min(300.0), &left_out);
         for panel in [&first, &second] {
             panel.frame(canvas, true, false);
         }

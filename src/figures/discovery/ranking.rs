@@ -36,6 +36,11 @@ fn kind(c: &Candidate) -> (&'static str, Mark, Color) {
     }
 }
 
+/// Its name in the figure.
+fn title_of(c: &Candidate) -> String {
+    if c.hypothesis.additions.is_empty() { "nothing (base)".into() } else { c.hypothesis.label() }
+}
+
 /// The leading candidates and the base, in their order.
 fn shown(d: &Discovery) -> Vec<&Candidate> {
     let wanted = |(rank, c): &(usize, &Candidate)| *rank < MOST || c.hypothesis.additions.is_empty();
@@ -48,7 +53,7 @@ fn place(delta: f64) -> f64 {
 }
 
 fn draw(shown: &[&Candidate], title: &str, alt: &str) -> Result<String, FigureError> {
-    let rows = Rows::of(shown.iter().map(|c| c.hypothesis.label()), TOP, 30.0);
+    let rows = Rows::of(shown.iter().map(|c| title_of(c)), TOP, 30.0);
     let width = WIDTH - rows.left - NUMBERS - 14.0;
     let largest =
         shown.iter().map(|c| place(c.delta_bic)).filter(|p| p.is_finite()).fold(place(4.0 * MARGIN), f64::max);
@@ -167,9 +172,9 @@ impl DiscoveryFigure for Ranking {
             notes.push(("First one outside the band".into(), format!("{} behind", significant(second, 3))));
         }
         let reading = [
-            "One cause alone in the band, or with companions that contain it and add a number that gains nothing.",
+            "One cause (or the base) alone in the band, or with companions that contain it and add a number that gains nothing.",
             "Different causes together in the band: these data cannot tell them apart, whatever the best one is called.",
-            "Measure next where the rivals in the band differ most, as said below.",
+            "Measure next where the rivals in the band differ most; the discovery names the place.",
         ];
         Ok(drawing(self, (caption, alt), (svg, csv(discovery)), (notes, reading)))
     }

@@ -1,0 +1,151 @@
+//! Figures of a discovery: everything draws, twice alike, nothing overlaps, the numbers are those of the discovery.
+
+#[path = "figures/layout.rs"]
+mod layout;
+#[path = "figures/small_discovery.rs"]
+mod small_discovery;
+
+use layout::check_layout;
+use small_discovery::discovered;
+use std::sync::OnceLock;
+use stickslip::discover::{Discovery, Verdict, identified, open_ends, sentence};
+use stickslip::figures::discovery::{DiscoveryFigure, REGISTRY, find};
+use stickslip::figures::{self, Drawing, FigureError};
+use stickslip::fit::{Identified, Interval};
+
+const HOSTILE: &str = "</svg><script>alert(1)</script> µ 漢";
+
+/// An effect, a recalibration, nothing; amplitudes only.
+fn variants() -> &'static [(&'static str, Discovery)] {
+    static VARIANTS: OnceLock<Vec<(&'static str, Discovery)>> = OnceLock::new();
+    VARIANTS.get_or_init(|| {
+        vec![
+            ("effect", discovered(1, |scenario, _| scenario.title = HOSTILE.into())),
+            ("recalibrate", discovered(6, |_, _| {})),
+            (
+                "amplitudes",
+                discovered(4, |_, table| {
+                    for point in &mut table.points {
+                        (point.phase, point.phase_sd) = (None, None);
+                    }
+                    table.phase_noise = None;
+                }),
+            ),
+        ]
+    })
+}
+
+fn drawn(discovery: &Discovery) -> Vec<Drawing> {
+    let draw = |figure: &&dyn DiscoveryFigure| match figure.draw(discovery) {
+        Ok(drawing) => Some(drawing),
+        Err(FigureError::MissingData(_)) => None,
+        Err(why) => panic!("{}: {why}", figure.name()),
+    };
+    REGISTRY.iter().filter_map(draw).collect()
+}
+
+fn rows(drawing: &Drawing) -> Vec<Vec<String>> {
+    let mut reader = csv::Reader::from_reader(drawing.csv.as_bytes());
+    reader.records().map(|record| record.unwrap().iter().map(String::from).collect()).collect()
+}
+
+fn check(name: &str, discovery: &Discovery) {
+    let drawings = drawn(discovery);
+    assert_eq!(drawings, drawn(discovery), "{name}");
+    for drawing in &drawings {
+        let what = format!("{name}: {}", drawing.name);
+        assert!(drawing.caption.len() > 80 && drawing.alt.len() > 40, "{what}");
+        assert!(drawing.notes.len() >= 4 && drawing.notes.iter().all(|(_, text)| !text.is_empty()), "{what}");
+        assert!(!drawing.svg.contains("NaN") && !drawing.svg.contains("inf"), "{what} has a broken coordinate");
+        assert!(drawing.svg.len() < 150_000, "{what}: {} bytes", drawing.svg.len());
+        assert!(!drawing.svg.contains("script"), "{what}");
+        let page = stickslip::report::svg::inline(&drawing.svg, "f-").unwrap_or_else(|| panic!("{what}"));
+        assert_eq!(page.matches("<svg").count(), 1);
+        check_layout(drawing);
+    }
+}
+
+#[test]
+fn every_figure_draws_twice_alike_with_room_for_every_text() {
+    for (name, discovery) in variants() {
+        check(name, discovery);
+    }
+}
+
+#[test]
+fn a_ladder_of_one_step_has_no_figure_of_steps() {
+    let names = |d: &Discovery| drawn(d).into_iter().map(|d| d.name).collect::<Vec<_>>();
+    let all: Vec<String> = REGISTRY.iter().map(|figure| figure.name().to_string()).collect();
+    assert_eq!(names(&variants()[0].1), all);
+    assert_eq!(variants()[2].1.verdict, Verdict::NothingMissing);
+    assert_eq!(names(&variants()[2].1), ["parameters", "ranking"]);
+}
+
+#[test]
+fn tables_hold_the_numbers_of_the_discovery() {
+    let d = &variants()[0].1;
+    assert_eq!(d.verdict, Verdict::EffectMissing);
+    assert!(sentence(d).starts_with("missing: "));
+    let csv = |name: &str| rows(&find(name).unwrap().draw(d).unwrap());
+    let number = |text: &str| text.parse::<f64>().unwrap();
+    let ladder = csv("ladder");
+    assert_eq!(ladder.len(), d.steps.len());
+    for (row, step) in ladder.iter().zip(&d.steps) {
+        assert!((number(&row[1]) / step.comparison.overall.chi2_per_point - 1.0).abs() < 1e-8);
+    }
+    assert_eq!(csv("ranking").len(), d.candidates.len());
+    let end = d.explanation();
+    assert_eq!(csv("parameters").len(), end.comparison.fit.parameters.len());
+    assert_eq!(csv("fingerprint-before-after").len(), 3 * end.comparison.contact.len());
+    let overlay = csv("ladder-overlay");
+    let of = |kind: &str| overlay.iter().filter(|row| row[0] == kind).count();
+    assert_eq!(of("reading"), end.comparison.points.len());
+    assert_eq!(of("error"), d.steps.len() * end.comparison.points.len());
+}
+
+#[test]
+fn open_and_extreme_ends_of_intervals_stay_on_the_drawing() {
+    let mut d = variants()[0].1.clone();
+    let last = d.steps.len() - 1;
+    let comparison = &mut d.steps[last].comparison;
+    let parameters = comparison.fit.parameters.clone();
+    let with = |i: usize, low, high, identified| Interval { low, high, identified, ..comparison.intervals[i] };
+    let (bottom, top) = parameters[1].bounds();
+    comparison.intervals = vec![
+        with(0, 1e-9, 1e12, Identified::Yes),
+        with(1, bottom, comparison.intervals[1].high, Identified::OneSided),
+        with(2, 0.0, 1e9, Identified::No),
+        with(3, f64::NAN, f64::INFINITY, Identified::Yes),
+    ];
+    let words: Vec<&str> = parameters.iter().zip(&comparison.intervals).map(|(p, i)| identified(p, i)).collect();
+    assert_eq!(words, ["identified", "only an upper bound", "these data do not determine it", "identified"]);
+    let above = Interval { low: comparison.intervals[1].value, high: top, ..comparison.intervals[1] };
+    assert_eq!(open_ends(&parameters[1], &above), (false, true));
+    check_layout(&find("parameters").unwrap().draw(&d).unwrap());
+}
+
+#[test]
+fn long_ladders_and_strange_numbers_find_room() {
+    let mut d = variants()[0].1.clone();
+    let step = d.steps[1].clone();
+    d.steps.extend([step.clone(), step]);
+    d.steps[2].added = Some("rate-strengthening-with-a-name-that-is-far-too-long-for-any-margin".into());
+    d.steps[3].held_out = None;
+    d.candidates[1].delta_bic = 1e7;
+    d.candidates[2].weight = 0.0;
+    d.candidates[3].testable = false;
+    check("long", &d);
+}
+
+/// Writes every figure as PNG to `$STICKSLIP_FIGURES`, for looking at; does nothing where that is not set.
+#[test]
+fn gallery() {
+    let Some(folder) = std::env::var_os("STICKSLIP_FIGURES") else { return };
+    std::fs::create_dir_all(&folder).unwrap();
+    for (name, discovery) in variants() {
+        for drawing in drawn(discovery) {
+            let path = std::path::Path::new(&folder).join(format!("{name}-{}.png", drawing.name));
+            std::fs::write(path, figures::png(&drawing.svg, 1.0).unwrap()).unwrap();
+        }
+    }
+}
