@@ -121,7 +121,9 @@ fn open_and_extreme_ends_of_intervals_stay_on_the_drawing() {
     assert_eq!(words, ["identified", "only an upper bound", "these data do not determine it", "identified"]);
     let above = Interval { low: comparison.intervals[1].value, high: top, ..comparison.intervals[1] };
     assert_eq!(open_ends(&parameters[1], &above), (false, true));
-    check_layout(&find("parameters").unwrap().draw(&d).unwrap());
+    let drawing = find("parameters").unwrap().draw(&d).unwrap();
+    look("open", &drawing);
+    check_layout(&drawing);
 }
 
 #[test]
@@ -134,18 +136,21 @@ fn long_ladders_and_strange_numbers_find_room() {
     d.candidates[1].delta_bic = 1e7;
     d.candidates[2].weight = 0.0;
     d.candidates[3].testable = false;
+    drawn(&d).iter().for_each(|drawing| look("long", drawing));
     check("long", &d);
 }
 
-/// Writes every figure as PNG to `$STICKSLIP_FIGURES`, for looking at; does nothing where that is not set.
-#[test]
-fn gallery() {
+/// Writes a figure as PNG to `$STICKSLIP_FIGURES`, for looking at; does nothing where that is not set.
+fn look(name: &str, drawing: &Drawing) {
     let Some(folder) = std::env::var_os("STICKSLIP_FIGURES") else { return };
     std::fs::create_dir_all(&folder).unwrap();
+    let path = std::path::Path::new(&folder).join(format!("{name}-{}.png", drawing.name));
+    std::fs::write(path, figures::png(&drawing.svg, 1.0).unwrap()).unwrap();
+}
+
+#[test]
+fn gallery() {
     for (name, discovery) in variants() {
-        for drawing in drawn(discovery) {
-            let path = std::path::Path::new(&folder).join(format!("{name}-{}.png", drawing.name));
-            std::fs::write(path, figures::png(&drawing.svg, 1.0).unwrap()).unwrap();
-        }
+        drawn(discovery).iter().for_each(|drawing| look(name, drawing));
     }
 }

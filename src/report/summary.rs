@@ -127,10 +127,11 @@ fn compared(scenarios: &[ScenarioView]) -> Vec<Headline> {
 /// The outcome of a discovery in a line.
 fn of_discovery(scenario: &ScenarioView, d: &DiscoveryView) -> Headline {
     let by = if d.added.is_empty() { String::new() } else { format!(" + {}", d.added) };
+    let sentence = d.sentence.trim_end_matches('.');
     let numbers = match d.verdict {
-        Found::Nothing => format!("{} (χ² per reading {})", d.sentence, d.before.text),
-        Found::Unexplained if d.added.is_empty() => format!("{} (χ² per reading {})", d.sentence, d.before.text),
-        Found::Unexplained => format!("{} (χ² per reading {} → {})", d.sentence, d.before.text, d.after.text),
+        Found::Nothing => format!("{sentence} (χ² per reading {})", d.before.text),
+        Found::Unexplained if d.added.is_empty() => format!("{sentence} (χ² per reading {})", d.before.text),
+        Found::Unexplained => format!("{sentence} (χ² per reading {} → {})", d.before.text, d.after.text),
         Found::Effect | Found::Recalibrated => {
             format!("explained by{by}: χ² per reading {} → {}", d.before.text, d.after.text)
         }
