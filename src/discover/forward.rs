@@ -20,7 +20,7 @@ const CONTENDING: f64 = 8.0;
 /// An addition that leaves more than this share of the misfit explains little.
 const MINOR: f64 = 0.85;
 /// At least so many are followed.
-const FOLLOWED: usize = 3;
+const FOLLOWED: usize = 2;
 /// Rivals of the explanation whose prediction of left-out conditions is computed.
 const RIVALS: usize = 3;
 /// The stated noise is contradicted by a scatter that differs by more than this factor.
@@ -31,7 +31,8 @@ pub fn discover(scenario: &Scenario, table: &Table, options: &Options) -> Discov
     let base = Model::new(scenario);
     let calibration = compare::calibrate(&base, &scenario.free, &table.points, Tolerance::default(), options.seed);
     let (_, of_condition) = conditions_of(&table.points);
-    let data = Data::new(&table.points, &of_condition, calibration.threshold, options.seed);
+    let stated = compare::problem(&base, &scenario.free, [], Tolerance::default()).values();
+    let data = Data::new(&table.points, &of_condition, calibration.threshold, stated, options.seed);
     let search = Search { scenario, table, options, base, data };
     search.run(calibration)
 }
