@@ -19,6 +19,8 @@ const NEARLY: f64 = 0.4;
 const CONTENDING: f64 = 8.0;
 /// An addition that leaves more than this share of the misfit explains little.
 const MINOR: f64 = 0.85;
+/// A costly addition is followed unless another leaves less than this share of what it may leave.
+const RIVALLING: f64 = 0.7;
 /// At least so many are followed.
 const FOLLOWED: usize = 2;
 /// Rivals of the explanation whose prediction of left-out conditions is computed.
@@ -115,18 +117,18 @@ impl Search<'_> {
                 explore(&self.data, from, &base, addition, hint.as_ref())
             })
             .collect();
-        // Those that explain little of much misfit wait until it is known that no other explains most of it.
-        let minor =
-            |e: &Explored| e.promises() && e.after > MINOR * e.before && e.before > 10.0 * self.data.part.len() as f64;
+        // Those that explain little of much misfit, and those that are costly, wait until it is known what others explain.
+        let much = 10.0 * self.data.part.len() as f64;
+        let waits = |e: &Explored| e.promises() && (e.costly || e.after > MINOR * e.before && e.before > much);
         let mut followed: Vec<Option<Found>> =
-            explored.par_iter().map(|e| (!minor(e)).then(|| e.follow(&self.data, from, !e.promises()))).collect();
+            explored.par_iter().map(|e| (!waits(e)).then(|| e.follow(&self.data, from, !e.promises()))).collect();
         let objective = |f: &Found| f.hypothesis.fit.objective;
         let least = followed.iter().flatten().map(objective).fold(f64::INFINITY, f64::min);
         let found: Vec<Found> = explored
             .par_iter()
             .zip(&mut followed)
             .map(|(e, found)| {
-                let vain = least < (1.0 - MINOR) * e.before;
+                let vain = least < if e.costly { RIVALLING * e.after } else { (1.0 - MINOR) * e.before };
                 let mut found = found.take().unwrap_or_else(|| e.follow(&self.data, from, vain));
                 if found.gain > NEARLY && objective(&found) < CONTENDING * least + 0.1 * self.data.part.len() as f64 {
                     e.pursue(&self.data, from, &mut found);

@@ -15,6 +15,8 @@ const STRIDE: usize = 3;
 const SAMPLES: [usize; 4] = [6, 12, 16, 20];
 /// Samples where values are known that are worth a look.
 const WITH_HINT: usize = 6;
+/// Samples of a continuum of sliders that are followed.
+const COSTLY: usize = 2;
 /// Samples that are followed, for effects of one, two, three, four parameters: where the sum of squares jumps with a
 /// parameter, only a start on the right side finds the minimum.
 const FOLLOWED: [usize; 4] = [6, 4, 3, 3];
@@ -91,6 +93,8 @@ pub struct Explored {
     visibility: f64,
     strongest: Option<Model>,
     touched: Vec<bool>,
+    /// Whether its points take long to solve: it makes the contact a continuum of sliders.
+    pub costly: bool,
 }
 
 /// A search for the best fit of one hypothesis.
@@ -137,7 +141,6 @@ pub fn explore(data: &Data<'_>, from: &Hypothesis, base: &Base, addition: Additi
     let readings = base.evaluation.residuals.len() as f64 * scale;
     Explored {
         addition,
-        samples,
         order: tried.into_iter().map(|(_, index)| index).collect(),
         before: robust_chi2(&base.evaluation.residuals, data.threshold),
         after: rest.norm_squared() - gain,
@@ -146,6 +149,8 @@ pub fn explore(data: &Data<'_>, from: &Hypothesis, base: &Base, addition: Additi
         visibility,
         strongest,
         touched,
+        costly: on_part(data, &samples[0], Vec::new()).has_continuum(),
+        samples,
     }
 }
 
@@ -187,7 +192,11 @@ impl Explored {
         let mut keys: Vec<String> = from.fit.parameters.iter().map(|p| p.key.clone()).collect();
         keys.extend(self.addition.keys());
         let mut best: Option<(Model, Fit)> = None;
-        let followed = if vain { 0 } else { FOLLOWED[self.addition.keys().len().clamp(1, 4) - 1] };
+        let followed = match self.addition.keys().len() {
+            _ if vain => 0,
+            _ if self.costly => COSTLY,
+            n => FOLLOWED[n.clamp(1, 4) - 1],
+        };
         for (rank, &index) in self.order.iter().take(followed).enumerate() {
             let model = &self.samples[index];
             let problem = on_part(data, model, movable(model, &keys));
@@ -198,7 +207,7 @@ impl Explored {
             }
             // Both where it costs little, otherwise in turn.
             let starts = match self.addition.keys().len() {
-                1 if stated != calibrated => vec![calibrated, stated],
+                1 if stated != calibrated && !self.costly => vec![calibrated, stated],
                 _ if rank % 2 == 1 => vec![stated],
                 _ => vec![calibrated],
             };
