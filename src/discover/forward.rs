@@ -16,7 +16,7 @@ const PROMISING: f64 = 1.6;
 /// ... and its gain more than this share of what it needs to be accepted.
 const NEARLY: f64 = 0.4;
 /// After few steps a fit is pursued if its sum of squares is within this factor of the best.
-const CONTENDING: f64 = 8.0;
+const CONTENDING: f64 = 3.0;
 /// An addition that leaves more than this share of the misfit explains little.
 const MINOR: f64 = 0.85;
 /// A costly addition is followed unless another leaves less than this share of what it may leave.

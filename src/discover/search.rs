@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 /// Every such point of a curve is in the part on which a search begins.
 const STRIDE: usize = 3;
 /// Samples over the ranges of an effect of one, two, three, four parameters.
-const SAMPLES: [usize; 4] = [6, 12, 16, 20];
+const SAMPLES: [usize; 4] = [8, 14, 18, 20];
 /// Samples where values are known that are worth a look.
 const WITH_HINT: usize = 6;
 /// Samples of a continuum of sliders that are followed.
