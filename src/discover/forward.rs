@@ -355,6 +355,14 @@ impl Search<'_> {
                 "the readings scatter {factor:.2} times as much as their stated standard deviations; all tests and intervals use the scatter"
             ));
         }
+        if let Some(best) = candidates.first().filter(|c| c.hypothesis.label() != end.hypothesis.label()) {
+            let above =
+                candidates.iter().find(|c| c.hypothesis.label() == end.hypothesis.label()).map_or(0.0, |c| c.delta_bic);
+            notes.push(format!(
+                "{} would be better by {above:.1} in Schwarz's criterion, too little to decide for it among as many candidates",
+                best.hypothesis.label()
+            ));
+        }
         let troubled = end.hypothesis.fit.evaluation.troubled();
         if troubled > 0 {
             notes.push(format!("{troubled} points have no steady state in the explanation; each counts as a misfit of 2 to 6 standard deviations"));
@@ -477,8 +485,12 @@ impl Search<'_> {
     ) -> Option<next::NextMeasurement> {
         let mut survivors: Vec<&Hypothesis> = rivals.iter().collect();
         if survivors.len() < 2 {
-            // The explanation and its closest rival with as many additions.
+            // The explanation and its closest rival with as many additions; calibration alone has one only where the data
+            // favour it, if too little to decide.
             let rival = candidates.iter().map(|c| &c.hypothesis).find(|h| {
+                if chosen.additions.is_empty() && h.bic >= self.bic(chosen, noise) {
+                    return false;
+                }
                 h.additions != chosen.additions
                     && h.additions.len() == chosen.additions.len().max(1)
                     && h.estimate.is_none()
