@@ -16,11 +16,13 @@ const PROMISING: f64 = 1.6;
 /// ... and its gain more than this share of what it needs to be accepted.
 const NEARLY: f64 = 0.4;
 /// After few steps a fit is pursued if its sum of squares is within this factor of the best.
-const CONTENDING: f64 = 8.0;
+const CONTENDING: f64 = 3.0;
 /// An addition that leaves more than this share of the misfit explains little.
 const MINOR: f64 = 0.85;
+/// A costly addition is followed unless another leaves less than this share of what it may leave.
+const RIVALLING: f64 = 0.7;
 /// At least so many are followed.
-const FOLLOWED: usize = 3;
+const FOLLOWED: usize = 2;
 /// Rivals of the explanation whose prediction of left-out conditions is computed.
 const RIVALS: usize = 3;
 /// The stated noise is contradicted by a scatter that differs by more than this factor.
@@ -31,7 +33,8 @@ pub fn discover(scenario: &Scenario, table: &Table, options: &Options) -> Discov
     let base = Model::new(scenario);
     let calibration = compare::calibrate(&base, &scenario.free, &table.points, Tolerance::default(), options.seed);
     let (_, of_condition) = conditions_of(&table.points);
-    let data = Data::new(&table.points, &of_condition, calibration.threshold, options.seed);
+    let stated = compare::problem(&base, &scenario.free, [], Tolerance::default()).values();
+    let data = Data::new(&table.points, &of_condition, calibration.threshold, stated, options.seed);
     let search = Search { scenario, table, options, base, data };
     search.run(calibration)
 }
@@ -114,18 +117,18 @@ impl Search<'_> {
                 explore(&self.data, from, &base, addition, hint.as_ref())
             })
             .collect();
-        // Those that explain little of much misfit wait until it is known that no other explains most of it.
-        let minor =
-            |e: &Explored| e.promises() && e.after > MINOR * e.before && e.before > 10.0 * self.data.part.len() as f64;
+        // Those that explain little of much misfit, and those that are costly, wait until it is known what others explain.
+        let much = 10.0 * self.data.part.len() as f64;
+        let waits = |e: &Explored| e.promises() && (e.costly || e.after > MINOR * e.before && e.before > much);
         let mut followed: Vec<Option<Found>> =
-            explored.par_iter().map(|e| (!minor(e)).then(|| e.follow(&self.data, from, !e.promises()))).collect();
+            explored.par_iter().map(|e| (!waits(e)).then(|| e.follow(&self.data, from, !e.promises()))).collect();
         let objective = |f: &Found| f.hypothesis.fit.objective;
         let least = followed.iter().flatten().map(objective).fold(f64::INFINITY, f64::min);
         let found: Vec<Found> = explored
             .par_iter()
             .zip(&mut followed)
             .map(|(e, found)| {
-                let vain = least < (1.0 - MINOR) * e.before;
+                let vain = least < if e.costly { RIVALLING * e.after } else { (1.0 - MINOR) * e.before };
                 let mut found = found.take().unwrap_or_else(|| e.follow(&self.data, from, vain));
                 if found.gain > NEARLY && objective(&found) < CONTENDING * least + 0.1 * self.data.part.len() as f64 {
                     e.pursue(&self.data, from, &mut found);
@@ -352,6 +355,14 @@ impl Search<'_> {
                 "the readings scatter {factor:.2} times as much as their stated standard deviations; all tests and intervals use the scatter"
             ));
         }
+        if let Some(best) = candidates.first().filter(|c| c.hypothesis.label() != end.hypothesis.label()) {
+            let above =
+                candidates.iter().find(|c| c.hypothesis.label() == end.hypothesis.label()).map_or(0.0, |c| c.delta_bic);
+            notes.push(format!(
+                "{} would be better by {above:.1} in Schwarz's criterion, too little to decide for it among as many candidates",
+                best.hypothesis.label()
+            ));
+        }
         let troubled = end.hypothesis.fit.evaluation.troubled();
         if troubled > 0 {
             notes.push(format!("{troubled} points have no steady state in the explanation; each counts as a misfit of 2 to 6 standard deviations"));
@@ -474,8 +485,12 @@ impl Search<'_> {
     ) -> Option<next::NextMeasurement> {
         let mut survivors: Vec<&Hypothesis> = rivals.iter().collect();
         if survivors.len() < 2 {
-            // The explanation and its closest rival with as many additions.
+            // The explanation and its closest rival with as many additions; calibration alone has one only where the data
+            // favour it, if too little to decide.
             let rival = candidates.iter().map(|c| &c.hypothesis).find(|h| {
+                if chosen.additions.is_empty() && h.bic >= self.bic(chosen, noise) {
+                    return false;
+                }
                 h.additions != chosen.additions
                     && h.additions.len() == chosen.additions.len().max(1)
                     && h.estimate.is_none()

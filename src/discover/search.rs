@@ -12,13 +12,16 @@ use nalgebra::{DMatrix, DVector};
 /// Every such point of a curve is in the part on which a search begins.
 const STRIDE: usize = 3;
 /// Samples over the ranges of an effect of one, two, three, four parameters.
-const SAMPLES: [usize; 4] = [6, 12, 16, 20];
+const SAMPLES: [usize; 4] = [8, 14, 18, 20];
 /// Samples where values are known that are worth a look.
 const WITH_HINT: usize = 6;
-/// Samples that are followed.
-const FOLLOWED: usize = 2;
+/// Samples of a continuum of sliders that are followed.
+const COSTLY: usize = 2;
+/// Samples that are followed, for effects of one, two, three, four parameters: where the sum of squares jumps with a
+/// parameter, only a start on the right side finds the minimum.
+const FOLLOWED: [usize; 4] = [6, 4, 3, 3];
 /// Evaluations of a fit from a sample, from the best of these on, and on all points.
-const EVALUATIONS: [usize; 3] = [10, 24, 40];
+const EVALUATIONS: [usize; 3] = [8, 24, 40];
 
 /// Accuracy of a fit to all points: errors of 1e-5, but points that are hard to solve are given up before long.
 const ON_ALL: Tolerance = Tolerance { steps: 24, roughness: 1e-3, cycles: 100, budget: 3000 };
@@ -36,13 +39,16 @@ pub struct Data<'a> {
     pub part: Vec<&'a Point>,
     /// Residuals beyond this count linearly.
     pub threshold: f64,
+    /// Values that the scenario states for the parameters that a calibration may move: once something is missing, the
+    /// calibrated ones may be far off.
+    pub stated: Vec<f64>,
     /// Seed of the samples.
     pub seed: u32,
 }
 
 impl<'a> Data<'a> {
     /// All points, and the part for searching: every third of a curve, at another offset in the next.
-    pub fn new(points: &'a [Point], of_condition: &[usize], threshold: f64, seed: u32) -> Self {
+    pub fn new(points: &'a [Point], of_condition: &[usize], threshold: f64, stated: Vec<f64>, seed: u32) -> Self {
         let mut part = Vec::new();
         let (mut number, mut last) = (0, usize::MAX);
         for (point, &condition) in points.iter().zip(of_condition) {
@@ -58,7 +64,7 @@ impl<'a> Data<'a> {
         if part.len() < 40 {
             part = points.iter().collect();
         }
-        Self { points, part, threshold, seed }
+        Self { points, part, threshold, stated, seed }
     }
 }
 
@@ -87,6 +93,8 @@ pub struct Explored {
     visibility: f64,
     strongest: Option<Model>,
     touched: Vec<bool>,
+    /// Whether its points take long to solve: it makes the contact a continuum of sliders.
+    pub costly: bool,
 }
 
 /// A search for the best fit of one hypothesis.
@@ -133,7 +141,6 @@ pub fn explore(data: &Data<'_>, from: &Hypothesis, base: &Base, addition: Additi
     let readings = base.evaluation.residuals.len() as f64 * scale;
     Explored {
         addition,
-        samples,
         order: tried.into_iter().map(|(_, index)| index).collect(),
         before: robust_chi2(&base.evaluation.residuals, data.threshold),
         after: rest.norm_squared() - gain,
@@ -142,6 +149,8 @@ pub fn explore(data: &Data<'_>, from: &Hypothesis, base: &Base, addition: Additi
         visibility,
         strongest,
         touched,
+        costly: on_part(data, &samples[0], Vec::new()).has_continuum(),
+        samples,
     }
 }
 
@@ -183,14 +192,31 @@ impl Explored {
         let mut keys: Vec<String> = from.fit.parameters.iter().map(|p| p.key.clone()).collect();
         keys.extend(self.addition.keys());
         let mut best: Option<(Model, Fit)> = None;
-        for &index in self.order.iter().take(if vain { 0 } else { FOLLOWED }) {
+        let followed = match self.addition.keys().len() {
+            _ if vain => 0,
+            _ if self.costly => COSTLY,
+            n => FOLLOWED[n.clamp(1, 4) - 1],
+        };
+        for (rank, &index) in self.order.iter().take(followed).enumerate() {
             let model = &self.samples[index];
-            let mut problem = on_part(data, model, movable(model, &keys));
-            let start = problem.values();
-            let settings = Settings { evaluations: EVALUATIONS[0], threshold: data.threshold };
-            let fit = minimise(&mut problem, &start, &settings);
-            if best.as_ref().is_none_or(|(_, b)| fit.objective < b.objective) {
-                best = Some((model.clone(), fit));
+            let problem = on_part(data, model, movable(model, &keys));
+            let calibrated = problem.values();
+            let mut stated = calibrated.clone();
+            if from.additions.is_empty() {
+                stated[..data.stated.len()].copy_from_slice(&data.stated);
+            }
+            // Both where it costs little, otherwise in turn.
+            let starts = match self.addition.keys().len() {
+                1 if stated != calibrated && !self.costly => vec![calibrated, stated],
+                _ if rank % 2 == 1 => vec![stated],
+                _ => vec![calibrated],
+            };
+            for start in starts {
+                let settings = Settings { evaluations: EVALUATIONS[0], threshold: data.threshold };
+                let fit = minimise(&mut problem.clone(), &start, &settings);
+                if best.as_ref().is_none_or(|(_, b)| fit.objective < b.objective) {
+                    best = Some((model.clone(), fit));
+                }
             }
         }
         let mut additions = from.additions.clone();

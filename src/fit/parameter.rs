@@ -97,7 +97,7 @@ fn of_base(key: &str, info: &ParameterInfo, index: usize, value: f64, factor: f6
 
 fn of_effect(key: &str, info: &ParameterInfo, index: usize, value: f64) -> Parameter {
     let (low, high) = info.range.unwrap_or((info.minimum.abs(), info.maximum));
-    let low = low.max(SMALLEST * high);
+    let low = if low > 0.0 { low } else { SMALLEST * high };
     let smallest = if info.signed || info.minimum <= 0.0 { low / BEYOND } else { (low / BEYOND).max(info.minimum) };
     let largest = (high * BEYOND).min(info.maximum);
     let range = (low.ln(), high.ln());

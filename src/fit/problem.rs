@@ -2,6 +2,7 @@
 
 use super::Parameter;
 use crate::measurement::Point;
+use crate::model::lumps::FIRST_EFFECT_PARAMETER;
 use crate::model::{Model, Operation};
 use crate::solver::analytic::wrap;
 use crate::solver::cycle::Tolerance;
@@ -14,7 +15,7 @@ use rayon::prelude::*;
 pub const TROUBLED: f64 = 6.0;
 
 /// Step of a difference on the natural scale of a parameter.
-const DIFFERENCE: f64 = 1e-4;
+const DIFFERENCE: f64 = 0.02;
 
 /// What a model says of one measured point.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -104,9 +105,18 @@ impl<'a> Problem<'a> {
     /// Residuals at these values, and with `derivatives` their Jacobian (otherwise without columns).
     pub fn evaluate(&mut self, values: &[f64], derivatives: bool) -> Evaluation {
         // The solver's own derivatives of a continuum are differences by every parameter of the model.
-        if derivatives && self.model.effects.iter().any(|(effect, p)| effect.continuum(p).is_some()) {
+        if derivatives && self.has_continuum() {
             return self.differences(values);
         }
+        self.solve(values, derivatives)
+    }
+
+    /// Whether an effect makes the contact a continuum of sliders.
+    pub fn has_continuum(&self) -> bool {
+        self.model.effects.iter().any(|(effect, p)| effect.continuum(p).is_some())
+    }
+
+    fn solve(&mut self, values: &[f64], derivatives: bool) -> Evaluation {
         self.evaluations += 1;
         let model = self.model(values);
         let indices: Vec<usize> = if derivatives { self.parameters.iter().map(|p| p.index).collect() } else { vec![] };
@@ -149,11 +159,33 @@ impl<'a> Problem<'a> {
 }
 
 impl Problem<'_> {
-    /// An evaluation whose derivatives are forward differences by the parameters of the fit.
+    /// An evaluation of a continuum of sliders: its derivatives by the parameters of the effect that makes it one are
+    /// differences, those by all others are of the single slider that it becomes where that effect vanishes. They lead a
+    /// fit to its minimum; what it is worth there is told by the residuals.
     fn differences(&mut self, values: &[f64]) -> Evaluation {
         let mut evaluation = self.evaluate(values, false);
+        let mut single = self.clone();
+        let mut own = Vec::new();
+        let mut index = FIRST_EFFECT_PARAMETER;
+        for (effect, p) in &self.model.effects {
+            if effect.continuum(p).is_some() {
+                for zero in effect.zero() {
+                    with_parameter(&mut single.model, index + zero.parameter, |slot| *slot = zero.value);
+                }
+                own.extend(index..index + p.len());
+            }
+            index += p.len();
+        }
+        let kept: Vec<usize> = (0..values.len()).filter(|&i| !own.contains(&self.parameters[i].index)).collect();
+        single.parameters = kept.iter().map(|&i| self.parameters[i].clone()).collect();
+        let others: Vec<f64> = kept.iter().map(|&i| values[i]).collect();
+        let analytic = single.solve(&others, true).jacobian;
         let mut jacobian = DMatrix::zeros(evaluation.residuals.len(), values.len());
-        for (column, (parameter, &value)) in self.parameters.clone().iter().zip(values).enumerate() {
+        for (column, &i) in kept.iter().enumerate() {
+            jacobian.set_column(i, &analytic.column(column));
+        }
+        for column in (0..values.len()).filter(|i| !kept.contains(i)) {
+            let (parameter, value) = (&self.parameters[column].clone(), values[column]);
             let mut moved = values.to_vec();
             // Away from a bound, where the step would be lost.
             moved[column] = parameter.moved(value, DIFFERENCE);

@@ -306,7 +306,7 @@ impl HybridSystem for Problem {
         let going = match last {
             Some((Mode::Stick, _)) => None,
             Some((mode, s)) => Some((Self::sign(mode), s.abs())),
-            None if self.speed > 0.0 => Some((1.0, p.v.abs() + self.speed)),
+            None if self.speed > 0.0 => Some((1.0, p.v.abs().max(self.speed))),
             None => None,
         };
         if let Some((sign, s)) = going

@@ -1,0 +1,73 @@
+//! The discovery on the practice tables, which a separate program made with effects known to it alone.
+
+use std::path::PathBuf;
+use stickslip::discover::{Discovery, Options, Verdict, discover};
+use stickslip::{measurement, scenario};
+
+fn found(number: u32) -> Discovery {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    let places = [format!("scenarios/practice/{number}"), format!("tests/data/practice/{number}")];
+    let path = places.iter().map(|p| folder.join(p).join("scenario.toml")).find(|p| p.is_file()).expect("the table");
+    let scenario = scenario::load(path).expect("a scenario");
+    let table = measurement::load(&scenario).expect("a table").expect("measurements");
+    discover(&scenario, &table, &Options::default())
+}
+
+/// Verdict, names and parameters (key, true value) of an explanation that fits to the noise.
+fn assert_found(number: u32, verdict: Verdict, names: &[&str], truth: &[(&str, f64)]) {
+    let d = found(number);
+    let end = d.explanation();
+    assert_eq!(d.verdict, verdict, "{}", end.hypothesis.label());
+    let added: Vec<&str> = end.hypothesis.additions.iter().map(|a| a.name()).collect();
+    assert_eq!(added, names);
+    let chi2 = end.comparison.overall.chi2_per_point;
+    assert!((0.9..1.15).contains(&chi2), "chi2 {chi2}");
+    assert_eq!(d.steps.len(), names.len() + 1);
+    for (key, value) in truth {
+        let index = end.comparison.fit.parameters.iter().position(|p| p.key == *key).expect(key);
+        let interval = end.comparison.intervals[index];
+        assert!(interval.low <= *value && *value <= interval.high, "{key}: {value} not in {interval:?}");
+    }
+}
+
+#[test]
+fn practice_1_rate_strengthening() {
+    let truth = [
+        ("effect.rate-strengthening.beta", 0.15),
+        ("effect.rate-strengthening.v_0", 2e-4),
+        ("contact.stiffness", 8.9e4),
+    ];
+    assert_found(1, Verdict::EffectMissing, &["rate-strengthening"], &truth);
+}
+
+#[test]
+fn practice_2_contact_renewal() {
+    assert_found(2, Verdict::EffectMissing, &["contact-renewal"], &[("effect.contact-renewal.len", 6e-5)]);
+}
+
+#[test]
+fn practice_3_cubic_stiffness() {
+    assert_found(3, Verdict::EffectMissing, &["cubic-stiffness"], &[("effect.cubic-stiffness.K_3", 5e7)]);
+}
+
+#[test]
+fn practice_4_nothing() {
+    let d = found(4);
+    assert_eq!(d.verdict, Verdict::NothingMissing);
+    assert!(d.indistinguishable.is_empty() && d.explanation().hypothesis.additions.is_empty());
+}
+
+#[test]
+fn practice_5_roller_compliance() {
+    let truth = [
+        ("effect.roller-compliance.m_r", 0.5),
+        ("effect.roller-compliance.k_r", 3e5),
+        ("effect.roller-compliance.zeta_r", 0.1),
+    ];
+    assert_found(5, Verdict::EffectMissing, &["roller-compliance"], &truth);
+}
+
+#[test]
+fn practice_6_recalibration() {
+    assert_found(6, Verdict::Recalibrate, &["rig.torsional_stiffness"], &[]);
+}
