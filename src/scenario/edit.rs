@@ -8,7 +8,7 @@ use super::diagnostic::{render, whole_file};
 use super::extends::{self, Document};
 use super::source::Store;
 use super::splice::Splice;
-use super::written::{Entry, Node, Value, parse};
+use super::written::{Entry, Node, Value, find, inside, list, name, parse, texts};
 use crate::error::{Error, Result};
 
 pub use super::literal::Estimate;
@@ -153,7 +153,7 @@ impl Editable {
         match splice.at(&node.place.span).chars().next() {
             Some('{') => {
                 let text: Vec<String> = new.iter().map(|(key, literal, _)| format!("{key} = {literal}")).collect();
-                let (at, text) = match node_entries(node).is_empty() {
+                let (at, text) = match inside(node).is_empty() {
                     true => (node.place.span.start + 1, format!(" {} ", text.join(", "))),
                     false => (last, format!(", {}", text.join(", "))),
                 };
@@ -162,7 +162,7 @@ impl Editable {
             }
             first => {
                 let dotted = if first == Some('[') { String::new() } else { format!("{table}.") };
-                let indent = if node_entries(node).is_empty() { "" } else { splice.indent(last) };
+                let indent = if inside(node).is_empty() { "" } else { splice.indent(last) };
                 let lines: Vec<String> = new.iter().map(|one| line(&format!("{indent}{dotted}"), one)).collect();
                 splice.lines_below(last, &lines);
             }
@@ -209,7 +209,6 @@ impl Editable {
         }
         let spans: Vec<_> = items.iter().map(|item| item.place.span.clone()).collect();
         splice.take(&spans, &[index]);
-        splice.note(span.end, name, None);
         Ok(())
     }
 
@@ -238,7 +237,7 @@ impl Editable {
 
 /// Sets one value of a table, and says how well it is known.
 fn set(splice: &mut Splice<'_>, table: &Node, one: &Estimate) {
-    let Some(node) = find(node_entries(table), &[key(one)]) else { return };
+    let Some(node) = find(inside(table), &[key(one)]) else { return };
     let span = node.place.span.clone();
     let written = one.written(Some(splice.at(&span)));
     splice.replace(span.clone(), written.literal);
@@ -254,39 +253,7 @@ fn quoted(text: &str) -> String {
     toml::Value::String(text.into()).to_string()
 }
 
-fn find<'a>(entries: &'a [Entry], keys: &[&str]) -> Option<&'a Node> {
-    let (first, rest) = keys.split_first()?;
-    let node = &entries.iter().find(|entry| entry.key == *first)?.node;
-    if rest.is_empty() { Some(node) } else { find(node_entries(node), rest) }
-}
-
-fn node_entries(node: &Node) -> &[Entry] {
-    if let Value::Table(entries) = &node.value { entries } else { &[] }
-}
-
-fn list<'a>(entries: &'a [Entry], key: &str) -> &'a [Node] {
-    match find(entries, &[key]).map(|node| &node.value) {
-        Some(Value::List(items)) => items,
-        _ => &[],
-    }
-}
-
-fn texts(node: &Node) -> Vec<&str> {
-    let Value::List(items) = &node.value else { return Vec::new() };
-    items
-        .iter()
-        .filter_map(|item| if let Value::Text(text) = &item.value { Some(text.as_str()) } else { None })
-        .collect()
-}
-
-fn name(item: &Node) -> Option<&str> {
-    match find(node_entries(item), &["name"]).map(|node| &node.value) {
-        Some(Value::Text(name)) => Some(name),
-        _ => None,
-    }
-}
-
 /// Where the last value of a table ends; without one, its header.
 fn end(table: &Node) -> usize {
-    node_entries(table).iter().map(|entry| entry.node.place.span.end).max().unwrap_or(table.place.span.end)
+    inside(table).iter().map(|entry| entry.node.place.span.end).max().unwrap_or(table.place.span.end)
 }

@@ -105,13 +105,14 @@ impl<'a> Splice<'a> {
         self.lines_below(comma.unwrap_or(last.end), &lines);
     }
 
-    /// Takes the elements of these indices out of a list.
+    /// Takes the elements of these indices out of a list, and what is said of them.
     pub fn take(&mut self, items: &[Range<usize>], gone: &[usize]) {
         let [Some(first), Some(last)] = [items.first(), items.last()] else { return };
         let stay: Vec<usize> = (0..items.len()).filter(|i| !gone.contains(i)).collect();
         let own_lines = gone.iter().all(|&i| self.alone_on_line(&items[i]));
         match stay.first() {
             None => {
+                self.note(last.end, "", None);
                 let end = self.comma_after(last.end).map_or(last.end, |comma| comma + 1);
                 self.edits.push((first.start..end, String::new()));
             }
@@ -126,6 +127,7 @@ impl<'a> Splice<'a> {
                 if first_left > 0 {
                     self.edits.push((first.start..items[first_left].start, String::new()));
                 }
+                self.note(last.end, "", None);
                 let later = gone.iter().filter(|&&i| i > first_left);
                 self.edits.extend(later.map(|&i| (items[i - 1].end..items[i].end, String::new())));
             }
