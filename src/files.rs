@@ -33,6 +33,19 @@ pub fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
     Ok(())
 }
 
+/// Writes a file anew, where it is that links lead to it and with the permissions that it has.
+///
+/// # Errors
+/// [`Error::Io`] where the operating system refuses.
+pub fn update(path: &Path, bytes: &[u8]) -> Result<()> {
+    let Ok(path) = path.canonicalize() else { return replace(path, bytes) };
+    let file = stage(&path, bytes)?;
+    let permissions = std::fs::metadata(&path).map_err(Error::io("read", &path))?.permissions();
+    file.as_file().set_permissions(permissions).map_err(Error::io("write", &path))?;
+    file.persist(&path).map_err(|error| Error::io("write", &path)(error.error))?;
+    Ok(())
+}
+
 fn stage(path: &Path, bytes: &[u8]) -> Result<tempfile::NamedTempFile> {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder).map_err(Error::io("create the folder", folder))?;

@@ -1,15 +1,18 @@
 //! The command line: one file per command, each an `execute` that reads as a table of contents.
 
+pub mod add;
 pub mod check;
 pub mod compare;
 pub mod discover;
 pub mod effects;
+mod extension;
 pub mod init;
 mod json;
 pub mod report;
 pub mod run;
 mod select;
 mod simulate;
+mod target;
 
 use crate::discover::Options;
 use crate::error::{Error, Result};
@@ -87,6 +90,25 @@ enum Command {
         #[arg(long, value_name = "N", default_value_t = 0)]
         seed: u32,
     },
+    /// Fit an effect to the measurements, and write the scenario extended by it, comments kept
+    Add {
+        /// Name of the effect (`stickslip effects` lists them)
+        effect: String,
+        /// Scenario file with a table [measurement]; replaced by the extended one
+        scenario: PathBuf,
+        /// Write the extended scenario here instead
+        #[arg(long, short, value_name = "FILE")]
+        output: Option<PathBuf>,
+        /// Show what would change, and write nothing
+        #[arg(long)]
+        dry_run: bool,
+        /// Take the effect out, and fit what is left
+        #[arg(long)]
+        remove: bool,
+        /// Seed of the quasi-random samples
+        #[arg(long, value_name = "N", default_value_t = 0)]
+        seed: u32,
+    },
     /// Read and validate only
     Check {
         /// Scenario files or folders [default: scenarios/, or the built-in ones]
@@ -124,6 +146,10 @@ pub fn run(cli: Cli) -> Result<()> {
         Command::Discover { scenario, json, max_effects, seed } => {
             let options = Options { max_effects: max_effects.into(), seed, ..Options::default() };
             discover::execute(&scenario, json.map(Json::from).as_ref(), &options, &global)
+        }
+        Command::Add { effect, scenario, output, dry_run, remove, seed } => {
+            let job = add::Job { effect: &effect, path: &scenario, output: output.as_deref(), dry_run, remove, seed };
+            add::execute(&job, &global)
         }
         Command::Check { scenarios } => check::execute(&scenarios),
         Command::Effects { name } => effects::execute(name.as_deref()),

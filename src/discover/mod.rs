@@ -3,6 +3,7 @@
 //! Hypotheses are nothing but calibration, one recalibrated number of rig or instrument, or effects of the registry, added
 //! one after the other. They are ranked by Schwarz's criterion and by the prediction of left-out conditions.
 
+mod add;
 mod forward;
 mod held_out;
 mod hypothesis;
@@ -11,6 +12,7 @@ mod next;
 mod search;
 mod words;
 
+pub use add::{Change, fit_addition, fit_removal};
 pub use forward::discover;
 pub use held_out::{HeldOut, held_out};
 pub use hypothesis::{Addition, Hypothesis, additions, extended};

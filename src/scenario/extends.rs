@@ -23,20 +23,25 @@ pub(crate) struct Document {
 
 /// Reads `path` and everything it extends.
 pub(crate) fn read(store: Store, path: &Path) -> Result<Document> {
-    let root = root(store, path);
+    read_from(store, store.read(path)?)
+}
+
+/// Reads everything that a file extends.
+pub(crate) fn read_from(store: Store, first: Source) -> Result<Document> {
+    let root = root(store, &first.path);
     let mut seen: Vec<PathBuf> = Vec::new();
     let mut sources: Vec<Source> = Vec::new();
     let mut layers: Vec<Vec<Entry>> = Vec::new();
     let mut hasher = blake3::Hasher::new();
-    let mut next = Some(path.to_path_buf());
-    while let Some(path) = next.take() {
-        let source = store.read(&path)?;
+    let mut next = Some(first);
+    while let Some(source) = next.take() {
         hasher.update(&(source.text.len() as u64).to_le_bytes()).update(source.text.as_bytes());
         let mut entries = parse(&source, sources.len())?;
-        seen.push(store.resolve(&path));
+        seen.push(store.resolve(&source.path));
         if let Some(at) = entries.iter().position(|entry| entry.key == "extends") {
             let entry = entries.remove(at);
-            next = Some(target(store, &source, &entry, &root, &seen)?);
+            let path = target(store, &source, &entry, &root, &seen)?;
+            next = Some(store.read(&path)?);
         }
         sources.push(source);
         layers.push(entries);

@@ -7,12 +7,15 @@
 mod additions;
 mod axes;
 pub(crate) mod diagnostic;
+pub mod edit;
 mod embedded;
 mod extends;
 mod listing;
+mod literal;
 pub mod parameters;
 mod reader;
 pub(crate) mod source;
+mod splice;
 mod types;
 mod validate;
 mod written;
@@ -60,6 +63,18 @@ pub fn load(path: impl AsRef<Path>) -> Result<Scenario> {
 /// Reads and validates a file that others extend: it need not say what to solve.
 pub fn load_base(path: impl AsRef<Path>) -> Result<Scenario> {
     open(Store::Disk, path.as_ref(), &LoadOptions::default(), Role::Base)
+}
+
+/// Validates a text as [`load`] would if it stood at `path`, where nothing needs to be yet.
+pub fn load_text(path: impl AsRef<Path>, text: &str) -> Result<Scenario> {
+    let path = path.as_ref();
+    let source = source::Source {
+        name: path.display().to_string(),
+        path: path.into(),
+        text: text.strip_prefix('\u{feff}').unwrap_or(text).into(),
+    };
+    let document = extends::read_from(Store::Disk, source)?;
+    validate::scenario(&document, listing::id(Store::Disk, path), Store::Disk, &LoadOptions::default(), Role::Complete)
 }
 
 /// Like [`load`], with another set of names for figures and effects.

@@ -127,3 +127,40 @@ fn overlay(base: Vec<Entry>, child: Vec<Entry>, tables: bool) -> Vec<Entry> {
     }
     merged
 }
+
+/// The value under a key of a table, and so on inwards.
+pub(crate) fn find<'a>(entries: &'a [Entry], keys: &[&str]) -> Option<&'a Node> {
+    let (first, rest) = keys.split_first()?;
+    let node = &entries.iter().find(|entry| entry.key == *first)?.node;
+    if rest.is_empty() { Some(node) } else { find(inside(node), rest) }
+}
+
+/// The entries of a table; of anything else, none.
+pub(crate) fn inside(node: &Node) -> &[Entry] {
+    if let Value::Table(entries) = &node.value { entries } else { &[] }
+}
+
+/// The items of the list under a key.
+pub(crate) fn list<'a>(entries: &'a [Entry], key: &str) -> &'a [Node] {
+    match find(entries, &[key]).map(|node| &node.value) {
+        Some(Value::List(items)) => items,
+        _ => &[],
+    }
+}
+
+/// The strings of a list.
+pub(crate) fn texts(node: &Node) -> Vec<&str> {
+    let Value::List(items) = &node.value else { return Vec::new() };
+    items
+        .iter()
+        .filter_map(|item| if let Value::Text(text) = &item.value { Some(text.as_str()) } else { None })
+        .collect()
+}
+
+/// The string under `name`.
+pub(crate) fn name(item: &Node) -> Option<&str> {
+    match find(inside(item), &["name"]).map(|node| &node.value) {
+        Some(Value::Text(name)) => Some(name),
+        _ => None,
+    }
+}

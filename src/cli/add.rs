@@ -1,0 +1,167 @@
+//! `stickslip add`: one effect fitted and written into a scenario, or taken out of it.
+
+use super::compare::{parameter, with_measurements};
+use super::{Global, extension, say, target};
+use crate::compare::{Compared, Comparison, Metrics, words as condition};
+use crate::discover::{Change, fit_addition, fit_removal};
+use crate::effects::{self, Effect, REGISTRY};
+use crate::error::{Error, Result};
+use crate::files;
+use crate::scenario::Scenario;
+use crate::scenario::diagnostic::{nearest, quote, whole_file};
+use crate::scenario::edit::Editable;
+use std::io::Write as _;
+use std::path::Path;
+
+/// Conditions and regions shown on the terminal.
+const SHOWN: usize = 5;
+
+/// What is asked for.
+#[derive(Debug, Clone, Copy)]
+pub struct Job<'a> {
+    /// Name of the effect.
+    pub effect: &'a str,
+    /// The scenario.
+    pub path: &'a Path,
+    /// Another file to write to.
+    pub output: Option<&'a Path>,
+    /// Whether to show the difference and write nothing.
+    pub dry_run: bool,
+    /// Whether the effect is to be taken out.
+    pub remove: bool,
+    /// Seed of the search.
+    pub seed: u32,
+}
+
+/// Fits the effect to the scenario's measurements and writes the changed scenario; everything that can be wrong with the
+/// input is found before the fit.
+pub fn execute(job: &Job<'_>, global: &Global) -> Result<()> {
+    let effect = known(job.effect)?;
+    let (scenario, table) = with_measurements(job.path)?;
+    let file = Editable::open(job.path)?;
+    fits(job, &scenario, &file)?;
+    let target = target::find(job, &file, &table.file)?;
+    extension::trial(job, effect, &scenario, &file, &target)?;
+    let change = if job.remove {
+        fit_removal(&scenario, &table, effect.name(), job.seed)
+    } else {
+        fit_addition(&scenario, &table, effect, job.seed)
+    };
+    let text = extension::fitted(job, effect, &scenario, &change, &file, &target)?;
+    for line in words(job, &change) {
+        say(global, &line);
+    }
+    if job.dry_run {
+        let diff = difference(file.text(), &text, job.path, &target.path);
+        // A reader that has gone is no error of the command.
+        let _ = std::io::stdout().lock().write_all(diff.as_bytes());
+        return Ok(());
+    }
+    target.unchanged(job.path, file.text())?;
+    files::update(&target.path, format!("{}{text}", target.mark).as_bytes())?;
+    say(global, &format!("wrote {}", target.path.display()));
+    Ok(())
+}
+
+/// The effect of that name.
+fn known(name: &str) -> Result<&'static dyn Effect> {
+    effects::find(name).ok_or_else(|| {
+        let names = || REGISTRY.iter().map(|effect| effect.name());
+        let help = match nearest(name, names()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("`stickslip effects` lists the catalogue: {}", names().collect::<Vec<_>>().join(", ")),
+        };
+        Error::Input(whole_file(&format!("unknown effect {}", quote(name)), &help))
+    })
+}
+
+/// Whether the effect can be put in or taken out here.
+fn fits(job: &Job<'_>, scenario: &Scenario, file: &Editable) -> Result<()> {
+    let refuse = |title: String, help: &str| Err(Error::Input(whole_file(&title, help)));
+    let (name, path) = (job.effect, job.path.display());
+    if let Some(other) = file.effects_elsewhere() {
+        let title = format!("the effects of {path} are stated in {}, which it extends", other.display());
+        return refuse(title, "use this command on that file, or copy its [[effect]] tables into this one first");
+    }
+    let present = scenario.effects.iter().any(|setting| setting.name == name);
+    if present && !job.remove {
+        let help = "--remove takes it out; `stickslip compare` fits its parameters where [fit] free names them";
+        return refuse(format!("{path} has the effect `{name}` already"), help);
+    }
+    if !present && job.remove {
+        let names: Vec<_> = scenario.effects.iter().map(|setting| setting.name.as_str()).collect();
+        let help = if names.is_empty() { "it has no effects".into() } else { format!("it has {}", names.join(", ")) };
+        return refuse(format!("{path} has no effect `{name}` to take out"), &help);
+    }
+    let all = scenario.effects.iter().map(|setting| setting.name.as_str()).chain((!job.remove).then_some(name));
+    let all: Vec<&dyn Effect> =
+        all.filter_map(|name| effects::find(name).map(|effect| effect as &dyn Effect)).collect();
+    match effects::compatible(&all) {
+        Ok(()) => Ok(()),
+        Err(why) => refuse(why, "take the other one out first, with --remove"),
+    }
+}
+
+/// The error before and after in lines of text.
+fn words(job: &Job<'_>, change: &Change) -> Vec<String> {
+    let (before, after) = (&change.before, &change.after);
+    let (b, a) = (&before.overall, &after.overall);
+    let sign = if job.remove { "without" } else { "with" };
+    let mut lines = vec![format!("{}: {sign} {}", before.scenario.title, job.effect)];
+    lines.push("error:                    before      after      noise".into());
+    lines.push(format!("  chi2 per reading   {:>11.2}{:>11.2}", b.chi2_per_point, a.chi2_per_point));
+    let percent = (b.rms_error_percent, a.rms_error_percent, a.noise_percent);
+    lines.push(format!("  amplitude, rms     {:>9.2} %{:>9.2} %{:>9.2} %", percent.0, percent.1, percent.2));
+    if let (Some(b), Some(a), Some(n)) = (b.rms_phase_deg, a.rms_phase_deg, a.noise_phase_deg) {
+        lines.push(format!("  phase, rms         {b:>9.2} °{a:>9.2} °{n:>9.2} °"));
+    }
+    lines.push("conditions, the worst before first (chi2 per reading; amplitude, rms):".into());
+    let mut order: Vec<usize> = (0..before.conditions.len()).collect();
+    order.sort_by(|&i, &j| chi2(&before.conditions[j].metrics).total_cmp(&chi2(&before.conditions[i].metrics)));
+    for &i in order.iter().take(SHOWN) {
+        let (one, other) = (&before.conditions[i], &after.conditions[i]);
+        lines.push(format!("  {}: {}", condition(&one.setting), became(&one.metrics, &other.metrics)));
+    }
+    if !before.regions.is_empty() {
+        lines.push("where it failed before, and what became of it:".into());
+    }
+    for region in before.regions.iter().take(SHOWN) {
+        let (from, to) = (region.frequency_from_hz, region.frequency_to_hz);
+        let inside = |p: &&Compared| p.condition == region.condition && (from..=to).contains(&p.point.frequency);
+        let over = |c: &Comparison| Metrics::over(c.points.iter().filter(inside).collect::<Vec<_>>().into_iter());
+        lines.push(format!("  {}", region.sentence));
+        lines.push(format!("    {}", became(&over(before), &over(after))));
+    }
+    lines.push("fitted (95 % interval):".into());
+    lines.extend(after.fit.parameters.iter().zip(&after.intervals).map(|(p, i)| format!("  {}", parameter(p, i))));
+    lines.push(judgement(job, change));
+    lines
+}
+
+fn chi2(metrics: &Metrics) -> f64 {
+    metrics.chi2_per_point * metrics.readings as f64
+}
+
+fn became(before: &Metrics, after: &Metrics) -> String {
+    format!(
+        "{:.2} -> {:.2}; {:.2} % -> {:.2} %",
+        before.chi2_per_point, after.chi2_per_point, before.rms_error_percent, after.rms_error_percent
+    )
+}
+
+/// Whether the data are for the change.
+fn judgement(job: &Job<'_>, change: &Change) -> String {
+    let gain = change.gain;
+    match (change.decided(), job.remove) {
+        (None, _) => format!("the data do not decide whether this effect is needed (BIC changes by {gain:+.1})"),
+        (Some(true), false) => format!("the data are for this effect (BIC falls by {gain:.1})"),
+        (Some(false), false) => format!("the data are against this effect (BIC rises by {:.1})", -gain),
+        (Some(true), true) => format!("the data do not need this effect (BIC falls by {gain:.1} without it)"),
+        (Some(false), true) => format!("the data need this effect (BIC rises by {:.1} without it)", -gain),
+    }
+}
+
+fn difference(old: &str, new: &str, from: &Path, to: &Path) -> String {
+    let diff = similar::TextDiff::from_lines(old, new);
+    diff.unified_diff().header(&from.display().to_string(), &to.display().to_string()).to_string()
+}

@@ -1,0 +1,151 @@
+//! The text that `stickslip add` writes: fitted numbers rounded to what is known of them, and proof that it says so.
+
+use super::add::Job;
+use super::target::Target;
+use crate::compare;
+use crate::discover::{Addition, Change};
+use crate::effects::{self, Effect, ParameterInfo, typical};
+use crate::error::{Error, Result};
+use crate::fit::{Identified, Interval, Parameter};
+use crate::measurement::Point;
+use crate::model::Model;
+use crate::scenario::diagnostic::whole_file;
+use crate::scenario::edit::{Changes, Editable, Estimate};
+use crate::scenario::{self, Contact, EffectSetting, Scenario};
+use crate::solver::cycle::Tolerance;
+
+/// Rounding one parameter moves the predictions by at most half of this, in standard deviations, taken together.
+const ROUNDING: f64 = 0.2;
+
+/// Makes the change with values from the catalogue: whatever is wrong with the input shows before the fit.
+pub fn trial(
+    job: &Job<'_>,
+    effect: &'static dyn Effect,
+    scenario: &Scenario,
+    file: &Editable,
+    target: &Target,
+) -> Result<()> {
+    let one = |(key, (info, value)): (String, (&ParameterInfo, f64))| Estimate {
+        key,
+        value,
+        unit: info.unit,
+        low: None,
+        high: None,
+        felt: f64::INFINITY,
+    };
+    let keys = Addition::Effect(effect).keys().into_iter();
+    let values = keys.zip(effect.parameters().iter().zip(typical(effect))).map(one).filter(|_| !job.remove).collect();
+    write(job, effect, scenario, values, file, target).map(|_| ())
+}
+
+/// The text with the fitted values.
+pub fn fitted(
+    job: &Job<'_>,
+    effect: &'static dyn Effect,
+    scenario: &Scenario,
+    change: &Change,
+    file: &Editable,
+    target: &Target,
+) -> Result<String> {
+    let c = &change.after;
+    let noise = c.overall.chi2_per_point.sqrt().max(1.0);
+    let felt = |column: usize| ROUNDING * noise / c.fit.evaluation.jacobian.column(column).norm();
+    let pairs = c.fit.parameters.iter().zip(&c.intervals).enumerate();
+    let values = pairs.map(|(column, (parameter, interval))| estimate(parameter, interval, felt(column))).collect();
+    write(job, effect, scenario, values, file, target)
+}
+
+/// A fitted parameter; ends of its interval that are only bounds of the search are left out.
+fn estimate(parameter: &Parameter, interval: &Interval, felt: f64) -> Estimate {
+    let bounds = parameter.bounds();
+    let open = |end: f64| [bounds.0, bounds.1].iter().any(|&bound| parameter.natural_distance(end, bound) < 1e-6);
+    let (low, high) = match interval.identified {
+        Identified::Yes => (Some(interval.low), Some(interval.high)),
+        Identified::No => (None, None),
+        Identified::OneSided => {
+            (Some(interval.low).filter(|low| !open(*low)), Some(interval.high).filter(|high| !open(*high)))
+        }
+    };
+    Estimate { key: parameter.key.clone(), value: interval.value, unit: parameter.unit, low, high, felt }
+}
+
+/// The changed text, once it is known to be a scenario that differs from the one at hand in nothing else.
+fn write(
+    job: &Job<'_>,
+    effect: &'static dyn Effect,
+    before: &Scenario,
+    values: Vec<Estimate>,
+    file: &Editable,
+    target: &Target,
+) -> Result<String> {
+    let keys = Addition::Effect(effect).keys();
+    let mut free: Vec<String> = before.free.iter().filter(|key| !keys.contains(key)).cloned().collect();
+    if !job.remove {
+        free.extend(keys);
+    }
+    let name = effect.name().to_string();
+    let (add, remove) = if job.remove { (None, Some(name)) } else { (Some(name), None) };
+    let changes = Changes {
+        values,
+        add,
+        remove,
+        free: free.clone(),
+        extends: target.extends.clone(),
+        table: target.table.clone(),
+    };
+    let text = file.apply(&changes)?;
+    let after = scenario::load_text(&target.path, &text).map_err(|error| match error {
+        Error::Input(why) => {
+            let title = format!("the scenario as it would stand in {} is not valid", target.path.display());
+            Error::Input(format!("{why}\n\n{}", whole_file(&title, "nothing was written; see above for what is wrong")))
+        }
+        other => other,
+    })?;
+    if !means(before, &after, &changes) || after.free != free {
+        let title =
+            format!("{} is written in a way that cannot be changed here; nothing was written", job.path.display());
+        return Err(Error::Input(whole_file(&title, "write one key per line below [table] headers")));
+    }
+    Ok(text)
+}
+
+/// Whether one scenario is the other with these changes, and nothing else.
+fn means(before: &Scenario, after: &Scenario, changes: &Changes) -> bool {
+    let mut meant = before.clone();
+    meant.effects.retain(|setting| changes.remove.as_ref() != Some(&setting.name));
+    if let Some(name) = &changes.add {
+        let parameters = after.effects.last().map_or_else(Vec::new, |setting| setting.parameters.clone());
+        meant.effects.push(EffectSetting { name: name.clone(), parameters });
+    }
+    let names = |scenario: &Scenario| scenario.effects.iter().map(|s| s.name.clone()).collect::<Vec<_>>();
+    let effects: Vec<&dyn Effect> =
+        meant.effects.iter().filter_map(|s| effects::find(&s.name).map(|e| e as _)).collect();
+    let keys = scenario::parameter_keys(&effects);
+    let right = |(key, (old, new)): (&String, (f64, f64))| match changes.values.iter().find(|one| one.key == *key) {
+        Some(one) => (new - one.value).abs() <= 0.1 * one.value.abs(),
+        None => new == old,
+    };
+    let numbers = keys.iter().zip(numbers(&meant, &keys).into_iter().zip(numbers(after, &keys)));
+    let place = |s: &Scenario| s.measurement.as_ref().and_then(|m| m.file.canonicalize().ok());
+    // What the numbers above are, and what depends on the place of the file.
+    let mut rest = after.clone();
+    (rest.id, rest.path, rest.hash) = (before.id.clone(), before.path.clone(), before.hash.clone());
+    (rest.rig, rest.instrument) = (before.rig, before.instrument);
+    rest.contact = Contact { formulation: after.contact.formulation, ..before.contact };
+    (rest.effects, rest.free) = (before.effects.clone(), before.free.clone());
+    if let (Some(there), Some(here)) = (&mut rest.measurement, &before.measurement) {
+        there.file = here.file.clone();
+    }
+    if let (Some(there), Some(here)) = (&mut rest.sweep, &before.sweep)
+        && there.friction == [after.contact.friction]
+    {
+        there.friction = here.friction.clone();
+    }
+    numbers.into_iter().all(right) && names(after) == names(&meant) && rest == *before && place(after) == place(before)
+}
+
+/// Values of the parameters of these keys.
+fn numbers(scenario: &Scenario, keys: &[String]) -> Vec<f64> {
+    let none: [&Point; 0] = [];
+    compare::problem(&Model::new(scenario), keys, none, Tolerance::default()).values()
+}

@@ -1,0 +1,86 @@
+//! One effect that somebody has decided on: added to a scenario or taken away, everything fitted again.
+
+use super::MARGIN;
+use super::hypothesis::{Addition, Hypothesis};
+use super::search::{Base, Data, explore, on_all};
+use crate::compare::{self, Comparison, calibrate, conditions_of};
+use crate::effects::Effect;
+use crate::measurement::Table;
+use crate::model::Model;
+use crate::scenario::Scenario;
+use crate::solver::cycle::Tolerance;
+
+/// A scenario's model before and after a change, each calibrated.
+#[derive(Debug, Clone)]
+pub struct Change {
+    /// As `compare` finds it.
+    pub before: Comparison,
+    /// With the change, all its parameters fitted; intervals by profile likelihood.
+    pub after: Comparison,
+    /// Schwarz's criterion before less that after: positive where the data are for the change.
+    pub gain: f64,
+}
+
+impl Change {
+    /// Whether the data decide for the change, or against it.
+    pub fn decided(&self) -> Option<bool> {
+        (self.gain.abs() > MARGIN).then_some(self.gain > 0.0)
+    }
+}
+
+/// Fits an effect together with the scenario's free parameters and those of the effects that it has.
+pub fn fit_addition(scenario: &Scenario, table: &Table, effect: &'static dyn Effect, seed: u32) -> Change {
+    let before = compare::compare(scenario, table, &compare::Options { seed });
+    let model = Model::new(scenario);
+    let addition = Addition::Effect(effect);
+    let keys = movable(scenario, "");
+    let base = calibrate(&model, &keys, &table.points, Tolerance::default(), seed);
+    let (_, of_condition) = conditions_of(&table.points);
+    let data = Data::new(&table.points, &of_condition, base.threshold, seed);
+    let from = Hypothesis { additions: Vec::new(), model, fit: base.fit, estimate: None, bic: f64::INFINITY };
+    let explored = explore(&data, &from, &Base::new(&data, &from), addition, None);
+    let mut found = explored.follow(&data, &from, false);
+    explored.pursue(&data, &from, &mut found);
+    let mut best = found.hypothesis;
+    best.fit = on_all(&data, &best.model, &best.fit);
+    let keys = keys.into_iter().chain(addition.keys()).collect::<Vec<_>>();
+    conclude(scenario, table, before, best.fitted(), &keys, seed)
+}
+
+/// Takes an effect away and fits the scenario's free parameters and those of its other effects.
+pub fn fit_removal(scenario: &Scenario, table: &Table, name: &str, seed: u32) -> Change {
+    let before = compare::compare(scenario, table, &compare::Options { seed });
+    let mut model = before.model.clone();
+    model.effects.retain(|(effect, _)| effect.name() != name);
+    conclude(scenario, table, before, model, &movable(scenario, name), seed)
+}
+
+/// Keys that a fit moves: the free ones and all of the effects, those of `without` left out.
+fn movable(scenario: &Scenario, without: &str) -> Vec<String> {
+    let of = |name: &str| crate::effects::find(name).map_or_else(Vec::new, |effect| Addition::Effect(effect).keys());
+    let mut keys = scenario.free.clone();
+    keys.extend(scenario.effects.iter().flat_map(|setting| of(&setting.name)).filter(|k| !scenario.free.contains(k)));
+    let gone = of(without);
+    keys.retain(|key| !gone.contains(key));
+    keys
+}
+
+/// The last fit is the one that `compare` will make of the scenario that is written.
+fn conclude(
+    scenario: &Scenario,
+    table: &Table,
+    before: Comparison,
+    model: Model,
+    keys: &[String],
+    seed: u32,
+) -> Change {
+    let calibration = calibrate(&model, keys, &table.points, Tolerance::default(), seed);
+    let after = compare::judge(scenario, table, &model, &calibration, true);
+    // In units of the scatter that the better of the two leaves.
+    let (one, other) = (before.fit.evaluation.chi2(), after.fit.evaluation.chi2());
+    let readings = after.overall.readings as f64;
+    let noise = (one.min(other) / readings).max(1.0);
+    let price = |c: &Comparison| c.fit.parameters.len() as f64 * readings.ln();
+    let gain = (one - other) / noise + price(&before) - price(&after);
+    Change { before, after, gain }
+}
