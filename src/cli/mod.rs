@@ -10,6 +10,7 @@ pub mod report;
 pub mod run;
 mod select;
 mod simulate;
+pub mod trial;
 
 use crate::discover::Options;
 use crate::error::{Error, Result};
@@ -87,6 +88,8 @@ enum Command {
         #[arg(long, value_name = "N", default_value_t = 0)]
         seed: u32,
     },
+    /// Plant causes, hide the answers, search, score: the program examines itself
+    Trial(trial::Arguments),
     /// Read and validate only
     Check {
         /// Scenario files or folders [default: scenarios/, or the built-in ones]
@@ -125,6 +128,7 @@ pub fn run(cli: Cli) -> Result<()> {
             let options = Options { max_effects: max_effects.into(), seed, ..Options::default() };
             discover::execute(&scenario, json.map(Json::from).as_ref(), &options, &global)
         }
+        Command::Trial(arguments) => trial::execute(&arguments, &global),
         Command::Check { scenarios } => check::execute(&scenarios),
         Command::Effects { name } => effects::execute(name.as_deref()),
         Command::Init { dir } => init::execute(&dir),
