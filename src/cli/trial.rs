@@ -10,6 +10,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal as _;
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// Arguments of the command.
 #[derive(Debug, Clone, Args)]
@@ -67,11 +68,9 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     let bar = bar(global, options.causes.len() * options.noise.len() * options.seeds as usize);
     let done = |record: &Record, fresh: bool| {
         bar.set_message(record.id.clone());
-        // Kept results take no time: they would spoil the estimate of what remains.
-        if fresh {
-            bar.inc(1);
-        } else {
-            bar.inc(1);
+        bar.inc(1);
+        if !fresh {
+            // Kept results take no time: they would spoil the estimate of what remains.
             bar.reset_eta();
         }
     };
@@ -98,6 +97,8 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
 /// A share given as `1 %` or `0.01`.
 fn share(option: &str, text: &str, least: f64) -> Result<f64> {
     let value = text.trim().parse().ok().or_else(|| units::parse(text.trim(), "1").ok());
+    // 7 % is 0.07 also in the names of folders.
+    let value = value.and_then(|v: f64| format!("{v:.6e}").parse().ok());
     value.filter(|v: &f64| (least..0.5).contains(v)).ok_or_else(|| {
         Error::Input(format!(
             "error: `{text}` is no value of {option}\n  = help: a share below 50 %, such as \"1 %\" or 0.01"
@@ -112,6 +113,7 @@ fn bar(global: &Global, trials: usize) -> ProgressBar {
     let bar = ProgressBar::new(trials as u64);
     let template = "{bar:30} {pos}/{len} trials, {elapsed} gone, {eta} left; last: {msg}";
     bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.enable_steady_tick(Duration::from_secs(1));
     bar
 }
 

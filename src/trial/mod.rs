@@ -31,6 +31,7 @@ pub use record::Record;
 pub use run::{id, plant, run, single};
 pub use score::{Score, Share, score};
 pub use summary::{ByCause, Confusion, Coverage, SCHEMA, Scores, Summary, summarise};
+pub use table::{scenario as scenario_text, table as table_text};
 pub use visible::{excess, noiseless};
 
 use std::path::PathBuf;

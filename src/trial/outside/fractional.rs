@@ -6,9 +6,9 @@ use crate::model::Model;
 use std::f64::consts::{PI, TAU};
 
 /// Elements of the diffusive approximation.
-const ELEMENTS: usize = 24;
+const ELEMENTS: usize = 32;
 /// Their corner frequencies \[Hz\].
-const BAND: (f64, f64) = (0.1, 1e4);
+const BAND: (f64, f64) = (0.01, 1e5);
 /// Where the spring-pot has the modulus of the spring that it replaces \[Hz\].
 const REFERENCE: f64 = 72.0;
 
