@@ -13,6 +13,7 @@
 //! * [`atlas`] - what each effect of the registry does to resonance curves, by strength.
 //! * [`verification`] - numbers that prove the solvers in every run.
 //! * [`claims`] - the ledger of published statements, each computed and judged.
+//! * [`trial`] - blind trials of the discovery: planted causes, sealed answers, scores.
 //! * [`figures`] - outcome or comparison in, SVG, PNG and CSV out; never simulates.
 //! * [`report`] - serialisable views, rendered as HTML and written as JSON.
 pub mod atlas;
@@ -31,5 +32,6 @@ pub mod report;
 pub mod scenario;
 pub mod solver;
 pub mod sweep;
+pub mod trial;
 pub mod units;
 pub mod verification;

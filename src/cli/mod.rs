@@ -13,6 +13,7 @@ pub mod run;
 mod select;
 mod simulate;
 mod target;
+pub mod trial;
 
 use crate::discover::Options;
 use crate::error::{Error, Result};
@@ -109,6 +110,8 @@ enum Command {
         #[arg(long, value_name = "N", default_value_t = 0)]
         seed: u32,
     },
+    /// Plant causes, hide the answers, search, score: the program examines itself
+    Trial(trial::Arguments),
     /// Read and validate only
     Check {
         /// Scenario files or folders [default: scenarios/, or the built-in ones]
@@ -151,6 +154,7 @@ pub fn run(cli: Cli) -> Result<()> {
             let job = add::Job { effect: &effect, path: &scenario, output: output.as_deref(), dry_run, remove, seed };
             add::execute(&job, &global)
         }
+        Command::Trial(arguments) => trial::execute(&arguments, &global),
         Command::Check { scenarios } => check::execute(&scenarios),
         Command::Effects { name } => effects::execute(name.as_deref()),
         Command::Init { dir } => init::execute(&dir),

@@ -6,11 +6,13 @@ use crate::discover::Discovery;
 use crate::error::{Error, Result};
 use crate::figures::comparison::{ComparisonFigure, REGISTRY};
 use crate::figures::discovery::DiscoveryFigure;
+use crate::figures::trial::TrialFigure;
 use crate::figures::{self, Drawing, Figure, FigureError};
 use crate::files;
 use crate::report::{self, EffectView, FigureInput};
 use crate::scenario::Scenario;
 use crate::sweep::{self, Outcome};
+use crate::trial::Summary;
 use rayon::prelude::*;
 use std::path::Path;
 use std::sync::OnceLock;
@@ -122,6 +124,17 @@ pub fn discovery(discovery: &Discovery, out: &Path) -> Result<Vec<FigureInput>> 
         }
     };
     let drawn: Vec<Option<FigureInput>> = figures::discovery::REGISTRY.par_iter().map(draw).collect::<Result<_>>()?;
+    Ok(drawn.into_iter().flatten().collect())
+}
+
+/// Draws the figures of a series of trials and writes them below `out`.
+pub fn trial(summary: &Summary, out: &Path) -> Result<Vec<FigureInput>> {
+    let draw = |figure: &&dyn TrialFigure| match figure.draw(summary) {
+        Ok(drawing) => write(drawing, "figures", out).map(Some),
+        Err(FigureError::MissingData(_)) => Ok(None),
+        Err(why) => Err(Error::Unfinished(why.to_string())),
+    };
+    let drawn: Vec<Option<FigureInput>> = figures::trial::REGISTRY.par_iter().map(draw).collect::<Result<_>>()?;
     Ok(drawn.into_iter().flatten().collect())
 }
 

@@ -28,6 +28,7 @@ pub mod scheme;
 pub mod style;
 mod ticks;
 pub mod time_histories;
+pub mod trial;
 pub mod velocity_amplitude;
 
 use crate::sweep::Outcome;

@@ -1,0 +1,138 @@
+//! What was planted against what was named, with counts.
+
+use super::{TrialFigure, count, drawing};
+use crate::figures::canvas::{Anchor, Canvas, Stroke, Type, document};
+use crate::figures::style::{Color, GREY, GRID, INK, ROLLER, SLIP, Table, WHITE, WIDTH, text_width};
+use crate::figures::{Drawing, FigureError};
+use crate::trial::{Confusion, Summary};
+
+const SIZE: f64 = 13.0;
+const ROW: f64 = 22.0;
+const WIDEST: f64 = 46.0;
+/// Most columns; the rarest labels are united behind them.
+const COLUMNS: usize = 34;
+
+/// The figure.
+pub struct ConfusionMatrix;
+
+/// What is shown: the matrix with rare columns united.
+struct Shown<'a> {
+    planted: &'a [String],
+    named: Vec<String>,
+    counts: Vec<Vec<usize>>,
+}
+
+impl<'a> Shown<'a> {
+    fn of(c: &'a Confusion) -> Self {
+        if c.named.len() <= COLUMNS {
+            return Self { planted: &c.planted, named: c.named.clone(), counts: c.counts.clone() };
+        }
+        let mut order: Vec<usize> = (0..c.named.len()).collect();
+        let total = |column: usize| c.counts.iter().map(|row| row[column]).sum::<usize>();
+        order.sort_by_key(|&column| std::cmp::Reverse(total(column)));
+        let (mut kept, rare) = (order[..COLUMNS - 1].to_vec(), &order[COLUMNS - 1..]);
+        kept.sort_unstable();
+        let mut named: Vec<String> = kept.iter().map(|&column| c.named[column].clone()).collect();
+        named.push(format!("{} other answers", rare.len()));
+        let row = |row: &Vec<usize>| {
+            let mut cells: Vec<usize> = kept.iter().map(|&column| row[column]).collect();
+            cells.push(rare.iter().map(|&column| row[column]).sum());
+            cells
+        };
+        Self { planted: &c.planted, named, counts: c.counts.iter().map(row).collect() }
+    }
+
+    /// Whether a column is the right answer to a row.
+    fn right(&self, row: usize, column: usize) -> bool {
+        let (planted, named) = (&self.planted[row], &self.named[column]);
+        let mut names: Vec<&str> = planted.split('+').collect();
+        names.sort_unstable();
+        let outside = planted.starts_with("outside-") && named == "unexplained";
+        outside || (planted == "none" && named == "nothing") || *named == names.join(" + ")
+    }
+
+    fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
+        let widest =
+            |names: &[String]| names.iter().map(|name| text_width(name, SIZE, false)).fold(0.0, f64::max) + 14.0;
+        let (left, top) = (widest(self.planted) + 30.0, widest(&self.named) + 30.0);
+        let column = ((WIDTH - left - 20.0) / self.named.len() as f64).min(WIDEST);
+        let height = top + ROW * self.planted.len() as f64 + 30.0;
+        document((WIDTH, height), (title, alt), |canvas| {
+            let heading = Type { size: SIZE, color: GREY, ..Type::default().bold() };
+            canvas.text((left, 16.0), "named", heading);
+            canvas.text((14.0, top - 8.0), "planted", heading);
+            for (index, name) in self.named.iter().enumerate() {
+                let x = left + column * (index as f64 + 0.5) + 0.36 * SIZE;
+                // A text that reads upwards is anchored at its lower end.
+                let style = Type { size: SIZE, upwards: true, ..Type::default() };
+                canvas.text((x, top - 8.0), name, style);
+            }
+            for (index, name) in self.planted.iter().enumerate() {
+                let y = top + ROW * (index as f64 + 0.5) + 0.36 * SIZE;
+                canvas.text((left - 8.0, y), name, Type { size: SIZE, ..Type::at(Anchor::End) });
+                self.row(canvas, index, (left, top + ROW * index as f64), column);
+            }
+        })
+    }
+
+    fn row(&self, canvas: &mut Canvas, row: usize, (left, top): (f64, f64), width: f64) {
+        let total = self.counts[row].iter().sum::<usize>().max(1) as f64;
+        for (column, &number) in self.counts[row].iter().enumerate() {
+            let right = self.right(row, column);
+            let x = left + width * column as f64;
+            let hue = if right { ROLLER } else { SLIP };
+            let color = if number == 0 { WHITE } else { WHITE.mix(hue, 0.2 + 0.7 * number as f64 / total) };
+            let frame = if right { Stroke::solid(GREY, 1.2) } else { Stroke::solid(GRID, 1.0) };
+            canvas.rectangle((x, top), width, ROW, color, Some(frame));
+            if number > 0 {
+                let Color(red, green, blue) = color;
+                let dark = u32::from(red) + u32::from(green) + u32::from(blue) < 380;
+                let style = Type { size: SIZE, color: if dark { WHITE } else { INK }, ..Type::at(Anchor::Middle) };
+                canvas.text((x + 0.5 * width, top + 0.5 * ROW + 0.36 * SIZE), &number.to_string(), style);
+            }
+        }
+    }
+}
+
+impl TrialFigure for ConfusionMatrix {
+    fn name(&self) -> &'static str {
+        "confusion"
+    }
+
+    fn title(&self) -> &'static str {
+        "What was planted, and what was named"
+    }
+
+    fn draw(&self, summary: &Summary) -> Result<Drawing, FigureError> {
+        let c = &summary.confusion;
+        if c.named.is_empty() {
+            return Err(FigureError::missing(self.name(), "a trial that was searched"));
+        }
+        let shown = Shown::of(c);
+        let trials = summary.scores[0].trials;
+        let alt = format!(
+            "Matrix of {} planted against {} with the number of trials in each cell.",
+            count(c.planted.len(), "cause"),
+            count(shown.named.len(), "answer")
+        );
+        let caption = format!(
+            "{}: one row per planted cause, one column per answer; numbers are trials. Green: the right answer, with a grey frame \
+             where it was not given; red: another. For causes outside the catalogue the right answer is “unexplained”.",
+            count(trials, "blind trial")
+        );
+        let mut header = vec!["planted"];
+        header.extend(c.named.iter().map(String::as_str));
+        let mut table = Table::new(&header);
+        for (name, row) in c.planted.iter().zip(&c.counts) {
+            table.row(std::iter::once(name.clone()).chain(row.iter().map(usize::to_string)));
+        }
+        let svg = shown.draw(self.title(), &alt)?;
+        let reading = [
+            "Green only.",
+            "Red cells that repeat in one column: an answer that the search prefers without grounds.",
+            "See in the trial's JSON whether the two stand in one group of “indistinguishable”: then the table cannot tell, and \
+             other conditions are needed.",
+        ];
+        Ok(drawing(self, (caption, alt), (svg, table.finish()), reading))
+    }
+}

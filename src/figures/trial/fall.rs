@@ -1,0 +1,96 @@
+//! From the calibrated base to the explanation: the error over the noise, one line per trial.
+
+use super::{TrialFigure, count, drawing};
+use crate::figures::axes::{Axis, Panel};
+use crate::figures::canvas::{Anchor, Stroke, Type, document};
+use crate::figures::legend::{Key, legend};
+use crate::figures::marks::Mark;
+use crate::figures::style::{DOTS, GREY, GRID, SLIP, STATIC, Table, WHITE, WIDTH, cell, text_width};
+use crate::figures::{Drawing, FigureError};
+use crate::trial::{Record, Score, Summary};
+
+const SIZE: f64 = 13.0;
+const ROW: f64 = 22.0;
+const TOP: f64 = 40.0;
+
+/// The figure.
+pub struct ErrorFall;
+
+type Trial<'a> = (&'a Record, &'a Score);
+
+fn draw(names: &[&str], trials: &[Trial], title: &str, alt: &str) -> Result<String, FigureError> {
+    let left = names.iter().map(|name| text_width(name, SIZE, false)).fold(0.0, f64::max) + 30.0;
+    let (width, height) = (WIDTH - left - 30.0, ROW * names.len() as f64);
+    document((WIDTH, TOP + height + 62.0), (title, alt), |canvas| {
+        let values = trials.iter().flat_map(|(_, s)| [s.base_error, s.final_error]).chain([0.9, 2.0]);
+        let x = Axis::logarithmic("error of the amplitude over the noise", values, 0.05);
+        let panel = Panel { left, top: TOP, width, height, x, y: Axis::linear("", 0.2, 0.8).step(2.0) };
+        panel.frame(canvas, true, false);
+        let floor = panel.px(1.0);
+        canvas.line((floor, TOP), (floor, TOP + height), Stroke::dashed(GREY, 1.6, DOTS));
+        let keys = [
+            (Key::Mark(Mark::Circle, GREY, false), "calibrated base"),
+            (Key::Mark(Mark::Circle, STATIC, true), "explanation, right verdict"),
+            (Key::Mark(Mark::Circle, SLIP, true), "explanation, wrong verdict"),
+        ];
+        for (index, (key, text)) in keys.into_iter().enumerate() {
+            legend(canvas, left + 240.0 * index as f64, 0.0, &[(key, text.to_string())]);
+        }
+        for (index, name) in names.iter().enumerate() {
+            let middle = TOP + ROW * (index as f64 + 0.5);
+            canvas.line((left, middle), (left + width, middle), Stroke::solid(GRID, 1.0));
+            canvas.text((left - 10.0, middle + 5.0), name, Type { size: SIZE, ..Type::at(Anchor::End) });
+            let mine: Vec<&Trial> = trials.iter().filter(|(r, _)| r.answer.cause == *name).collect();
+            for (place, (_, s)) in mine.iter().enumerate() {
+                let y = middle + 0.6 * ROW * ((place as f64 + 0.5) / mine.len() as f64 - 0.5);
+                let (a, b) = (panel.px(s.base_error), panel.px(s.final_error));
+                if !(a.is_finite() && b.is_finite()) {
+                    continue;
+                }
+                canvas.line((a, y), (b, y), Stroke::solid(GREY, 0.9));
+                canvas.circle((a, y), 2.6, WHITE, Stroke::solid(GREY, 1.2));
+                canvas.dot((b, y), 3.2, if s.verdict { STATIC } else { SLIP });
+            }
+        }
+    })
+}
+
+impl TrialFigure for ErrorFall {
+    fn name(&self) -> &'static str {
+        "error-fall"
+    }
+
+    fn title(&self) -> &'static str {
+        "From the calibrated base to the noise"
+    }
+
+    fn draw(&self, summary: &Summary) -> Result<Drawing, FigureError> {
+        let trials: Vec<Trial> = summary.trials.iter().filter_map(|r| Some((r, r.score.as_ref()?))).collect();
+        if trials.is_empty() {
+            return Err(FigureError::missing(self.name(), "a trial that was searched"));
+        }
+        let names: Vec<&str> =
+            summary.causes.iter().filter(|c| c.scores.trials > 0).map(|c| c.cause.as_str()).collect();
+        let alt = format!("Dumbbells on a logarithmic axis, one for each of {}.", count(trials.len(), "trial"));
+        let caption = format!(
+            "Root mean square error of the amplitude over the stated noise in {}: open circles are the calibrated base, dots the \
+             explanation (blue where the verdict is right). 1, dotted, is the noise floor.",
+            count(trials.len(), "trial")
+        );
+        let mut table =
+            Table::new(&["trial", "cause", "noise", "base error over noise", "final error over noise", "verdict"]);
+        for (r, s) in &trials {
+            let verdict = r.found.as_ref().map_or_else(String::new, |f| f.verdict.clone());
+            let numbers = [r.answer.noise, s.base_error, s.final_error].map(cell);
+            let [noise, base, end] = numbers;
+            table.row([r.id.clone(), r.answer.cause.clone(), noise, base, end, verdict]);
+        }
+        let svg = draw(&names, &trials, self.title(), &alt)?;
+        let reading = [
+            "Blue dots on the dotted line.",
+            "Dots right of it: the explanation leaves misfit. Red dots on it: another cause explains the table as well.",
+            "Right of the line more effects or a better search; on it, other conditions that tell the causes apart.",
+        ];
+        Ok(drawing(self, (caption, alt), (svg, table.finish()), reading))
+    }
+}

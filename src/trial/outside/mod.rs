@@ -1,0 +1,79 @@
+//! Causes that the catalogue does not have, with a time integration of their own. None of them is an effect of the registry,
+//! so that no search can find one: at best it says that something is left unexplained.
+
+mod backlash;
+mod cubic_spring;
+mod fractional;
+mod rig;
+mod run_out;
+
+pub use fractional::{Diffusive, diffusive};
+pub use rig::reading;
+
+use crate::effects::ParameterInfo;
+use crate::model::Model;
+
+/// A slow change of the normal load with the angle of the roller, W (1 + share sin(phase + V t/radius)).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RunOut {
+    /// Share e of the load \[-\].
+    pub share: f64,
+    /// Radius R of the roller \[m\].
+    pub radius: f64,
+    /// Angle of the roller at the start of a reading \[rad\].
+    pub phase: f64,
+}
+
+/// In what a rig departs from the base.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Departure {
+    /// Share of the stated contact stiffness that the bristles keep as a spring.
+    pub spring_share: f64,
+    /// Stiffness added to the bristles \[N/m\].
+    pub added_stiffness: f64,
+    /// Damping added to the bristles \[N s/m\].
+    pub added_damping: f64,
+    /// Viscoelastic branches beside the bristles: (stiffness \[N/m\], rate \[1/s\]).
+    pub branches: Vec<(f64, f64)>,
+    /// Cubic stiffness of the bristles \[N/m^3\].
+    pub cubic: f64,
+    /// Width of the gap in either pinching spring \[m\].
+    pub gap: f64,
+    /// Run-out of the roller.
+    pub run_out: Option<RunOut>,
+}
+
+impl Default for Departure {
+    fn default() -> Self {
+        Self {
+            spring_share: 1.0,
+            added_stiffness: 0.0,
+            added_damping: 0.0,
+            branches: Vec::new(),
+            cubic: 0.0,
+            gap: 0.0,
+            run_out: None,
+        }
+    }
+}
+
+/// A cause outside the catalogue.
+pub trait Outside: Sync {
+    /// Name in lists and files, in kebab-case.
+    fn name(&self) -> &'static str;
+    /// What it is, in a phrase.
+    fn title(&self) -> &'static str;
+    /// Its parameters with the ranges that draws cover.
+    fn parameters(&self) -> &'static [ParameterInfo];
+    /// What it changes in the rig of `model` at these parameters, for the reading number `ordinal` of a table.
+    fn departure(&self, p: &[f64], model: &Model, speed: f64, ordinal: usize) -> Departure;
+}
+
+/// All of them.
+pub static OUTSIDE: &[&dyn Outside] =
+    &[&fractional::SpringPot, &run_out::RollerRunOut, &backlash::Backlash, &cubic_spring::CubicSpring];
+
+/// The cause of that name.
+pub fn find(name: &str) -> Option<&'static dyn Outside> {
+    OUTSIDE.iter().copied().find(|cause| cause.name() == name)
+}

@@ -1,0 +1,102 @@
+//! A search against the answer.
+
+use super::answer::Answer;
+use super::cause::Kind;
+use super::examine::Found;
+use serde::{Deserialize, Serialize};
+
+/// A planted parameter beside its estimate.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Share {
+    /// Its key.
+    pub key: String,
+    /// What was planted.
+    pub truth: f64,
+    /// Estimate.
+    pub value: f64,
+    /// Lower end of the 95 % interval.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+    /// Whether the data bound it from both sides.
+    pub identified: bool,
+    /// Whether the interval holds the truth.
+    pub covered: bool,
+    /// Estimate over truth, less one; where the truth is near zero, the difference.
+    pub bias: f64,
+}
+
+/// How a search did; `None` where a question does not arise for the sort of cause.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Score {
+    /// The verdict is right.
+    pub verdict: bool,
+    /// The effect added first is a planted one.
+    pub first: Option<bool>,
+    /// Every planted effect is named, or not told apart from one that is.
+    pub named: Option<bool>,
+    /// Exactly the planted effects are named, and nothing is recalibrated.
+    pub exact: Option<bool>,
+    /// Something was found where nothing is.
+    pub false_alarm: Option<bool>,
+    /// A cause outside the catalogue is left as unexplained.
+    pub flagged: Option<bool>,
+    /// The right number is recalibrated or not told apart from the one that is, and no effect is named.
+    pub recalibration: Option<bool>,
+    /// Root mean square error of the calibrated base over the noise.
+    pub base_error: f64,
+    /// The same of the explanation; 1 is the noise floor.
+    pub final_error: f64,
+    /// Planted parameters that the explanation has, where it names what was planted and nothing else.
+    pub parameters: Vec<Share>,
+}
+
+/// Compares what was found with what was planted.
+pub fn score(answer: &Answer, found: &Found) -> Score {
+    let tied = |wanted: &str, names: &[String]| {
+        let with = |group: &&Vec<String>| group.iter().any(|g| g == wanted) && names.iter().any(|n| group.contains(n));
+        names.iter().any(|n| n == wanted) || found.indistinguishable.iter().any(|g| with(&g))
+    };
+    let all: Vec<String> = found.effects.iter().chain(&found.recalibrate).cloned().collect();
+    let (mut planted, mut effects) = (answer.effects.clone(), found.effects.clone());
+    planted.sort();
+    effects.sort();
+    let has_effects = matches!(answer.kind, Kind::Effect | Kind::Pair);
+    let exact = match (&answer.recalibrate, answer.kind) {
+        (_, Kind::Outside) => false,
+        (Some(key), _) => found.effects.is_empty() && found.recalibrate == [key.clone()],
+        (None, _) => planted == effects && found.recalibrate.is_empty(),
+    };
+    let noise = found.noise_percent.max(1e-12);
+    let ratio = |rung: Option<&super::examine::Rung>| rung.map_or(f64::NAN, |r| r.rms_error_percent / noise);
+    Score {
+        verdict: found.verdict == answer.kind.verdict(),
+        first: has_effects.then(|| found.effects.first().is_some_and(|name| answer.effects.contains(name))),
+        named: has_effects.then(|| answer.effects.iter().all(|name| tied(name, &all))),
+        exact: (answer.kind != Kind::Outside).then_some(exact),
+        false_alarm: (answer.kind == Kind::None).then_some(found.verdict != "nothing-missing"),
+        flagged: (answer.kind == Kind::Outside).then_some(found.verdict == "unexplained"),
+        recalibration: answer.recalibrate.as_ref().map(|key| found.effects.is_empty() && tied(key, &all)),
+        base_error: ratio(found.steps.first()),
+        final_error: ratio(found.steps.last()),
+        parameters: if exact { shares(answer, found) } else { Vec::new() },
+    }
+}
+
+fn shares(answer: &Answer, found: &Found) -> Vec<Share> {
+    let beside = |(key, &truth): (&String, &f64)| {
+        let e = found.parameters.get(key)?;
+        let slack = 1e-12 * truth.abs();
+        Some(Share {
+            key: key.clone(),
+            truth,
+            value: e.value,
+            low: e.low,
+            high: e.high,
+            identified: e.identified == "yes",
+            covered: e.low - slack <= truth && truth <= e.high + slack,
+            bias: if truth == 0.0 { e.value } else { e.value / truth - 1.0 },
+        })
+    };
+    answer.parameters.iter().filter_map(beside).collect()
+}

@@ -1,0 +1,216 @@
+//! Counting the scores.
+
+use super::proportion::Proportion;
+use super::record::Record;
+use super::score::{Score, Share};
+use super::{Options, VISIBLE, program};
+use serde::Serialize;
+
+/// Version of the JSON.
+pub const SCHEMA: &str = "stickslip.trial/1";
+
+/// Scores over some trials.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Scores {
+    /// Level of noise; `None` for all together.
+    pub noise: Option<f64>,
+    /// Trials that were searched.
+    pub trials: usize,
+    /// The verdict is right.
+    pub verdict: Proportion,
+    /// A planted effect is the first that is named.
+    pub first: Proportion,
+    /// Every planted effect is named, or not told apart from one that is.
+    pub named: Proportion,
+    /// Exactly what was planted is named.
+    pub exact: Proportion,
+    /// Something was found where nothing is.
+    pub false_alarm: Proportion,
+    /// A cause outside the catalogue is left as unexplained.
+    pub flagged: Proportion,
+    /// The right number is recalibrated.
+    pub recalibration: Proportion,
+    /// 95 % intervals that hold the truth, of parameters that are bounded from both sides.
+    pub coverage: Proportion,
+    /// Median over the trials of the final error over the noise, and the largest.
+    pub final_error: Option<[f64; 2]>,
+    /// Median of the search's time \[s\].
+    pub seconds: Option<f64>,
+}
+
+/// How one cause fared.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ByCause {
+    /// Its name.
+    pub cause: String,
+    /// Trials for which no draw was kept.
+    pub given_up: usize,
+    /// Draws that the data could not show, over all trials.
+    pub invisible: usize,
+    /// Draws without a steady state somewhere.
+    pub unsteady: usize,
+    /// The scores.
+    pub scores: Scores,
+}
+
+/// Intervals of one parameter over all trials in which what was planted was found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Coverage {
+    /// Its key.
+    pub key: String,
+    /// Intervals that hold the truth, where bounded from both sides.
+    pub identified: Proportion,
+    /// All intervals, open ones too, that hold the truth.
+    pub all: Proportion,
+    /// Median of estimate over truth less one.
+    pub median_bias: f64,
+}
+
+/// Planted against named.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Confusion {
+    /// Names of the rows.
+    pub planted: Vec<String>,
+    /// Names of the columns.
+    pub named: Vec<String>,
+    /// Trials, row by row.
+    pub counts: Vec<Vec<usize>>,
+}
+
+/// Everything about a series of trials.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    schema: &'static str,
+    /// Version of the program.
+    pub program: String,
+    /// Builds that the results come from.
+    pub builds: Vec<String>,
+    /// Points of every table.
+    pub points: usize,
+    /// Seeds: the first, and how many.
+    pub seeds: [u32; 2],
+    /// chi2 per reading from which on a draw counts as visible.
+    pub visible: f64,
+    /// Share of readings thrown far off.
+    pub outliers: f64,
+    /// Whether the tables have phases.
+    pub phase: bool,
+    /// Scores by level of noise, all together first.
+    pub scores: Vec<Scores>,
+    /// Scores by cause.
+    pub causes: Vec<ByCause>,
+    /// Intervals by parameter.
+    pub coverage: Vec<Coverage>,
+    /// Planted against named.
+    pub confusion: Confusion,
+    /// The trials.
+    pub trials: Vec<Record>,
+}
+
+/// Counts the scores of finished trials.
+pub fn summarise(records: Vec<Record>, options: &Options, points: usize) -> Summary {
+    let mut scores = vec![over(records.iter(), None)];
+    if options.noise.len() > 1 {
+        scores.extend(options.noise.iter().map(|n| over(records.iter().filter(|r| r.answer.noise == *n), Some(*n))));
+    }
+    let names = unique(records.iter().map(|r| r.answer.cause.clone()));
+    let of = |name: &String| {
+        let mine = || records.iter().filter(|r| r.answer.cause == *name);
+        ByCause {
+            cause: name.clone(),
+            given_up: mine().filter(|r| r.found.is_none()).count(),
+            invisible: mine().map(|r| r.answer.draws.invisible).sum(),
+            unsteady: mine().map(|r| r.answer.draws.unsteady).sum(),
+            scores: over(mine(), None),
+        }
+    };
+    Summary {
+        schema: SCHEMA,
+        program: program(),
+        builds: unique(records.iter().map(|r| r.build.clone())),
+        points,
+        seeds: [options.seed, options.seeds],
+        visible: VISIBLE,
+        outliers: options.outliers,
+        phase: options.phase,
+        causes: names.iter().map(of).collect(),
+        coverage: coverage(&records),
+        confusion: confusion(&records, names),
+        scores,
+        trials: records,
+    }
+}
+
+fn unique(all: impl Iterator<Item = String>) -> Vec<String> {
+    let mut seen: Vec<String> = Vec::new();
+    all.for_each(|name| {
+        if !seen.contains(&name) {
+            seen.push(name);
+        }
+    });
+    seen
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.retain(|v| v.is_finite());
+    values.sort_by(f64::total_cmp);
+    let n = values.len();
+    (n > 0).then(|| 0.5 * (values[(n - 1) / 2] + values[n / 2]))
+}
+
+fn over<'a>(records: impl Iterator<Item = &'a Record>, noise: Option<f64>) -> Scores {
+    let found: Vec<(&Record, &Score)> = records.filter_map(|r| Some((r, r.score.as_ref()?))).collect();
+    let count = |of: &dyn Fn(&Score) -> Option<bool>| Proportion::count(found.iter().map(|(_, s)| of(s)));
+    let parameters = found.iter().flat_map(|(_, s)| &s.parameters).filter(|p| p.identified);
+    let errors: Vec<f64> = found.iter().map(|(_, s)| s.final_error).collect();
+    let largest = errors.iter().copied().fold(0.0, f64::max);
+    Scores {
+        noise,
+        trials: found.len(),
+        verdict: count(&|s| Some(s.verdict)),
+        first: count(&|s| s.first),
+        named: count(&|s| s.named),
+        exact: count(&|s| s.exact),
+        false_alarm: count(&|s| s.false_alarm),
+        flagged: count(&|s| s.flagged),
+        recalibration: count(&|s| s.recalibration),
+        coverage: Proportion::count(parameters.map(|p| Some(p.covered))),
+        final_error: median(errors).map(|m| [m, largest]),
+        seconds: median(found.iter().filter_map(|(r, _)| Some(r.found.as_ref()?.seconds)).collect()),
+    }
+}
+
+fn coverage(records: &[Record]) -> Vec<Coverage> {
+    let all: Vec<&Share> = records.iter().filter_map(|r| r.score.as_ref()).flat_map(|s| &s.parameters).collect();
+    let mut keys = unique(all.iter().map(|p| p.key.clone()));
+    keys.sort();
+    let of = |key: String| {
+        let mine = || all.iter().filter(|p| p.key == key);
+        Coverage {
+            identified: Proportion::count(mine().filter(|p| p.identified).map(|p| Some(p.covered))),
+            all: Proportion::count(mine().map(|p| Some(p.covered))),
+            median_bias: median(mine().map(|p| p.bias).collect()).unwrap_or(f64::NAN),
+            key,
+        }
+    };
+    keys.into_iter().map(of).collect()
+}
+
+fn confusion(records: &[Record], planted: Vec<String>) -> Confusion {
+    let pairs: Vec<(&str, String)> =
+        records.iter().filter_map(|r| Some((r.answer.cause.as_str(), r.found.as_ref()?.label()))).collect();
+    // What is named as it is planted stands on the diagonal, the rest behind it.
+    let own = |name: &String| if name == "none" { "nothing".to_string() } else { sorted(name) };
+    let known = unique(planted.iter().map(own).chain(pairs.iter().map(|(_, label)| label.clone())));
+    let named: Vec<String> = known.into_iter().filter(|n| pairs.iter().any(|(_, label)| label == n)).collect();
+    let count = |row: &String, column: &String| pairs.iter().filter(|(p, n)| p == row && n == column).count();
+    let counts = planted.iter().map(|row| named.iter().map(|column| count(row, column)).collect()).collect();
+    Confusion { planted, named, counts }
+}
+
+/// A planted name as a search would write it.
+fn sorted(name: &str) -> String {
+    let mut names: Vec<&str> = name.split('+').collect();
+    names.sort_unstable();
+    names.join(" + ")
+}

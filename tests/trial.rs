@@ -1,0 +1,278 @@
+//! The program's examination of itself: generators, reproducibility, sealed answers, resumption.
+
+use std::path::{Path, PathBuf};
+use stickslip::discover;
+use stickslip::figures;
+use stickslip::model::Operation;
+use stickslip::scenario;
+use stickslip::solver::integrated;
+use stickslip::solver::time::Plan;
+use stickslip::trial::outside::{self, OUTSIDE, diffusive, reading};
+use stickslip::trial::{self, Bench, Cause, Options};
+
+const SMALL: &str = r#"
+title = "Small"
+[rig]
+inertia = 0.005
+torsional_stiffness = 990
+torsional_damping = 0.43
+spring_stiffness = 16000
+spring_damping = 12
+spring_arm = 0.03
+contact_arm = 0.06
+[contact]
+stiffness = 89000
+damping = 26
+friction = 0.5
+[sweep]
+frequency = { from = "60 Hz", to = "88 Hz", points = 8 }
+speed = ["0 mm/s", "0.1 mm/s", "20 mm/s"]
+load = "20 N"
+drive = "2.5 um"
+"#;
+
+fn small(folder: &Path) -> Bench {
+    let path = folder.join("small.toml");
+    std::fs::write(&path, SMALL).unwrap();
+    Bench::of(&scenario::load(&path).unwrap()).unwrap()
+}
+
+fn options(causes: &[&str], out: PathBuf) -> Options {
+    Options {
+        causes: trial::causes(causes).unwrap(),
+        seed: 3,
+        seeds: 1,
+        noise: vec![0.01],
+        outliers: 0.0,
+        phase: true,
+        max_effects: 1,
+        out,
+    }
+}
+
+fn at(speed: f64, load: f64, frequency: f64) -> Operation {
+    Operation { speed, load, drive: 2.5e-6, frequency }
+}
+
+/// Rest, partial stick, full slip, slip both ways at a low load.
+fn regimes() -> [Operation; 4] {
+    [at(0.0, 20.0, 80.0), at(5e-5, 20.0, 74.0), at(0.02, 20.0, 70.0), Operation { drive: 7.5e-6, ..at(0.0, 0.1, 72.0) }]
+}
+
+fn plan(steps: usize) -> Plan {
+    Plan { steps, cycles: 600, settled: 1e-8, window: 36 }
+}
+
+/// Relative difference of two readings as complex numbers.
+fn difference(one: (f64, f64), other: (f64, f64)) -> f64 {
+    let point = |(a, p): (f64, f64)| (a * p.cos(), a * p.sin());
+    let ((a, b), (c, d)) = (point(one), point(other));
+    (a - c).hypot(b - d) / other.0
+}
+
+#[test]
+fn causes_outside_the_catalogue_vanish_at_zero_strength() {
+    let model = trial::practice().model;
+    for cause in OUTSIDE {
+        for operation in regimes() {
+            let mut p: Vec<f64> = cause.parameters().iter().map(|info| info.range.unwrap().0).collect();
+            p[0] = 0.0;
+            let departure = cause.departure(&p, &model, operation.speed, 5);
+            let found = reading(&model, &departure, &operation, &plan(2000));
+            let base = integrated(&model, &operation, &plan(4000));
+            let difference = difference((found.amplitude, found.phase), (base.amplitude, base.phase));
+            assert!(difference < 2e-4 && found.periodic, "{} at {operation:?}: {difference:e}", cause.name());
+        }
+    }
+}
+
+#[test]
+fn causes_outside_the_catalogue_change_something_somewhere_and_are_no_effects() {
+    let model = trial::practice().model;
+    for cause in OUTSIDE {
+        let strong: Vec<f64> = cause.parameters().iter().map(|info| info.range.unwrap().1).collect();
+        let fast = at(0.1, 20.0, 76.0);
+        let change = |operation: &Operation| {
+            let departure = cause.departure(&strong, &model, operation.speed, 7);
+            let found = reading(&model, &departure, operation, &plan(1000));
+            let base = integrated(&model, operation, &plan(1000));
+            difference((found.amplitude, found.phase), (base.amplitude, base.phase))
+        };
+        let largest = regimes().iter().chain([&fast]).map(change).fold(0.0, f64::max);
+        assert!(largest > 0.02, "{}: {largest:e}", cause.name());
+        assert!(stickslip::effects::find(cause.name()).is_none());
+    }
+}
+
+#[test]
+fn the_generators_converge() {
+    let model = trial::practice().model;
+    for cause in OUTSIDE {
+        let middle = |info: &stickslip::effects::ParameterInfo| {
+            let (low, high) = info.range.unwrap();
+            (low * high).sqrt()
+        };
+        let p: Vec<f64> = cause.parameters().iter().map(middle).collect();
+        for operation in [at(0.0, 20.0, 80.0), at(5e-5, 20.0, 74.0)] {
+            let departure = cause.departure(&p, &model, operation.speed, 0);
+            let run = |steps| {
+                let found = reading(&model, &departure, &operation, &plan(steps));
+                (found.amplitude, found.phase)
+            };
+            let fine = run(16_000);
+            let [coarse, half] = [1000, 2000].map(|steps| difference(run(steps), fine));
+            // Second order where nothing switches; at least first order, with a small error, where the contact does.
+            let order = (coarse / half).log2();
+            let smooth = operation.speed == 0.0 && cause.name() != "outside-backlash";
+            assert!(coarse < 5e-4, "{} at {operation:?}: {coarse:e}", cause.name());
+            let least = if smooth { 1.9 } else { 0.9 };
+            assert!(order > least || half < 2e-5, "{} at {operation:?}: order {order}, {half:e}", cause.name());
+        }
+    }
+}
+
+#[test]
+fn the_spring_pot_has_the_modulus_of_its_order() {
+    for order in [0.1, 0.4, 0.7] {
+        let unit = diffusive(order, 32, 72.0);
+        for frequency in [2.0, 10.0, 50.0, 72.0, 100.0, 1000.0] {
+            let (re, im) = unit.modulus(std::f64::consts::TAU * frequency);
+            let (size, angle) = ((frequency / 72.0_f64).powf(order), order * std::f64::consts::FRAC_PI_2);
+            let difference = (re - size * angle.cos()).hypot(im - size * angle.sin()) / size;
+            assert!(difference < 2e-3, "order {order} at {frequency} Hz: {difference:e}");
+        }
+    }
+}
+
+#[test]
+fn the_readings_of_an_effect_are_those_of_the_integrator() {
+    let folder = tempfile::tempdir().unwrap();
+    let bench = small(folder.path());
+    let options = options(&["quadratic-damping"], folder.path().into());
+    let (answer, readings) = trial::plant(&bench, &options, &options.causes[0], 3, 0.01);
+    let readings = readings.unwrap();
+    assert_eq!((answer.effects.len(), readings.len()), (1, 24));
+    assert!(answer.excess > trial::VISIBLE - 1.0 && answer.draws.kept);
+    let effect = stickslip::effects::find("quadratic-damping").unwrap();
+    let mut model = bench.model.clone();
+    model.contact.stiffness = answer.parameters["contact.stiffness"];
+    model.contact.damping = answer.parameters["contact.damping"];
+    model.effects.push((effect, vec![answer.parameters["effect.quadratic-damping.D_2"]]));
+    for (operation, reading) in bench.operations.iter().zip(&readings).step_by(5) {
+        let found = integrated(&model, operation, &plan(8000));
+        let difference = difference((reading.amplitude, reading.phase), (found.amplitude, found.phase));
+        assert!(difference < 3e-4, "{operation:?}: {difference:e}");
+    }
+}
+
+#[test]
+fn tables_are_the_same_bytes_whatever_the_threads_and_differ_by_seed() {
+    let folder = tempfile::tempdir().unwrap();
+    let bench = small(folder.path());
+    let table = |threads: usize, seed: u32| {
+        let pool = rayon_pool(threads);
+        let out = folder.path().join(format!("{threads}-{seed}"));
+        pool.install(|| {
+            let options = options(&["maxwell-branch"], out.clone());
+            let (answer, readings) = trial::plant(&bench, &options, &options.causes[0], seed, 0.01);
+            trial::table_text(&bench, &readings.unwrap(), 0.01, 0.02, true, &answer.id)
+        })
+    };
+    let (one, two, other) = (table(1, 3), table(2, 3), table(2, 4));
+    assert_eq!(one, two);
+    assert_ne!(one, other);
+    assert_eq!(one.lines().count(), 25);
+}
+
+fn rayon_pool(threads: usize) -> rayon::ThreadPool {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap()
+}
+
+#[test]
+fn trials_are_sealed_scored_kept_and_resumed() {
+    let folder = tempfile::tempdir().unwrap();
+    let bench = small(folder.path());
+    let mut options = options(&["none", "quadratic-damping"], folder.path().join("out"));
+    let go_on = || Ok(());
+    let fresh = std::cell::RefCell::new(Vec::new());
+    let run = |options: &Options| {
+        fresh.borrow_mut().clear();
+        let done = |_: &trial::Record, new: bool| fresh.borrow_mut().push(new);
+        trial::run(&bench, options, &go_on, &done).unwrap()
+    };
+    // Interrupted after the first.
+    let all = std::mem::take(&mut options.causes);
+    options.causes = vec![all[0].clone()];
+    let first = run(&options);
+    options.causes = all;
+    let records = run(&options);
+    assert_eq!(*fresh.borrow(), [false, true]);
+    assert_eq!(first[0], records[0]);
+    let (none, damping) = (&records[0], &records[1]);
+    let id = &damping.id;
+    assert_eq!(id, "quadratic-damping-3-0.01");
+
+    // The files hold no word of the answer, and the search needs none.
+    let trial = options.out.join(id);
+    let names: Vec<_> = std::fs::read_dir(&trial).unwrap().map(|e| e.unwrap().file_name()).collect();
+    assert_eq!(names.len(), 2, "{names:?}");
+    let text = std::fs::read_to_string(trial.join("scenario.toml")).unwrap();
+    assert!(!text.contains("damping-3") && !text.contains("quadratic"), "{text}");
+    let answers = options.out.join("answers");
+    let sealed = std::fs::read(answers.join(format!("{id}.json"))).unwrap();
+    std::fs::remove_dir_all(&answers).unwrap();
+    let settings = discover::Options { max_effects: 1, ..discover::Options::default() };
+    let again = trial::examine(&trial, &settings).unwrap();
+    let found = damping.found.as_ref().unwrap();
+    assert_eq!(
+        (&again.verdict, &again.effects, &again.parameters),
+        (&found.verdict, &found.effects, &found.parameters)
+    );
+    assert_eq!(blake3::hash(&sealed).to_hex().to_string(), damping.sealed);
+
+    // An answer that was changed is not opened.
+    let seal = trial::seal(&options.out, &damping.answer).unwrap();
+    std::fs::write(answers.join(format!("{id}.json")), b"{}").unwrap();
+    assert!(trial::open(&seal).unwrap_err().to_string().contains("changed after it had been sealed"));
+
+    // Scores.
+    assert_eq!(none.score.as_ref().unwrap().false_alarm.map(|alarm| !alarm), none.score.as_ref().map(|s| s.verdict));
+    let score = damping.score.as_ref().unwrap();
+    assert_eq!((score.first.is_some(), score.flagged, score.recalibration), (true, None, None));
+    assert!(score.base_error > 1.1 && score.final_error < 1.5, "{score:?}");
+    assert!(score.named == Some(true), "{found:?}");
+
+    // Other inputs make another trial.
+    options.outliers = 0.05;
+    run(&options);
+    assert_eq!(*fresh.borrow(), [true, true]);
+
+    let summary = trial::summarise(records, &options, bench.operations.len());
+    assert_eq!(summary.confusion.planted, ["none", "quadratic-damping"]);
+    assert_eq!(summary.confusion.counts.iter().flatten().sum::<usize>(), 2);
+    let json = serde_json::to_value(&summary).unwrap();
+    assert_eq!(json["schema"], "stickslip.trial/1");
+    assert_eq!(json["trials"][1]["answer"]["cause"], "quadratic-damping");
+    for figure in figures::trial::REGISTRY {
+        let drawing = figure.draw(&summary).unwrap();
+        assert!(drawing.svg.contains("quadratic-damping") && drawing.csv.lines().count() > 1, "{}", drawing.name);
+        assert!(figures::png(&drawing.svg, 1.0).is_ok());
+    }
+}
+
+#[test]
+fn names_of_causes_are_read_and_unknown_ones_refused() {
+    let all = trial::causes(&["all"]).unwrap();
+    let count = |kind| all.iter().filter(|c| c.kind() == kind).count();
+    assert_eq!(count(trial::Kind::None), 1);
+    assert_eq!(count(trial::Kind::Effect), stickslip::effects::REGISTRY.len());
+    assert!(
+        count(trial::Kind::Outside) >= 4 && count(trial::Kind::Recalibration) >= 5 && count(trial::Kind::Pair) >= 3
+    );
+    let pair = trial::causes(&["grosch+actuator-lag", "none"]).unwrap();
+    assert_eq!(pair.iter().map(Cause::name).collect::<Vec<_>>(), ["grosch+actuator-lag", "none"]);
+    let refused = trial::causes(&["groch"]).unwrap_err().to_string();
+    assert!(refused.contains("did you mean `grosch`"), "{refused}");
+    assert!(trial::causes(&["lugre+partial-slip"]).is_err());
+    assert!(outside::find("outside-run-out").is_some());
+}
