@@ -8,7 +8,7 @@ use super::diagnostic::{render, whole_file};
 use super::extends::{self, Document};
 use super::source::Store;
 use super::splice::Splice;
-use super::written::{Entry, Node, Value, find, inside, list, name, parse, texts};
+use super::written::{Entry, Node, Value, end, find, inside, list, name, parse, quoted, texts};
 use crate::error::{Error, Result};
 
 pub use super::literal::Estimate;
@@ -213,7 +213,7 @@ impl Editable {
     }
 
     fn free(&self, splice: &mut Splice<'_>, free: &[String]) {
-        let quoted: Vec<String> = free.iter().map(|key| self::quoted(key)).collect();
+        let quoted: Vec<String> = free.iter().map(|key| quoted(key)).collect();
         let Some(node) = find(&self.own, &["fit", "free"]) else {
             let before = find(&self.document.entries, &["fit", "free"]).map(texts).unwrap_or_default();
             if before != free {
@@ -247,13 +247,4 @@ fn set(splice: &mut Splice<'_>, table: &Node, one: &Estimate) {
 /// The last part of an estimate's key.
 fn key(one: &Estimate) -> &str {
     one.key.rsplit('.').next().unwrap_or(&one.key)
-}
-
-fn quoted(text: &str) -> String {
-    toml::Value::String(text.into()).to_string()
-}
-
-/// Where the last value of a table ends; without one, its header.
-fn end(table: &Node) -> usize {
-    inside(table).iter().map(|entry| entry.node.place.span.end).max().unwrap_or(table.place.span.end)
 }

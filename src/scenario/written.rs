@@ -164,3 +164,13 @@ pub(crate) fn name(item: &Node) -> Option<&str> {
         _ => None,
     }
 }
+
+/// Where the last value of a table ends; without one, its header.
+pub(crate) fn end(table: &Node) -> usize {
+    inside(table).iter().map(|entry| entry.node.place.span.end).max().unwrap_or(table.place.span.end)
+}
+
+/// A text as TOML.
+pub(crate) fn quoted(text: &str) -> String {
+    toml::Value::String(text.into()).to_string()
+}
