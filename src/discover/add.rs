@@ -36,7 +36,8 @@ pub fn fit_addition(scenario: &Scenario, table: &Table, effect: &'static dyn Eff
     let keys = movable(scenario, "");
     let base = calibrate(&model, &keys, &table.points, Tolerance::default(), seed);
     let (_, of_condition) = conditions_of(&table.points);
-    let data = Data::new(&table.points, &of_condition, base.threshold, seed);
+    let stated = compare::problem(&model, &keys, [], Tolerance::default()).values();
+    let data = Data::new(&table.points, &of_condition, base.threshold, stated, seed);
     let from = Hypothesis { additions: Vec::new(), model, fit: base.fit, estimate: None, bic: f64::INFINITY };
     let explored = explore(&data, &from, &Base::new(&data, &from), addition, None);
     let mut found = explored.follow(&data, &from, false);
