@@ -13,7 +13,7 @@ use stickslip::solver::cycle::{Integrator, Tolerance};
 use stickslip::solver::{Solution, Status, Warm, flow, solve};
 
 /// Steps without exact flows: an infinite roughness asks for just these.
-const FINE: Tolerance = Tolerance { steps: 600, roughness: f64::INFINITY };
+const FINE: Tolerance = Tolerance { steps: 600, roughness: f64::INFINITY, ..Tolerance::default() };
 
 fn with(name: &str) -> Model {
     let mut model = paper_model(Series);
@@ -132,7 +132,7 @@ fn modes_that_cannot_be_followed_exactly_are_stepped_through() {
         assert_eq!(has(&model, Mode::SlipForward), exact, "{damping}");
         let operation = at(1e-4, 72.0);
         let state = steady(&model, &operation);
-        let tolerance = Tolerance { steps: 400, roughness: 1e-5 };
+        let tolerance = Tolerance { steps: 400, roughness: 1e-5, ..Tolerance::default() };
         let fine = cold(&model, &operation, &tolerance, false).state;
         assert!(distance(&state, &fine) < 1e-6, "{damping}: {:e}", distance(&state, &fine));
     }

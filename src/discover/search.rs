@@ -3,7 +3,7 @@
 
 use super::MARGIN;
 use super::hypothesis::{Addition, Hypothesis, extended};
-use crate::fit::{Evaluation, Fit, Parameter, Problem, Settings, minimise, parameter, robust_chi2};
+use crate::fit::{Evaluation, Fit, HUBER, Parameter, Problem, Settings, minimise, parameter, robust_chi2};
 use crate::measurement::Point;
 use crate::model::Model;
 use crate::solver::cycle::Tolerance;
@@ -85,7 +85,9 @@ pub struct Explored {
     order: Vec<usize>,
     /// Sum of squares over the part of the points before the addition.
     pub before: f64,
-    /// The same less the most that one sample's direction could take off, in a linear estimate.
+    /// The same with the threshold by which hypotheses are ranked.
+    before_ranked: f64,
+    /// The first less the most that one sample's direction could take off, in a linear estimate.
     pub after: f64,
     /// Gain over all points that the addition needs to be accepted.
     needed: f64,
@@ -143,6 +145,7 @@ pub fn explore(data: &Data<'_>, from: &Hypothesis, base: &Base, addition: Additi
         addition,
         order: tried.into_iter().map(|(_, index)| index).collect(),
         before: robust_chi2(&base.evaluation.residuals, data.threshold),
+        before_ranked: robust_chi2(&base.evaluation.residuals, HUBER),
         after: rest.norm_squared() - gain,
         needed: addition.keys().len() as f64 * readings.ln() + 3.0 * MARGIN,
         scale,
@@ -253,9 +256,13 @@ impl Explored {
 
     /// What counts is the change: which points are in the part is chance.
     fn judge(&self, data: &Data<'_>, from: &Hypothesis, found: &mut Found, vain: bool) {
-        let gained = if vain { 0.0 } else { self.scale * (self.before - found.hypothesis.fit.objective) };
-        found.gain = gained / self.needed;
-        found.hypothesis.estimate = Some(robust_chi2(&from.fit.evaluation.residuals, data.threshold) - gained);
+        let gained = |threshold: f64, before: f64| {
+            let after = robust_chi2(&found.hypothesis.fit.evaluation.residuals, threshold);
+            if vain { 0.0 } else { self.scale * (before - after) }
+        };
+        let estimate = robust_chi2(&from.fit.evaluation.residuals, HUBER) - gained(HUBER, self.before_ranked);
+        found.gain = gained(data.threshold, self.before) / self.needed;
+        found.hypothesis.estimate = Some(estimate);
     }
 }
 
