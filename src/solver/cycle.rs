@@ -60,8 +60,8 @@ const COARSE: f64 = 2.0;
 const COARSE_ROUGHNESS: f64 = 10.0;
 /// Most changes of mode in one period.
 const MAX_EVENTS: usize = 1000;
-/// States this many times their scale are on their way to infinity.
-const UNBOUNDED: f64 = 1e6;
+/// States this many times their first guess, and a thousand times as many times their scale, are on their way to infinity.
+const UNBOUNDED: f64 = 1e3;
 /// Most steps in one period.
 const MAX_STEPS: usize = 20_000;
 
@@ -344,7 +344,7 @@ impl<'a> Integrator<'a> {
         if let Some(index) = moved {
             cycle.monodromy[index][index] = 0.0;
         }
-        let scales = system.scales();
+        let (scales, at_first) = (system.scales(), system.initial_state());
         let mut tangents = [[[0.0; MAX_STATES]; MAX_STATES]; 3];
         let mut gather = with_columns.then(|| ColumnGatherer::new(system.columns()));
         while period - t > 1e-12 * period {
@@ -380,7 +380,7 @@ impl<'a> Integrator<'a> {
                 }
                 continue;
             }
-            if (0..n).any(|i| z[i].abs() > UNBOUNDED * scales[i]) {
+            if (0..n).any(|i| z[i].abs() > UNBOUNDED * (1e3 * scales[i] + at_first[i].abs())) {
                 return Err(format!("the motion grew without bound at {:.4} of the cycle", t / period));
             }
             self.spent += 1;

@@ -6,9 +6,10 @@ use crate::model::Operation;
 use crate::solver::integrated;
 use crate::solver::time::Plan;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Steps and accuracy: errors near 1e-4, a hundredth of the smallest usual noise.
-const PLAN: Plan = Plan { steps: 1200, cycles: 600, settled: 1e-6, window: 36 };
+const PLAN: Plan = Plan { steps: 1200, cycles: 400, settled: 1e-6, window: 36 };
 
 /// One reading without noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,9 +22,14 @@ pub struct Reading {
     pub steady: bool,
 }
 
-/// What the instrument would show without noise at every operating point, in their order.
+/// What the instrument would show without noise at every operating point, in their order. Once one is found without a
+/// steady state the rest is left out and counts as such: the whole is of no use then.
 pub fn readings(planted: &Planted, operations: &[Operation]) -> Vec<Reading> {
+    let stop = AtomicBool::new(false);
     let one = |(ordinal, at): (usize, &Operation)| {
+        if stop.load(Ordering::Relaxed) {
+            return Reading { amplitude: f64::NAN, phase: f64::NAN, steady: false };
+        }
         let found = match &planted.outside {
             None => integrated(&planted.model, at, &PLAN),
             Some((cause, p)) => {
@@ -32,7 +38,11 @@ pub fn readings(planted: &Planted, operations: &[Operation]) -> Vec<Reading> {
             }
         };
         let finite = found.amplitude.is_finite() && found.phase.is_finite();
-        Reading { amplitude: found.amplitude, phase: found.phase, steady: found.periodic && finite }
+        let steady = found.periodic && finite;
+        if !steady {
+            stop.store(true, Ordering::Relaxed);
+        }
+        Reading { amplitude: found.amplitude, phase: found.phase, steady }
     };
     operations.par_iter().enumerate().map(one).collect()
 }
