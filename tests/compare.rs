@@ -66,7 +66,9 @@ impl Normal {
 
 fn noisy(exact: &[Point], seed: u64) -> Vec<Point> {
     let mut normal = Normal(0x9e37_79b9_7f4a_7c15 ^ (seed + 1).wrapping_mul(0xd129_42f0_5bd2_9a35));
-    (0..20).for_each(|_| drop(normal.uniform()));
+    for _ in 0..20 {
+        normal.uniform();
+    }
     let mut points = exact.to_vec();
     for point in &mut points {
         point.amplitude += point.amplitude_sd * normal.draw();

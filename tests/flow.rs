@@ -13,7 +13,7 @@ use stickslip::solver::cycle::{Integrator, Tolerance};
 use stickslip::solver::{Solution, Status, Warm, flow, solve};
 
 /// Steps without exact flows: an infinite roughness asks for just these.
-const FINE: Tolerance = Tolerance { steps: 600, roughness: f64::INFINITY, ..Tolerance::default() };
+const FINE: Tolerance = Tolerance { steps: 600, roughness: f64::INFINITY, cycles: 250, budget: usize::MAX };
 
 fn with(name: &str) -> Model {
     let mut model = paper_model(Series);
