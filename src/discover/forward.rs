@@ -122,6 +122,8 @@ impl Search<'_> {
         let waits = |e: &Explored| e.promises() && (e.costly || e.after > MINOR * e.before && e.before > much);
         let mut followed: Vec<Option<Found>> =
             explored.par_iter().map(|e| (!waits(e)).then(|| e.follow(&self.data, from, !e.promises()))).collect();
+        // A costly one is brought to its end only if it would be accepted.
+        let enough = |e: &Explored| if e.costly { 1.0 } else { NEARLY };
         let objective = |f: &Found| f.hypothesis.fit.objective;
         let least = followed.iter().flatten().map(objective).fold(f64::INFINITY, f64::min);
         let found: Vec<Found> = explored
@@ -130,7 +132,8 @@ impl Search<'_> {
             .map(|(e, found)| {
                 let vain = least < if e.costly { RIVALLING * e.after } else { (1.0 - MINOR) * e.before };
                 let mut found = found.take().unwrap_or_else(|| e.follow(&self.data, from, vain));
-                if found.gain > NEARLY && objective(&found) < CONTENDING * least + 0.1 * self.data.part.len() as f64 {
+                if found.gain > enough(e) && objective(&found) < CONTENDING * least + 0.1 * self.data.part.len() as f64
+                {
                     e.pursue(&self.data, from, &mut found);
                 }
                 found
@@ -145,9 +148,12 @@ impl Search<'_> {
         let mut order: Vec<usize> = (0..found.len()).collect();
         order.sort_by(|&i, &j| criterion(&found[i]).total_cmp(&criterion(&found[j])));
         let readings = self.data.part.len() as f64;
-        let promising = |f: &Found| f.gain > NEARLY && f.hypothesis.fit.objective < PROMISING * least + 0.1 * readings;
-        let mut full: Vec<bool> = found.iter().map(promising).collect();
-        order.iter().filter(|&&i| found[i].gain > 0.0).take(FOLLOWED).for_each(|&i| full[i] = true);
+        let promising = |(f, e): (&Found, &Explored)| {
+            f.gain > enough(e) && f.hypothesis.fit.objective < PROMISING * least + 0.1 * readings
+        };
+        let mut full: Vec<bool> = found.iter().zip(&explored).map(promising).collect();
+        let cheap = |i: &&usize| found[**i].gain > 0.0 && !explored[**i].costly;
+        order.iter().filter(cheap).take(FOLLOWED).for_each(|&i| full[i] = true);
         let found = found
             .into_par_iter()
             .zip(full)

@@ -273,8 +273,8 @@ fn on_part<'a>(data: &Data<'a>, model: &Model, parameters: Vec<Parameter>) -> Pr
 /// The fit followed on all points at full accuracy.
 pub fn on_all(data: &Data<'_>, model: &Model, fit: &Fit) -> Fit {
     let mut problem = Problem::new(model.clone(), data.points, fit.parameters.clone(), ON_ALL);
-    let settings = Settings { evaluations: EVALUATIONS[2], threshold: data.threshold };
-    minimise(&mut problem, &fit.values, &settings)
+    let evaluations = EVALUATIONS[if problem.has_continuum() { 0 } else { 2 }];
+    minimise(&mut problem, &fit.values, &Settings { evaluations, threshold: data.threshold })
 }
 
 /// Parameters of these keys, with the signs that the model has.
