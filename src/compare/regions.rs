@@ -5,7 +5,7 @@ use crate::units;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// A residual's square above which a reading counts as misfit.
-const EXCESS: f64 = 2.0;
+const EXCESS: f64 = 3.0;
 /// Probability, before the number of ranges that are looked at, below which a range is no chance.
 const SIGNIFICANCE: f64 = 1e-3;
 

@@ -66,7 +66,8 @@ impl Estimate {
             (Some(end), None) | (None, Some(end)) => Some((self.value - end).abs()),
             (None, None) => None,
         };
-        let leading = |x: f64| (x / factor).abs().log10().floor() as i32;
+        // An interval of just a power of ten may be a rounding error below it.
+        let leading = |x: f64| (x / factor * (1.0 + 1e-9)).abs().log10().floor() as i32;
         let own = if self.value == 0.0 { half.map_or(0, leading) } else { leading(self.value) };
         let place = match half.filter(|half| *half > 0.0) {
             Some(half) => leading(half) + 1 - OF_INTERVAL,
