@@ -192,11 +192,11 @@ impl Search<'_> {
         tied
     }
 
-    /// Removes earlier additions that the later ones have made needless.
+    /// Removes additions that the others make needless; the last may merely have helped an earlier one out of a local minimum.
     fn eliminate(&self, chosen: Hypothesis, many: usize, ties: &mut Vec<(usize, Vec<Entry>)>) -> Hypothesis {
         let mut chosen = chosen;
         let mut index = 0;
-        while chosen.additions.len() > 1 && index + 1 < chosen.additions.len() {
+        while chosen.additions.len() > 1 && index < chosen.additions.len() {
             let fewer = self.refit_without(&chosen, index);
             let noise = self.noise(&chosen);
             if self.score(&fewer, many, noise) < self.score(&chosen, many, noise) + MARGIN {
