@@ -1,7 +1,7 @@
 //! Moving the free parameters of a scenario to where its model fits best.
 
 use super::{Outlier, Setting};
-use crate::fit::{Fit, HUBER, Parameter, Problem, Settings, minimise, parameter, robust_chi2};
+use crate::fit::{CONVERGED, Fit, HUBER, Parameter, Problem, Settings, minimise, parameter, robust_chi2};
 use crate::measurement::Point;
 use crate::model::Model;
 use crate::solver::cycle::Tolerance;
@@ -76,7 +76,7 @@ pub fn calibrate(model: &Model, keys: &[String], points: &[Point], tolerance: To
         .par_iter()
         .take(if parameters.is_empty() { 1 } else { FOLLOWED })
         .map(|&(_, index)| {
-            let settings = Settings { evaluations: EVALUATIONS, threshold: f64::INFINITY };
+            let settings = Settings { evaluations: EVALUATIONS, threshold: f64::INFINITY, converged: CONVERGED };
             minimise(&mut stated.clone(), &starts[index], &settings)
         })
         .collect();
@@ -86,11 +86,15 @@ pub fn calibrate(model: &Model, keys: &[String], points: &[Point], tolerance: To
     if fit.evaluation.residuals.amax() <= threshold || parameters.is_empty() {
         return Calibration { fit, threshold };
     }
-    let fit = minimise(&mut stated.clone(), &fit.values, &Settings { evaluations: EVALUATIONS, threshold });
+    let fit = minimise(
+        &mut stated.clone(),
+        &fit.values,
+        &Settings { evaluations: EVALUATIONS, threshold, converged: CONVERGED },
+    );
     Calibration { fit, threshold }
 }
 
-const SETTLE: Settings = Settings { evaluations: 1, threshold: f64::INFINITY };
+const SETTLE: Settings = Settings { evaluations: 1, threshold: f64::INFINITY, converged: CONVERGED };
 
 /// A quasi-random start within the ranges of the parameters.
 pub(crate) fn scattered(parameters: &[Parameter], number: u32, seed: u32) -> Vec<f64> {

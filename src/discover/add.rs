@@ -2,7 +2,7 @@
 
 use super::MARGIN;
 use super::hypothesis::{Addition, Hypothesis};
-use super::search::{Base, Data, explore, on_all};
+use super::search::{Base, Data, explore, lead, on_all};
 use crate::compare::{self, Comparison, calibrate, conditions_of};
 use crate::effects::Effect;
 use crate::measurement::Table;
@@ -40,9 +40,8 @@ pub fn fit_addition(scenario: &Scenario, table: &Table, effect: &'static dyn Eff
     let data = Data::new(&table.points, &of_condition, base.threshold, stated, seed);
     let from = Hypothesis { additions: Vec::new(), model, fit: base.fit, estimate: None, bic: f64::INFINITY };
     let explored = explore(&data, &from, &Base::new(&data, &from), addition, None);
-    let mut found = explored.follow(&data, &from, false);
-    explored.pursue(&data, &from, &mut found);
-    let mut best = found.hypothesis;
+    let led = lead(&data, explored.begin(&data, &from)).map(|attempt| attempt.finished(&data));
+    let mut best = explored.found(&from, led).hypothesis;
     best.fit = on_all(&data, &best.model, &best.fit);
     let keys = keys.into_iter().chain(addition.keys()).collect::<Vec<_>>();
     conclude(scenario, table, before, best.fitted(), &keys, seed)

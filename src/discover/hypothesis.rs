@@ -122,6 +122,12 @@ impl Hypothesis {
             .model(&self.fit.values)
     }
 
+    /// Whether another has the same additions, in whatever order.
+    pub fn same_additions(&self, other: &Self) -> bool {
+        let within = |some: &Self, others: &Self| some.additions.iter().all(|a| others.additions.contains(a));
+        within(self, other) && within(other, self)
+    }
+
     /// Names of the effects added, in order.
     pub fn effects(&self) -> Vec<String> {
         self.additions.iter().filter(|a| a.is_effect()).map(|a| a.name().to_string()).collect()

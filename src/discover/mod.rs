@@ -4,11 +4,13 @@
 //! one after the other. They are ranked by Schwarz's criterion and by the prediction of left-out conditions.
 
 mod add;
+mod conclude;
 mod forward;
 mod held_out;
 mod hypothesis;
 mod json;
 mod next;
+mod round;
 mod search;
 mod words;
 
@@ -145,8 +147,6 @@ pub struct Discovery {
     pub correlations: Vec<Correlation>,
     /// Things said in plain words.
     pub notes: Vec<String>,
-    /// Evaluations of the model over all points or a part of them.
-    pub evaluations: usize,
 }
 
 impl Discovery {

@@ -9,19 +9,30 @@ use crate::model::Model;
 use crate::solver::cycle::Tolerance;
 use nalgebra::{DMatrix, DVector};
 
-/// Every such point of a curve is in the part on which a search begins.
-const STRIDE: usize = 3;
+/// Points of the part on which a search begins, at least, and the largest stride along a curve.
+const PART: usize = 75;
+const STRIDE: usize = 5;
+/// Tables up to this size are searched whole.
+const SMALL: usize = 80;
 /// Samples over the ranges of an effect of one, two, three, four parameters.
 const SAMPLES: [usize; 4] = [8, 14, 18, 20];
 /// Samples where values are known that are worth a look.
 const WITH_HINT: usize = 6;
-/// Samples of a continuum of sliders that are followed.
-const COSTLY: usize = 2;
-/// Samples that are followed, for effects of one, two, three, four parameters: where the sum of squares jumps with a
+/// Samples from which fits begin, for effects of one, two, three, four parameters: where the sum of squares jumps with a
 /// parameter, only a start on the right side finds the minimum.
-const FOLLOWED: [usize; 4] = [6, 4, 3, 3];
-/// Evaluations of a fit from a sample, from the best of these on, and on all points.
-const EVALUATIONS: [usize; 3] = [8, 24, 40];
+const BEGUN: [usize; 4] = [6, 4, 3, 3];
+/// Samples of a continuum of sliders from which fits begin.
+const COSTLY: usize = 2;
+/// Evaluations of a fit that begins, of one that goes on, of one that goes to its end, and of one to all points.
+const BEGIN: usize = 4;
+const GO_ON: usize = 10;
+const END: usize = 30;
+const ALL: usize = 40;
+/// Of the fits begun, so many go on, if within this factor of the best.
+const GOING_ON: (usize, f64) = (2, 3.0);
+/// Relative change of the sum of squares at which a fit to a part of the points is done, and one to all.
+const CLOSE: f64 = 1e-4;
+const CLOSER: f64 = 1e-6;
 
 /// Accuracy of a fit to all points: errors of 1e-5, but points that are hard to solve are given up before long.
 const ON_ALL: Tolerance = Tolerance { steps: 24, roughness: 1e-3, cycles: 100, budget: 3000 };
@@ -47,22 +58,19 @@ pub struct Data<'a> {
 }
 
 impl<'a> Data<'a> {
-    /// All points, and the part for searching: every third of a curve, at another offset in the next.
+    /// All points, and the part for searching: every so many-th of a curve, at another offset in the next.
     pub fn new(points: &'a [Point], of_condition: &[usize], threshold: f64, stated: Vec<f64>, seed: u32) -> Self {
+        let stride = if points.len() <= SMALL { 1 } else { (points.len() / PART).clamp(1, STRIDE) };
         let mut part = Vec::new();
         let (mut number, mut last) = (0, usize::MAX);
         for (point, &condition) in points.iter().zip(of_condition) {
             if condition != last {
-                (number, last) = (condition % STRIDE, condition);
+                (number, last) = (condition % stride, condition);
             }
-            if number % STRIDE == 0 {
+            if number % stride == 0 {
                 part.push(point);
             }
             number += 1;
-        }
-        // Small tables are searched whole.
-        if part.len() < 40 {
-            part = points.iter().collect();
         }
         Self { points, part, threshold, stated, seed }
     }
@@ -190,17 +198,12 @@ impl Explored {
         !self.addition.is_effect() || self.before - self.after > HOPELESS * self.needed / self.scale
     }
 
-    /// Few steps of a fit to the part of the points from the best samples, or none where that is in vain.
-    pub fn follow(&self, data: &Data<'_>, from: &Hypothesis, vain: bool) -> Found {
-        let mut keys: Vec<String> = from.fit.parameters.iter().map(|p| p.key.clone()).collect();
-        keys.extend(self.addition.keys());
-        let mut best: Option<(Model, Fit)> = None;
-        let followed = match self.addition.keys().len() {
-            _ if vain => 0,
-            _ if self.costly => COSTLY,
-            n => FOLLOWED[n.clamp(1, 4) - 1],
-        };
-        for (rank, &index) in self.order.iter().take(followed).enumerate() {
+    /// Fits to the part of the points, begun from the best samples; the best first.
+    pub fn begin(&self, data: &Data<'_>, from: &Hypothesis) -> Vec<Attempt> {
+        let keys = self.keys(from);
+        let begun = if self.costly { COSTLY } else { BEGUN[self.addition.keys().len().clamp(1, 4) - 1] };
+        let mut attempts = Vec::new();
+        for (rank, &index) in self.order.iter().take(begun).enumerate() {
             let model = &self.samples[index];
             let problem = on_part(data, model, movable(model, &keys));
             let calibrated = problem.values();
@@ -215,55 +218,82 @@ impl Explored {
                 _ => vec![calibrated],
             };
             for start in starts {
-                let settings = Settings { evaluations: EVALUATIONS[0], threshold: data.threshold };
+                let settings = Settings { evaluations: BEGIN, threshold: data.threshold, converged: CLOSE };
                 let fit = minimise(&mut problem.clone(), &start, &settings);
-                if best.as_ref().is_none_or(|(_, b)| fit.objective < b.objective) {
-                    best = Some((model.clone(), fit));
-                }
+                attempts.push(Attempt { model: model.clone(), fit });
             }
         }
-        let mut additions = from.additions.clone();
-        additions.push(self.addition);
-        let (model, fit) = best.unwrap_or_else(|| self.untouched(from, &keys));
-        let hypothesis = Hypothesis { additions, model, fit, estimate: None, bic: f64::INFINITY };
-        let (strongest, touched) = (self.strongest.clone(), self.touched.clone());
-        let mut found = Found { hypothesis, gain: 0.0, visibility: self.visibility, strongest, touched };
-        self.judge(data, from, &mut found, vain);
-        found
+        attempts.sort_by(|a, b| a.fit.objective.total_cmp(&b.fit.objective));
+        attempts
     }
 
-    /// The hypothesis before, with an addition that has no strength to speak of: its parameters have no derivatives.
-    fn untouched(&self, from: &Hypothesis, keys: &[String]) -> (Model, Fit) {
+    fn keys(&self, from: &Hypothesis) -> Vec<String> {
+        from.fit.parameters.iter().map(|p| p.key.clone()).chain(self.addition.keys()).collect()
+    }
+
+    /// What the best attempt has reached; without one, what a linear estimate says of the addition.
+    pub fn found(&self, from: &Hypothesis, best: Option<Attempt>) -> Found {
+        let mut additions = from.additions.clone();
+        additions.push(self.addition);
+        let known = best.is_some();
+        let Attempt { model, fit } = best.unwrap_or_else(|| self.untouched(from));
+        // What counts is the change: which points are in the part is chance.
+        let gained = |before: f64, after: f64| self.scale * (before - after);
+        let (gain, all) = if known {
+            let ranked = robust_chi2(&fit.evaluation.residuals, HUBER);
+            (gained(self.before, fit.objective) / self.needed, gained(self.before_ranked, ranked))
+        } else {
+            (0.0, gained(self.before, self.after))
+        };
+        let estimate = (robust_chi2(&from.fit.evaluation.residuals, HUBER) - all).max(0.0);
+        let hypothesis = Hypothesis { additions, model, fit, estimate: Some(estimate), bic: f64::INFINITY };
+        let (strongest, touched) = (self.strongest.clone(), self.touched.clone());
+        Found { hypothesis, gain, visibility: self.visibility, strongest, touched }
+    }
+
+    /// The hypothesis before, with an addition that was not followed: its parameters have no derivatives.
+    fn untouched(&self, from: &Hypothesis) -> Attempt {
         let model = extended(&from.fitted(), &[self.addition]);
         let mut fit = from.fit.clone();
-        fit.parameters = movable(&model, keys);
+        fit.parameters = movable(&model, &self.keys(from));
         let none: [&Point; 0] = [];
         fit.values = Problem::new(model.clone(), none, fit.parameters.clone(), Tolerance::COARSE).values();
         let columns = fit.parameters.len();
         fit.evaluation.jacobian.resize_horizontally_mut(columns, 0.0);
-        fit.termination = "no strength within its range improves the fit".into();
-        (model, fit)
+        fit.termination = "not fitted: in a linear estimate it explains too little".into();
+        Attempt { model, fit }
+    }
+}
+
+/// A fit of one more addition to the part of the points, from one sample of its ranges.
+#[derive(Clone)]
+pub struct Attempt {
+    model: Model,
+    /// How far it has come.
+    pub fit: Fit,
+}
+
+impl Attempt {
+    fn continued(self, data: &Data<'_>, evaluations: usize) -> Self {
+        let mut problem = on_part(data, &self.model, self.fit.parameters.clone());
+        let settings = Settings { evaluations, threshold: data.threshold, converged: CLOSE };
+        let fit = minimise(&mut problem, &self.fit.values, &settings);
+        Self { fit, ..self }
     }
 
-    /// The fit of [`Explored::follow`] brought to its end on the part of the points.
-    pub fn pursue(&self, data: &Data<'_>, from: &Hypothesis, found: &mut Found) {
-        let fit = &mut found.hypothesis.fit;
-        let mut problem = on_part(data, &found.hypothesis.model, fit.parameters.clone());
-        let settings = Settings { evaluations: EVALUATIONS[1], threshold: data.threshold };
-        *fit = minimise(&mut problem, &fit.values.clone(), &settings);
-        self.judge(data, from, found, false);
+    /// Brought to its end on the part of the points.
+    pub fn finished(self, data: &Data<'_>) -> Self {
+        self.continued(data, END)
     }
+}
 
-    /// What counts is the change: which points are in the part is chance.
-    fn judge(&self, data: &Data<'_>, from: &Hypothesis, found: &mut Found, vain: bool) {
-        let gained = |threshold: f64, before: f64| {
-            let after = robust_chi2(&found.hypothesis.fit.evaluation.residuals, threshold);
-            if vain { 0.0 } else { self.scale * (before - after) }
-        };
-        let estimate = robust_chi2(&from.fit.evaluation.residuals, HUBER) - gained(HUBER, self.before_ranked);
-        found.gain = gained(data.threshold, self.before) / self.needed;
-        found.hypothesis.estimate = Some(estimate);
-    }
+/// The best of attempts, the leading ones taken some steps on.
+pub fn lead(data: &Data<'_>, attempts: Vec<Attempt>) -> Option<Attempt> {
+    let best = attempts.first()?.fit.objective;
+    let (most, within) = GOING_ON;
+    let leading = attempts.into_iter().take(most).filter(|a| a.fit.objective <= within * best);
+    let continued = leading.map(|a| a.continued(data, GO_ON));
+    continued.min_by(|a, b| a.fit.objective.total_cmp(&b.fit.objective))
 }
 
 fn on_part<'a>(data: &Data<'a>, model: &Model, parameters: Vec<Parameter>) -> Problem<'a> {
@@ -273,8 +303,8 @@ fn on_part<'a>(data: &Data<'a>, model: &Model, parameters: Vec<Parameter>) -> Pr
 /// The fit followed on all points at full accuracy.
 pub fn on_all(data: &Data<'_>, model: &Model, fit: &Fit) -> Fit {
     let mut problem = Problem::new(model.clone(), data.points, fit.parameters.clone(), ON_ALL);
-    let evaluations = EVALUATIONS[if problem.has_continuum() { 0 } else { 2 }];
-    minimise(&mut problem, &fit.values, &Settings { evaluations, threshold: data.threshold })
+    let evaluations = if problem.has_continuum() { GO_ON } else { ALL };
+    minimise(&mut problem, &fit.values, &Settings { evaluations, threshold: data.threshold, converged: CLOSER })
 }
 
 /// Parameters of these keys, with the signs that the model has.

@@ -6,8 +6,8 @@ use nalgebra::{DMatrix, DVector, Dyn, storage::Owned};
 
 /// Residuals beyond this many standard deviations count linearly (Huber 1964), so that a few outliers decide nothing.
 pub const HUBER: f64 = 4.0;
-/// Relative change of the sum of squares at which a fit is done: well below one unit for any table that fits.
-const CONVERGED: f64 = 1e-7;
+/// Relative change of the sum of squares at which a fit to all points is done: far below one unit for any table that fits.
+pub const CONVERGED: f64 = 1e-7;
 
 /// How hard to try.
 #[derive(Debug, Clone, Copy)]
@@ -16,6 +16,8 @@ pub struct Settings {
     pub evaluations: usize,
     /// Residuals beyond this count linearly; infinity for plain least squares.
     pub threshold: f64,
+    /// Relative change of the sum of squares at which it is done.
+    pub converged: f64,
 }
 
 /// A finished fit.
@@ -64,7 +66,7 @@ pub fn minimise(problem: &mut Problem<'_>, start: &[f64], settings: &Settings) -
     target.set_params(&u);
     let patience = settings.evaluations / (start.len() + 1);
     let method = LevenbergMarquardt::new()
-        .with_ftol(CONVERGED)
+        .with_ftol(settings.converged)
         .with_xtol(1e-9)
         .with_gtol(1e-9)
         .with_stepbound(0.3)

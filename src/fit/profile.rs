@@ -1,6 +1,6 @@
 //! How well the data determine a parameter: profile likelihood, and the correlations behind it.
 
-use super::{Fit, Parameter, Problem, Settings, minimise};
+use super::{CONVERGED, Fit, Parameter, Problem, Settings, minimise};
 use nalgebra::DMatrix;
 
 /// 95 % quantile of chi squared with one degree of freedom.
@@ -180,7 +180,7 @@ fn end<'a>(
                 fit.parameters[j].moved(fit.values[j], tied.clamp(-1.0, 1.0))
             })
             .collect();
-        let settings = Settings { evaluations: 4 * (others.len() + 1), threshold };
+        let settings = Settings { evaluations: 4 * (others.len() + 1), threshold, converged: CONVERGED };
         let refit = minimise(&mut constrained, &from, &settings);
         let rise = refit.objective - fit.objective;
         if (rise / goal - 1.0).abs() < CLOSE {

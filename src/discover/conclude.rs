@@ -1,0 +1,203 @@
+//! What the rounds of a search say together: verdict, ladder, ranking, rivals, and what remains open.
+
+use super::forward::Search;
+use super::hypothesis::{Addition, Hypothesis, count, extended};
+use super::round::{Entry, Rounds};
+use super::{Candidate, Discovery, MARGIN, Noise, NotTestable, Step, Verdict, held_out, next};
+use crate::compare::{self, Calibration, Comparison};
+use crate::fit::{HUBER, Interval, approximate_intervals};
+use rayon::prelude::*;
+
+/// Rivals of the explanation whose prediction of left-out conditions is computed.
+const RIVALS: usize = 3;
+
+impl Search<'_> {
+    pub(super) fn conclude(
+        &self,
+        start: &Hypothesis,
+        chosen: &Hypothesis,
+        rounds: &Rounds,
+        ties: &[Vec<Hypothesis>],
+    ) -> Discovery {
+        let (factor, contradicted) = self.scatter(chosen);
+        let noise = if contradicted { factor } else { 1.0 };
+        // The ladder, one addition after the other.
+        let mut ladder = vec![start.clone()];
+        for length in 1..chosen.additions.len() {
+            ladder.push(self.refit(chosen, chosen.additions[..length].to_vec()));
+        }
+        if !chosen.additions.is_empty() {
+            ladder.push(chosen.clone());
+        }
+        let last = ladder.len() - 1;
+        let steps: Vec<Step> = ladder
+            .into_par_iter()
+            .enumerate()
+            .map(|(i, hypothesis)| Step {
+                added: i.checked_sub(1).map(|k| hypothesis.additions[k].name().to_string()),
+                comparison: self.comparison(&hypothesis, i == last, noise),
+                held_out: held_out(&self.data, &hypothesis),
+                hypothesis,
+            })
+            .collect();
+        let candidates = self.rank(&steps, rounds, ties, noise);
+        let end = &steps[last];
+        let structured = end.comparison.whiteness.structured;
+        let verdict = match (structured, chosen.additions.iter().any(Addition::is_effect), chosen.additions.is_empty())
+        {
+            (true, _, _) => Verdict::Unexplained,
+            (false, _, true) => Verdict::NothingMissing,
+            (false, true, false) => Verdict::EffectMissing,
+            (false, false, false) => Verdict::Recalibrate,
+        };
+        let mut indistinguishable: Vec<Vec<String>> = Vec::new();
+        let mut rivals: Vec<Hypothesis> = Vec::new();
+        for tied in ties.iter().filter(|tied| tied.len() > 1) {
+            rivals.extend(tied.iter().cloned());
+            indistinguishable.push(tied.iter().filter_map(|h| Some(h.additions.last()?.name().to_string())).collect());
+        }
+        let outliers = end.comparison.outliers.clone();
+        let not_testable = self.not_testable(&candidates, rounds);
+        let next_measurement = self.next(chosen, &rivals, &candidates, noise);
+        let correlations = end.comparison.correlations.clone();
+        let mut notes = Vec::new();
+        if contradicted {
+            notes.push(format!(
+                "the readings scatter {factor:.2} times as much as their stated standard deviations; all tests and intervals use the scatter"
+            ));
+        }
+        if let Some(best) = candidates.first().filter(|c| c.hypothesis.label() != end.hypothesis.label()) {
+            let above =
+                candidates.iter().find(|c| c.hypothesis.label() == end.hypothesis.label()).map_or(0.0, |c| c.delta_bic);
+            notes.push(format!(
+                "{} would be better by {above:.1} in Schwarz's criterion, too little to decide for it among as many candidates",
+                best.hypothesis.label()
+            ));
+        }
+        let troubled = end.hypothesis.fit.evaluation.troubled();
+        if troubled > 0 {
+            notes.push(format!("{troubled} points have no steady state in the explanation; each counts as a misfit of 2 to 6 standard deviations"));
+        }
+        Discovery {
+            verdict,
+            candidates,
+            indistinguishable,
+            not_testable,
+            outliers,
+            next_measurement,
+            noise: Noise { factor, contradicted },
+            correlations,
+            notes,
+            steps,
+        }
+    }
+
+    fn comparison(&self, hypothesis: &Hypothesis, profile: bool, noise: f64) -> Comparison {
+        let calibration = Calibration { fit: hypothesis.fit.clone(), threshold: HUBER * noise };
+        compare::judge(self.scenario, self.table, &hypothesis.model, &calibration, profile)
+    }
+
+    /// All hypotheses of the first round and those about the explanation, the best first.
+    fn rank(&self, steps: &[Step], rounds: &Rounds, ties: &[Vec<Hypothesis>], noise: f64) -> Vec<Candidate> {
+        let mut all: Vec<(Hypothesis, bool)> = Vec::new();
+        let mut add = |hypothesis: &Hypothesis, testable: bool| {
+            if !all.iter().any(|(known, _)| known.same_additions(hypothesis)) {
+                all.push((hypothesis.clone(), testable));
+            }
+        };
+        for step in steps {
+            add(&step.hypothesis, true);
+        }
+        ties.iter().flatten().for_each(|tied| add(tied, true));
+        for (number, round) in rounds.all().enumerate() {
+            for entry in round.found.iter().filter(|e| number == 0 || e.full) {
+                let testable = self.testable(entry);
+                add(&entry.found.hypothesis, testable);
+            }
+        }
+        for (hypothesis, _) in &mut all {
+            hypothesis.bic = self.bic(hypothesis, noise);
+        }
+        all.sort_by(|a, b| a.0.bic.total_cmp(&b.0.bic).then_with(|| a.0.label().cmp(&b.0.label())));
+        let best = all.first().map_or(0.0, |(h, _)| h.bic);
+        let total: f64 = all.iter().map(|(h, _)| (-0.5 * (h.bic - best)).exp()).sum();
+        all.into_iter()
+            .enumerate()
+            .map(|(rank, (hypothesis, testable))| {
+                let step = steps.iter().find(|s| s.hypothesis.additions == hypothesis.additions);
+                let intervals: Vec<Interval> = match step {
+                    Some(step) => step.comparison.intervals.clone(),
+                    None => approximate_intervals(&hypothesis.fit, noise),
+                };
+                let chi2 = hypothesis.estimate.unwrap_or_else(|| hypothesis.fit.evaluation.chi2());
+                Candidate {
+                    delta_bic: hypothesis.bic - best,
+                    weight: (-0.5 * (hypothesis.bic - best)).exp() / total,
+                    testable,
+                    chi2_per_point: chi2 / self.readings() as f64,
+                    intervals,
+                    held_out: match step {
+                        Some(step) => step.held_out,
+                        None if rank < RIVALS => held_out(&self.data, &hypothesis),
+                        None => None,
+                    },
+                    hypothesis,
+                }
+            })
+            .collect()
+    }
+
+    /// Whether the strongest plausible form of an addition would be found.
+    fn testable(&self, entry: &Entry) -> bool {
+        let hypothesis = &entry.found.hypothesis;
+        let Some(addition) = hypothesis.additions.last() else { return true };
+        let parameters = count(&extended(&self.base, &[*addition]), &addition.keys()) as f64;
+        entry.found.visibility > parameters * (self.readings() as f64).ln() + MARGIN
+    }
+
+    fn not_testable(&self, candidates: &[Candidate], rounds: &Rounds) -> Vec<NotTestable> {
+        let Some(first) = rounds.all().next() else { return Vec::new() };
+        let named = |entry: &&Entry| entry.found.hypothesis.additions.first().is_some_and(Addition::is_effect);
+        let mut list = Vec::new();
+        for entry in first.found.iter().filter(named).filter(|e| !self.testable(e)) {
+            let Some(addition) = entry.found.hypothesis.additions.first() else { continue };
+            let base = candidates.iter().find(|c| c.hypothesis.additions.is_empty());
+            let would_show = match (base, &entry.found.strongest) {
+                (Some(base), Some(strongest)) => {
+                    next::would_show(&base.hypothesis.fitted(), strongest, self.table, &self.options.bounds)
+                }
+                _ => String::new(),
+            };
+            list.push(NotTestable {
+                effect: addition.name().into(),
+                largest_sigma: entry.found.visibility.sqrt(),
+                would_show,
+            });
+        }
+        list
+    }
+
+    fn next(
+        &self,
+        chosen: &Hypothesis,
+        rivals: &[Hypothesis],
+        candidates: &[Candidate],
+        noise: f64,
+    ) -> Option<next::NextMeasurement> {
+        let mut survivors: Vec<&Hypothesis> = rivals.iter().collect();
+        if survivors.len() < 2 {
+            // The explanation and its closest rival with as many additions; calibration alone has one only where the data
+            // favour it, if too little to decide.
+            let rival = candidates.iter().map(|c| &c.hypothesis).find(|h| {
+                if chosen.additions.is_empty() && h.bic >= self.bic(chosen, noise) {
+                    return false;
+                }
+                h.additions != chosen.additions
+                    && h.additions.len() == chosen.additions.len().max(1)
+                    && h.estimate.is_none()
+            })?;
+            survivors = vec![chosen, rival];
+        }
+        next::next(&survivors, self.table, &self.options.bounds, noise)
+    }
+}

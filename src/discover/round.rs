@@ -1,0 +1,156 @@
+//! All additions to one hypothesis in a race: each is looked at, the promising ones are fitted, the best to all points.
+
+use super::forward::Search;
+use super::hypothesis::{Addition, Hypothesis, compatible};
+use super::search::{Attempt, Base, Explored, Found, Hint, explore, lead, on_all};
+use rayon::prelude::*;
+
+/// Fits on a part of the points begin for additions that take off, on a logarithmic scale, this share of what the best one
+/// takes off in a linear estimate; ...
+const BEGIN: f64 = 0.35;
+/// ... they go on where they took off this share of what the best one did, ...
+const GO_ON: f64 = 0.6;
+/// ... and on to their end where this.
+const END: f64 = 0.8;
+/// A continuum of sliders takes long to solve: it has to be this good.
+const COSTLY: f64 = 0.9;
+/// Sums of squares that differ by less than this many units a point are as good as equal.
+const EQUAL: f64 = 0.2;
+/// A fit on a part of the points is followed on all of them if its sum of squares is within this factor of the best ...
+const PROMISING: f64 = 1.5;
+/// ... and its gain more than this share of what it needs to be accepted.
+const NEARLY: f64 = 0.4;
+/// At least so many are followed.
+const FOLLOWED: usize = 2;
+
+/// All additions to one hypothesis, fitted.
+pub(super) struct Round {
+    pub found: Vec<Entry>,
+}
+
+/// An addition that was fitted.
+#[derive(Clone)]
+pub(super) struct Entry {
+    pub found: Found,
+    /// Whether the fit is to all points, not only to a part of them.
+    pub full: bool,
+}
+
+/// Rounds made so far, by the additions that they started from; the first is from the calibrated base.
+#[derive(Default)]
+pub(super) struct Rounds {
+    made: Vec<(Hypothesis, Round)>,
+}
+
+impl Rounds {
+    /// The rounds in the order in which they were made.
+    pub fn all(&self) -> impl Iterator<Item = &Round> {
+        self.made.iter().map(|(_, round)| round)
+    }
+}
+
+impl Search<'_> {
+    /// All additions that go with a hypothesis. What cannot come near the `goal` is not fitted to its end.
+    pub(super) fn round<'r>(&self, from: &Hypothesis, rounds: &'r mut Rounds, goal: Option<&Hypothesis>) -> &'r Round {
+        let known = rounds.made.iter().position(|(other, _)| other.same_additions(from));
+        let index = known.unwrap_or_else(|| {
+            let round = self.race(from, rounds.made.first().map(|(_, round)| round), goal);
+            rounds.made.push((from.clone(), round));
+            rounds.made.len() - 1
+        });
+        &rounds.made[index].1
+    }
+
+    fn race(&self, from: &Hypothesis, first: Option<&Round>, goal: Option<&Hypothesis>) -> Round {
+        let data = &self.data;
+        let with = |addition: &Addition| from.additions.iter().copied().chain([*addition]).collect::<Vec<_>>();
+        let fitting: Vec<Addition> = self
+            .pool
+            .iter()
+            .copied()
+            .filter(|a| !from.additions.contains(a) && compatible(&self.base, &with(a)))
+            .collect();
+        let base = Base::new(data, from);
+        let explored: Vec<Explored> = fitting
+            .par_iter()
+            .map(|&addition| {
+                let hint = first.and_then(|round| round.hint(addition));
+                explore(data, from, &base, addition, hint.as_ref())
+            })
+            .collect();
+        let share = data.part.len() as f64 / data.points.len() as f64;
+        let goal = goal.map_or(f64::INFINITY, |goal| share * goal.fit.objective);
+        // Who is left of the race at a stage, given the sums of squares that were reached.
+        let leading = |reached: &[f64], share: f64| -> Vec<bool> {
+            let best = reached.iter().copied().fold(goal, f64::min);
+            explored
+                .iter()
+                .zip(reached)
+                .map(|(e, &reached)| {
+                    let share = if e.costly { COSTLY } else { share };
+                    let equal = reached < best + EQUAL * data.part.len() as f64;
+                    equal || (e.before / reached).ln() > share * (e.before / best).ln()
+                })
+                .collect()
+        };
+        let mut best: Vec<Option<Attempt>> = explored.iter().map(|_| None).collect();
+        let estimates: Vec<f64> = explored.iter().map(|e| e.after.max(f64::MIN_POSITIVE)).collect();
+        let begins = leading(&estimates, BEGIN);
+        let begun: Vec<Vec<Attempt>> = explored
+            .par_iter()
+            .zip(begins)
+            .map(|(e, begins)| if begins && e.promises() { e.begin(data, from) } else { Vec::new() })
+            .collect();
+        let reached = |attempt: Option<&Attempt>| attempt.map_or(f64::INFINITY, |a| a.fit.objective);
+        let goes_on = leading(&begun.iter().map(|all| reached(all.first())).collect::<Vec<_>>(), GO_ON);
+        best.par_iter_mut().zip(begun).zip(goes_on).for_each(|((best, begun), goes_on)| {
+            *best = if goes_on { lead(data, begun) } else { begun.into_iter().next() };
+        });
+        let ends = leading(&best.iter().map(|a| reached(a.as_ref())).collect::<Vec<_>>(), END);
+        let found: Vec<Found> = explored
+            .par_iter()
+            .zip(best)
+            .zip(ends)
+            .map(|((e, best), ends)| e.found(from, best.map(|a| if ends { a.finished(data) } else { a })))
+            .collect();
+        self.followed(&explored, found)
+    }
+
+    /// The leading ones followed on all points.
+    fn followed(&self, explored: &[Explored], found: Vec<Found>) -> Round {
+        let scale = self.data.points.len() as f64 / self.data.part.len() as f64;
+        let objective = |f: &Found| f.hypothesis.fit.objective;
+        let gaining = |f: &&Found| f.gain > 0.0;
+        let least = found.iter().filter(gaining).map(objective).fold(f64::INFINITY, f64::min);
+        let criterion =
+            |f: &Found| scale * objective(f) + f.hypothesis.fit.parameters.len() as f64 * (self.readings() as f64).ln();
+        let near = PROMISING * least + EQUAL * self.data.part.len() as f64;
+        let promising = |(f, e): (&Found, &Explored)| {
+            // A costly one is brought to its end only if it would be accepted.
+            f.gain > if e.costly { 1.0 } else { NEARLY } && objective(f) < near
+        };
+        let mut full: Vec<bool> = found.iter().zip(explored).map(promising).collect();
+        let mut order: Vec<usize> = (0..found.len()).filter(|&i| gaining(&&found[i]) && !explored[i].costly).collect();
+        order.sort_by(|&i, &j| criterion(&found[i]).total_cmp(&criterion(&found[j])));
+        order.iter().take(FOLLOWED).for_each(|&i| full[i] = true);
+        let entry = |(mut found, full): (Found, bool)| {
+            if full {
+                found.hypothesis.estimate = None;
+                found.hypothesis.fit = on_all(&self.data, &found.hypothesis.model, &found.hypothesis.fit);
+            }
+            Entry { found, full }
+        };
+        Round { found: found.into_par_iter().zip(full).map(entry).collect() }
+    }
+}
+
+impl Round {
+    /// What is known of an addition from this round.
+    fn hint(&self, addition: Addition) -> Option<Hint> {
+        let entry = self.found.iter().find(|e| e.found.hypothesis.additions.last() == Some(&addition))?;
+        let fit = &entry.found.hypothesis.fit;
+        let value = |key: &String| Some(fit.values[fit.parameters.iter().position(|p| p.key == *key)?]);
+        let values = addition.keys().iter().map(value).collect::<Option<_>>()?;
+        Some(Hint { values, touched: entry.found.touched.clone() })
+    }
+}
