@@ -2,7 +2,7 @@
 
 use super::hypothesis::{Addition, Hypothesis, additions};
 use super::round::{Entry, Round, Rounds};
-use super::search::{Data, movable, on_all};
+use super::search::{Data, movable, on_all, on_all_problem};
 use super::{Discovery, MARGIN, Options};
 use crate::compare::{self, Calibration, Whiteness, conditions_of};
 use crate::fit::{HUBER, robust_chi2};
@@ -153,8 +153,22 @@ impl Search<'_> {
         self.refit(from, additions)
     }
 
+    /// What an addition of the explanation competes for: the same without it, the rest as it is.
+    fn without(&self, from: &Hypothesis, index: usize) -> Hypothesis {
+        let mut additions = from.additions.clone();
+        additions.remove(index);
+        self.reduced(from, additions)
+    }
+
     /// The hypothesis with only these additions, fitted from the values it has.
     pub(super) fn refit(&self, from: &Hypothesis, additions: Vec<Addition>) -> Hypothesis {
+        let reduced = self.reduced(from, additions);
+        let fit = on_all(&self.data, &reduced.model, &reduced.fit);
+        Hypothesis { fit, ..reduced }
+    }
+
+    /// The hypothesis with only these additions, at the values it has.
+    fn reduced(&self, from: &Hypothesis, additions: Vec<Addition>) -> Hypothesis {
         let fitted = from.fitted();
         let mut model = self.base.clone();
         for addition in &additions {
@@ -169,7 +183,8 @@ impl Search<'_> {
         fit.parameters = movable(&model, &keys);
         let value = |key: &str| from.fit.parameters.iter().position(|p| p.key == key).map(|i| from.fit.values[i]);
         fit.values = fit.parameters.iter().filter_map(|p| value(&p.key)).collect();
-        let fit = on_all(&self.data, &model, &fit);
+        fit.evaluation = on_all_problem(&self.data, &model, fit.parameters.clone()).evaluate(&fit.values, true);
+        fit.objective = robust_chi2(&fit.evaluation.residuals, self.data.threshold);
         Hypothesis { additions, model, fit, estimate: None, bic: f64::INFINITY }
     }
 
@@ -182,7 +197,7 @@ impl Search<'_> {
                 if chosen.additions.len() < 2 {
                     break;
                 }
-                let rest = self.refit_without(&chosen, index);
+                let rest = self.without(&chosen, index);
                 let round = self.round(&rest, rounds, Some(&chosen));
                 let Some(best) = self.pick(round, false) else { continue };
                 let noise = self.noise(&best.found.hypothesis);
@@ -207,7 +222,7 @@ impl Search<'_> {
         let own = self.bic(chosen, noise);
         let mut ties = Vec::new();
         for (index, addition) in chosen.additions.iter().enumerate() {
-            let rest = self.refit_without(chosen, index);
+            let rest = self.without(chosen, index);
             let round = self.round(&rest, rounds, Some(chosen));
             let mut tied: Vec<Hypothesis> =
                 round.found.iter().filter(|e| e.full).map(|e| e.found.hypothesis.clone()).collect();

@@ -20,6 +20,8 @@ const EQUAL: f64 = 0.2;
 const PROMISING: f64 = 1.5;
 /// ... and its gain more than this share of what it needs to be accepted.
 const NEARLY: f64 = 0.4;
+/// No fit begins where, in a linear estimate, the gain is less than this share of what is needed.
+const HOPELESS: f64 = 0.5;
 /// At least so many are followed.
 const FOLLOWED: usize = 2;
 
@@ -89,7 +91,8 @@ impl Search<'_> {
                 .map(|(e, &reached)| {
                     let share = if e.costly { COSTLY } else { share };
                     let equal = reached < best + EQUAL * data.part.len() as f64;
-                    equal || (e.before / reached).ln() > share * (e.before / best).ln()
+                    let gains = e.gain(reached) > if e.costly { 1.0 } else { NEARLY };
+                    gains && (equal || (e.before / reached).ln() > share * (e.before / best).ln())
                 })
                 .collect()
         };
@@ -99,7 +102,7 @@ impl Search<'_> {
         let begun: Vec<Vec<Attempt>> = explored
             .par_iter()
             .zip(begins)
-            .map(|(e, begins)| if begins && e.promises() { e.begin(data, from) } else { Vec::new() })
+            .map(|(e, begins)| if begins && e.gain(e.after) > HOPELESS { e.begin(data, from) } else { Vec::new() })
             .collect();
         let reached = |attempt: Option<&Attempt>| attempt.map_or(f64::INFINITY, |a| a.fit.objective);
         let goes_on = leading(&begun.iter().map(|all| reached(all.first())).collect::<Vec<_>>(), GO_ON);
@@ -125,10 +128,9 @@ impl Search<'_> {
         let criterion =
             |f: &Found| scale * objective(f) + f.hypothesis.fit.parameters.len() as f64 * (self.readings() as f64).ln();
         let near = PROMISING * least + EQUAL * self.data.part.len() as f64;
-        let promising = |(f, e): (&Found, &Explored)| {
-            // A costly one is brought to its end only if it would be accepted.
-            f.gain > if e.costly { 1.0 } else { NEARLY } && objective(f) < near
-        };
+        // A costly one is brought to its end only if it would be accepted.
+        let promising =
+            |(f, e): (&Found, &Explored)| f.gain > if e.costly { 1.0 } else { NEARLY } && objective(f) < near;
         let mut full: Vec<bool> = found.iter().zip(explored).map(promising).collect();
         let mut order: Vec<usize> = (0..found.len()).filter(|&i| gaining(&&found[i]) && !explored[i].costly).collect();
         order.sort_by(|&i, &j| criterion(&found[i]).total_cmp(&criterion(&found[j])));

@@ -38,10 +38,6 @@ const CLOSER: f64 = 1e-6;
 const ON_ALL: Tolerance = Tolerance { steps: 24, roughness: 1e-3, cycles: 100, budget: 3000 };
 /// Change of a residual, in standard deviations, below which a point counts as left alone.
 const UNTOUCHED: f64 = 0.1;
-/// Share of the gain in the sum of squares that an addition needs to be accepted below which, in a linear estimate, no
-/// sample is followed.
-const HOPELESS: f64 = 0.5;
-
 /// What a search works on.
 pub struct Data<'a> {
     /// All points.
@@ -193,9 +189,10 @@ fn residuals(data: &Data<'_>, model: &Model, base: &Base, hint: Option<&Hint>) -
 }
 
 impl Explored {
-    /// Whether following a sample may help: its direction points to where the misfit is.
-    pub fn promises(&self) -> bool {
-        !self.addition.is_effect() || self.before - self.after > HOPELESS * self.needed / self.scale
+    /// Gain over all points, over what the addition needs to be accepted, where the sum of squares over the part comes to
+    /// `reached`.
+    pub fn gain(&self, reached: f64) -> f64 {
+        self.scale * (self.before - reached) / self.needed
     }
 
     /// Fits to the part of the points, begun from the best samples; the best first.
@@ -237,15 +234,14 @@ impl Explored {
         additions.push(self.addition);
         let known = best.is_some();
         let Attempt { model, fit } = best.unwrap_or_else(|| self.untouched(from));
-        // What counts is the change: which points are in the part is chance.
-        let gained = |before: f64, after: f64| self.scale * (before - after);
-        let (gain, all) = if known {
+        let before = robust_chi2(&from.fit.evaluation.residuals, HUBER);
+        let (gain, estimate) = if known {
+            // What counts is the change: which points are in the part is chance.
             let ranked = robust_chi2(&fit.evaluation.residuals, HUBER);
-            (gained(self.before, fit.objective) / self.needed, gained(self.before_ranked, ranked))
+            (self.gain(fit.objective), (before - self.scale * (self.before_ranked - ranked)).max(0.0))
         } else {
-            (0.0, gained(self.before, self.after))
+            (0.0, before * self.after / self.before)
         };
-        let estimate = (robust_chi2(&from.fit.evaluation.residuals, HUBER) - all).max(0.0);
         let hypothesis = Hypothesis { additions, model, fit, estimate: Some(estimate), bic: f64::INFINITY };
         let (strongest, touched) = (self.strongest.clone(), self.touched.clone());
         Found { hypothesis, gain, visibility: self.visibility, strongest, touched }
@@ -300,9 +296,14 @@ fn on_part<'a>(data: &Data<'a>, model: &Model, parameters: Vec<Parameter>) -> Pr
     Problem::new(model.clone(), data.part.iter().copied(), parameters, Tolerance::COARSE)
 }
 
+/// All points at the accuracy at which hypotheses are ranked.
+pub fn on_all_problem<'a>(data: &Data<'a>, model: &Model, parameters: Vec<Parameter>) -> Problem<'a> {
+    Problem::new(model.clone(), data.points, parameters, ON_ALL)
+}
+
 /// The fit followed on all points at full accuracy.
 pub fn on_all(data: &Data<'_>, model: &Model, fit: &Fit) -> Fit {
-    let mut problem = Problem::new(model.clone(), data.points, fit.parameters.clone(), ON_ALL);
+    let mut problem = on_all_problem(data, model, fit.parameters.clone());
     let evaluations = if problem.has_continuum() { GO_ON } else { ALL };
     minimise(&mut problem, &fit.values, &Settings { evaluations, threshold: data.threshold, converged: CLOSER })
 }
