@@ -170,7 +170,7 @@ pub fn judge(scenario: &Scenario, table: &Table, base: &Model, calibration: &Cal
         contact,
         contact_model,
         outliers,
-        error_budget: budget::budget(&model, &points, &overall),
+        error_budget: budget::budget(&model, &points, &overall, if profile { NUMERICAL_POINTS } else { 1 }),
         curves: model_curves(&model, &settings, &ranges),
         model,
         points,

@@ -8,6 +8,8 @@ use rayon::prelude::*;
 /// Fits on a part of the points begin for additions that take off, on a logarithmic scale, this share of what the best one
 /// takes off in a linear estimate; ...
 const BEGIN: f64 = 0.35;
+/// ... and, in that estimate, come within this factor of what is known to be possible; ...
+const WITHIN: f64 = 12.0;
 /// ... they go on where they took off this share of what the best one did, ...
 const GO_ON: f64 = 0.6;
 /// ... and on to their end where this.
@@ -19,10 +21,10 @@ const EQUAL: f64 = 0.2;
 /// A fit on a part of the points is followed on all of them if its sum of squares is within this factor of the best ...
 const PROMISING: f64 = 1.5;
 /// ... and its gain more than this share of what it needs to be accepted.
-const NEARLY: f64 = 0.4;
+const NEARLY: f64 = 0.5;
 /// No fit begins where, in a linear estimate, the gain is less than this share of what is needed.
 const HOPELESS: f64 = 0.5;
-/// At least so many are followed.
+/// At least so many of those to the calibrated base are followed.
 const FOLLOWED: usize = 2;
 
 /// All additions to one hypothesis, fitted.
@@ -98,11 +100,17 @@ impl Search<'_> {
         };
         let mut best: Vec<Option<Attempt>> = explored.iter().map(|_| None).collect();
         let estimates: Vec<f64> = explored.iter().map(|e| e.after.max(f64::MIN_POSITIVE)).collect();
+        let possible = estimates.iter().copied().fold(goal, f64::min);
+        let near = |e: &Explored| e.after < WITHIN * possible;
         let begins = leading(&estimates, BEGIN);
         let begun: Vec<Vec<Attempt>> = explored
             .par_iter()
             .zip(begins)
-            .map(|(e, begins)| if begins && e.gain(e.after) > HOPELESS { e.begin(data, from) } else { Vec::new() })
+            .map(
+                |(e, begins)| {
+                    if begins && near(e) && e.gain(e.after) > HOPELESS { e.begin(data, from) } else { Vec::new() }
+                },
+            )
             .collect();
         let reached = |attempt: Option<&Attempt>| attempt.map_or(f64::INFINITY, |a| a.fit.objective);
         let goes_on = leading(&begun.iter().map(|all| reached(all.first())).collect::<Vec<_>>(), GO_ON);
@@ -116,11 +124,12 @@ impl Search<'_> {
             .zip(ends)
             .map(|((e, best), ends)| e.found(from, best.map(|a| if ends { a.finished(data) } else { a })))
             .collect();
-        self.followed(&explored, found)
+        let least = if from.additions.is_empty() { FOLLOWED } else { 0 };
+        self.followed(&explored, found, least)
     }
 
     /// The leading ones followed on all points.
-    fn followed(&self, explored: &[Explored], found: Vec<Found>) -> Round {
+    fn followed(&self, explored: &[Explored], found: Vec<Found>, at_least: usize) -> Round {
         let scale = self.data.points.len() as f64 / self.data.part.len() as f64;
         let objective = |f: &Found| f.hypothesis.fit.objective;
         let gaining = |f: &&Found| f.gain > 0.0;
@@ -134,7 +143,7 @@ impl Search<'_> {
         let mut full: Vec<bool> = found.iter().zip(explored).map(promising).collect();
         let mut order: Vec<usize> = (0..found.len()).filter(|&i| gaining(&&found[i]) && !explored[i].costly).collect();
         order.sort_by(|&i, &j| criterion(&found[i]).total_cmp(&criterion(&found[j])));
-        order.iter().take(FOLLOWED).for_each(|&i| full[i] = true);
+        order.iter().take(at_least).for_each(|&i| full[i] = true);
         let entry = |(mut found, full): (Found, bool)| {
             if full {
                 found.hypothesis.estimate = None;

@@ -190,9 +190,9 @@ fn residuals(data: &Data<'_>, model: &Model, base: &Base, hint: Option<&Hint>) -
 
 impl Explored {
     /// Gain over all points, over what the addition needs to be accepted, where the sum of squares over the part comes to
-    /// `reached`.
+    /// `reached`; less what its parameters gain on noise.
     pub fn gain(&self, reached: f64) -> f64 {
-        self.scale * (self.before - reached) / self.needed
+        self.scale * (self.before - reached - self.addition.keys().len() as f64) / self.needed
     }
 
     /// Fits to the part of the points, begun from the best samples; the best first.
@@ -240,7 +240,8 @@ impl Explored {
             let ranked = robust_chi2(&fit.evaluation.residuals, HUBER);
             (self.gain(fit.objective), (before - self.scale * (self.before_ranked - ranked)).max(0.0))
         } else {
-            (0.0, before * self.after / self.before)
+            // Never better than what it is added to: nobody has seen it.
+            (0.0, before * (self.after / self.before).min(1.0) + self.needed)
         };
         let hypothesis = Hypothesis { additions, model, fit, estimate: Some(estimate), bic: f64::INFINITY };
         let (strongest, touched) = (self.strongest.clone(), self.touched.clone());
