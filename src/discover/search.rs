@@ -87,7 +87,7 @@ pub struct Explored {
     samples: Vec<Model>,
     /// The samples, the most promising first.
     order: Vec<usize>,
-    /// Sum of squares over the part of the points before the addition.
+    /// Sum of squares over the part of the points before the addition, at the best that its parameters can do there.
     pub before: f64,
     /// The same with the threshold by which hypotheses are ranked.
     before_ranked: f64,
@@ -148,8 +148,8 @@ pub fn explore(data: &Data<'_>, from: &Hypothesis, base: &Base, addition: Additi
     Explored {
         addition,
         order: tried.into_iter().map(|(_, index)| index).collect(),
-        before: robust_chi2(&base.evaluation.residuals, data.threshold),
-        before_ranked: robust_chi2(&base.evaluation.residuals, HUBER),
+        before: robust_chi2(&rest, data.threshold),
+        before_ranked: robust_chi2(&rest, HUBER),
         after: rest.norm_squared() - gain,
         needed: addition.keys().len() as f64 * readings.ln() + 3.0 * MARGIN,
         scale,
