@@ -71,3 +71,21 @@ fn practice_5_roller_compliance() {
 fn practice_6_recalibration() {
     assert_found(6, Verdict::Recalibrate, &["rig.torsional_stiffness"], &[]);
 }
+
+#[test]
+fn practice_7_two_effects() {
+    let truth = [
+        ("effect.rate-strengthening.beta", 0.08),
+        ("effect.rate-strengthening.v_0", 1e-4),
+        ("effect.structural-damping.eta", 0.02),
+    ];
+    assert_found(7, Verdict::EffectMissing, &["rate-strengthening", "structural-damping"], &truth);
+}
+
+/// Its cause is none of the catalogue, and too small for the noise: the calibrated base explains the readings.
+#[test]
+fn practice_8_too_small_to_see() {
+    let d = found(8);
+    assert_eq!(d.verdict, Verdict::NothingMissing);
+    assert!(d.explanation().comparison.overall.chi2_per_point < 1.05);
+}

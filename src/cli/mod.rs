@@ -1,6 +1,7 @@
 //! The command line: one file per command, each an `execute` that reads as a table of contents.
 
 pub mod add;
+mod bounds;
 pub mod check;
 pub mod compare;
 pub mod discover;
@@ -90,6 +91,8 @@ enum Command {
         /// Seed of the quasi-random samples
         #[arg(long, value_name = "N", default_value_t = 0)]
         seed: u32,
+        #[command(flatten)]
+        limits: bounds::Limits,
     },
     /// Fit an effect to the measurements, and write the scenario extended by it, comments kept
     Add {
@@ -146,8 +149,8 @@ pub fn run(cli: Cli) -> Result<()> {
         Command::Compare { scenario, json, out, seed } => {
             compare::execute(&scenario, json.map(Json::from).as_ref(), out.as_ref(), seed, &global)
         }
-        Command::Discover { scenario, json, max_effects, seed } => {
-            let options = Options { max_effects: max_effects.into(), seed, ..Options::default() };
+        Command::Discover { scenario, json, max_effects, seed, limits } => {
+            let options = Options { max_effects: max_effects.into(), seed, bounds: (&limits).into() };
             discover::execute(&scenario, json.map(Json::from).as_ref(), &options, &global)
         }
         Command::Add { effect, scenario, output, dry_run, remove, seed } => {

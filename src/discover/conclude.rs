@@ -138,7 +138,7 @@ impl Search<'_> {
                     intervals,
                     held_out: match step {
                         Some(step) => step.held_out,
-                        None if rank < RIVALS => held_out(&self.data, &hypothesis),
+                        None if rank < RIVALS && hypothesis.estimate.is_none() => held_out(&self.data, &hypothesis),
                         None => None,
                     },
                     hypothesis,

@@ -1,0 +1,77 @@
+//! Options that bound the next measurement: `--speed '0 mm/s..50 mm/s'`.
+
+use crate::discover::Bounds;
+use crate::units;
+use clap::Args;
+
+/// Where the next measurement may be made; without an option, within the range of the measurements at hand.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Bounds of the next measurement [default: the range of the measurements]")]
+pub struct Limits {
+    /// Roller speeds, e.g. '0 mm/s..50 mm/s'
+    #[arg(long, value_name = "FROM..TO", value_parser = speed)]
+    speed: Option<Range>,
+    /// Loads, e.g. '0.1 N..20 N'
+    #[arg(long, value_name = "FROM..TO", value_parser = load)]
+    load: Option<Range>,
+    /// Drives, e.g. '1 um..10 um'
+    #[arg(long, value_name = "FROM..TO", value_parser = drive)]
+    drive: Option<Range>,
+    /// Frequencies, e.g. '50 Hz..100 Hz'
+    #[arg(long, value_name = "FROM..TO", value_parser = frequency)]
+    frequency: Option<Range>,
+}
+
+type Range = (f64, f64);
+
+impl From<&Limits> for Bounds {
+    fn from(l: &Limits) -> Self {
+        Self { speed: l.speed, load: l.load, drive: l.drive, frequency: l.frequency }
+    }
+}
+
+fn speed(text: &str) -> Result<Range, String> {
+    range(text, "m/s", false)
+}
+fn load(text: &str) -> Result<Range, String> {
+    range(text, "N", true)
+}
+fn drive(text: &str) -> Result<Range, String> {
+    range(text, "m", true)
+}
+fn frequency(text: &str) -> Result<Range, String> {
+    range(text, "Hz", true)
+}
+
+/// Two quantities with `..` between them, ascending; one alone is a range of that value only.
+fn range(text: &str, unit: &str, positive: bool) -> Result<Range, String> {
+    let (from, to) = text.split_once("..").unwrap_or((text, text));
+    let value = |part: &str| units::parse(part, unit).map_err(|e| e.to_string());
+    let (from, to) = (value(from)?, value(to)?);
+    let low = if positive { from > 0.0 } else { from >= 0.0 };
+    match (low, from <= to) {
+        (true, true) => Ok((from, to)),
+        (false, _) if positive => Err(format!("it starts at {from:e} {unit}; expected more than zero")),
+        (false, _) => Err(format!("it starts at {from:e} {unit}; expected zero or more")),
+        (_, false) => Err("it ends below its start; write the smaller value first".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_carry_units() {
+        assert_eq!(speed("0 mm/s..50 mm/s"), Ok((0.0, 0.05)));
+        assert_eq!(load("2 N"), Ok((2.0, 2.0)));
+    }
+
+    #[test]
+    fn a_bad_range_says_what_was_expected() {
+        assert!(speed("5 mm..6 mm").unwrap_err().contains("speed"));
+        assert!(load("0 N..5 N").unwrap_err().contains("more than zero"));
+        assert!(drive("5 um..2 um").unwrap_err().contains("smaller value first"));
+        assert!(frequency("50..60").is_err());
+    }
+}
