@@ -4,7 +4,7 @@ use crate::effects::{self, Effect, REGISTRY, typical};
 use crate::fit::{Fit, Problem, parameter};
 use crate::measurement::Point;
 use crate::model::Model;
-use crate::scenario::parameters::{INSTRUMENT, RIG};
+use crate::model::lumps::BASE_PARAMETERS;
 use crate::solver::cycle::Tolerance;
 
 /// One thing to add to a model.
@@ -54,24 +54,14 @@ impl std::fmt::Debug for Addition {
 }
 
 /// Keys of the rig and the instrument, the former first.
-const RECALIBRATIONS: &[&str] = &[
-    "rig.inertia",
-    "rig.torsional_stiffness",
-    "rig.torsional_damping",
-    "rig.spring_stiffness",
-    "rig.spring_damping",
-    "rig.spring_arm",
-    "rig.contact_arm",
-    "instrument.drive_gain",
-    "instrument.amplitude_gain",
-    "instrument.phase_offset",
-];
+fn recalibrations() -> impl Iterator<Item = &'static str> {
+    BASE_PARAMETERS.into_iter().filter(|key| key.starts_with("rig.") || key.starts_with("instrument."))
+}
 
 /// Everything that may be added to a model whose parameters `free` move already: first recalibrations, then effects.
 pub fn additions(model: &Model, free: &[String], with_phase: bool) -> Vec<Addition> {
-    debug_assert_eq!(RECALIBRATIONS.len(), RIG.len() + INSTRUMENT.len());
-    let known = |key: &&&str| !free.iter().any(|f| f == **key) && (with_phase || **key != "instrument.phase_offset");
-    let mut all: Vec<Addition> = RECALIBRATIONS.iter().filter(known).map(|key| Addition::Recalibration(key)).collect();
+    let fixed = |key: &&str| !free.iter().any(|f| f == key) && (with_phase || *key != "instrument.phase_offset");
+    let mut all: Vec<Addition> = recalibrations().filter(fixed).map(Addition::Recalibration).collect();
     let absent = |effect: &&&'static dyn Effect| !model.effects.iter().any(|(e, _)| e.name() == effect.name());
     all.extend(REGISTRY.iter().filter(absent).map(|effect| Addition::Effect(*effect)));
     all

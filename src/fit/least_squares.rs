@@ -78,18 +78,6 @@ pub fn minimise(problem: &mut Problem<'_>, start: &[f64], settings: &Settings) -
     Fit { parameters, values, evaluation, objective, evaluations: problem.evaluations - before, termination }
 }
 
-/// The best of the fits from several starts, each first refined with few evaluations.
-pub fn multi_start(problem: &mut Problem<'_>, starts: &[Vec<f64>], settings: &Settings) -> Option<Fit> {
-    let mut best: Option<Fit> = None;
-    for start in starts {
-        let fit = minimise(problem, start, settings);
-        if best.as_ref().is_none_or(|best| fit.objective < best.objective) {
-            best = Some(fit);
-        }
-    }
-    best
-}
-
 /// The problem as the library of the method sees it.
 struct Target<'p, 'a> {
     problem: &'p mut Problem<'a>,

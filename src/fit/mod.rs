@@ -6,7 +6,7 @@ mod parameter;
 mod problem;
 mod profile;
 
-pub use least_squares::{CONVERGED, Fit, HUBER, Settings, minimise, multi_start, robust_chi2};
+pub use least_squares::{CONVERGED, Fit, HUBER, Settings, minimise, robust_chi2};
 pub use parameter::{Parameter, parameter};
 pub use problem::{Evaluation, Prediction, Problem, TROUBLED, read};
-pub use profile::{Correlation, Identified, Interval, approximate_intervals, correlations, intervals, standard_errors};
+pub use profile::{Correlation, Identified, Interval, approximate_intervals, correlations, intervals};

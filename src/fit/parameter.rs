@@ -18,7 +18,8 @@ const SMALLEST: f64 = 1e-4;
 const ORIGIN: f64 = 1.0;
 
 /// A parameter of a fit. The fit moves a coordinate u without bounds; the value is `t = middle + half sin(u - 1)` between
-/// the bounds (so that the middle is at u = 1 and the first trust region, which is relative to u, is none of zero size), `t` being the value or, for magnitudes, its logarithm.
+/// the bounds (so that the middle is at u = 1 and the first trust region, which is relative to u, is none of zero size),
+/// `t` being the value or, for magnitudes, its logarithm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
     /// Key as in `[fit] free`, e.g. `contact.stiffness`, `effect.grosch.h`.
@@ -131,8 +132,7 @@ impl Parameter {
 
     /// Coordinate of a value, moved a little into the bounds.
     pub fn coordinate(&self, value: f64) -> f64 {
-        let t = if self.logarithmic { value.abs().max(f64::MIN_POSITIVE).ln() } else { value };
-        ((t - self.middle()) / self.half()).clamp(-0.999, 0.999).asin() + ORIGIN
+        ((self.scale(value) - self.middle()) / self.half()).clamp(-0.999, 0.999).asin() + ORIGIN
     }
 
     /// Value at the share `share` in 0..1 of the range of a search.
@@ -153,7 +153,7 @@ impl Parameter {
 
     /// Whether the value lies at one of the bounds.
     pub fn at_bound(&self, value: f64) -> bool {
-        let t = if self.logarithmic { value.abs().max(f64::MIN_POSITIVE).ln() } else { value };
+        let t = self.scale(value);
         let margin = 0.01 * (self.bounds.1 - self.bounds.0);
         t < self.bounds.0 + margin || t > self.bounds.1 - margin
     }
@@ -166,14 +166,17 @@ impl Parameter {
 
     /// The value moved by `step` on its natural scale, within the bounds.
     pub fn moved(&self, value: f64, step: f64) -> f64 {
-        let t = if self.logarithmic { value.abs().max(f64::MIN_POSITIVE).ln() } else { value };
-        self.at((t + step).clamp(self.bounds.0, self.bounds.1))
+        self.at((self.scale(value) + step).clamp(self.bounds.0, self.bounds.1))
     }
 
     /// Distance of two values on the natural scale.
     pub fn natural_distance(&self, from: f64, to: f64) -> f64 {
-        let t = |x: f64| if self.logarithmic { x.abs().max(f64::MIN_POSITIVE).ln() } else { x };
-        (t(to) - t(from)).abs()
+        (self.scale(to) - self.scale(from)).abs()
+    }
+
+    /// `t` of a value.
+    fn scale(&self, value: f64) -> f64 {
+        if self.logarithmic { value.abs().max(f64::MIN_POSITIVE).ln() } else { value }
     }
 
     fn at(&self, t: f64) -> f64 {

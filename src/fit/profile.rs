@@ -81,13 +81,6 @@ fn covariance(fit: &Fit) -> DMatrix<f64> {
     inverse
 }
 
-/// Standard errors of the estimates in their units, from the curvature at the optimum.
-pub fn standard_errors(fit: &Fit) -> Vec<f64> {
-    let covariance = covariance(fit);
-    let slope = |(i, (p, &x)): (usize, (&Parameter, &f64))| p.natural_slope(x).abs() * covariance[(i, i)].sqrt();
-    fit.parameters.iter().zip(&fit.values).enumerate().map(slope).collect()
-}
-
 /// Intervals (95 %) from the curvature at the optimum, on the natural scales and within the bounds of the search: cheap, and
 /// exact where the model is linear in the parameters.
 pub fn approximate_intervals(fit: &Fit, noise: f64) -> Vec<Interval> {
