@@ -218,10 +218,21 @@ impl<'a> Integrator<'a> {
         if self.measures_order() {
             return None;
         }
+        let index = self.known(mode)?;
+        self.flow_at(index)
+    }
+
+    /// Place of the exact flow of a mode among those met so far; `None` where it has none.
+    pub(super) fn known(&mut self, mode: Mode) -> Option<usize> {
         let index = self.flows.iter().position(|(known, _)| *known == mode).unwrap_or_else(|| {
             self.flows.push((mode, flow::flow(self.system, mode, self.tolerance.steps)));
             self.flows.len() - 1
         });
+        self.flows[index].1.is_some().then_some(index)
+    }
+
+    /// The exact flow at a place.
+    pub(super) fn flow_at(&self, index: usize) -> Option<&dyn Flow> {
         self.flows[index].1.as_deref()
     }
 
@@ -512,7 +523,7 @@ impl<'a> Integrator<'a> {
     }
 }
 
-fn identity() -> Matrix {
+pub(super) fn identity() -> Matrix {
     std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }))
 }
 

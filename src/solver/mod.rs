@@ -2,8 +2,10 @@
 
 pub mod analytic;
 mod columns;
+mod cubic;
 pub mod cycle;
 mod dense;
+mod eliminated;
 mod elimination;
 mod events;
 pub mod exponential;
@@ -13,6 +15,7 @@ mod integrated;
 pub mod lu;
 pub mod paper_euler;
 pub mod parallel;
+mod prediction;
 pub mod radau;
 pub mod sensitivity;
 pub mod shooting;
