@@ -19,11 +19,13 @@ mod prediction;
 pub mod radau;
 pub mod sensitivity;
 pub mod shooting;
+mod stages;
 mod steady;
 pub mod time;
+mod tolerance;
 
 pub use integrated::{Integrated, integrated};
-pub use steady::{Solution, Warm, orbit, solve, solve_periodic, solve_steady};
+pub use steady::{Solution, Warm, orbit, solve, solve_steady};
 
 /// Whether the point is a steady state, and if not, why.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -79,7 +81,8 @@ pub struct SteadyState {
     pub force_minimum: f64,
     /// Largest tangential force over the cycle \[N\].
     pub force_maximum: f64,
-    /// Cycles integrated to reach the state (sum over Newton iterations for shooting; 0 for closed forms).
+    /// Cycles followed to reach the state (sum over Newton iterations for shooting, those of a prediction included; 0 for
+    /// closed forms).
     pub cycles: usize,
     /// Relative change of the state over a cycle from the start that was found \[-\]: of the last cycle, or as estimated
     /// where a step of Newton's followed it that leaves next to nothing.

@@ -21,7 +21,7 @@ pub struct Periodic {
     pub entry: (Mode, f64),
     /// The converged cycle.
     pub cycle: Cycle,
-    /// Cycles integrated.
+    /// Cycles followed, those of the prediction included.
     pub cycles: usize,
     /// Largest change of a state over the cycle, relative to its scale.
     pub residual: f64,
