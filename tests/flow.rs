@@ -198,3 +198,19 @@ fn few_steps_are_good_to_1e_4() {
         }
     }
 }
+
+/// Work beside the answer: a prediction that quietly fails would cost full cycles again. Among the frequencies are those at
+/// which an event passes the start of the cycle.
+#[test]
+fn a_sweep_of_the_base_law_is_predicted_from_event_to_event() {
+    let (model, tolerance, mut warm) = (paper_model(Series), Tolerance::default(), Warm::default());
+    let (mut fresh, mut continued) = (0, 0);
+    for index in 0..73 {
+        let operation = at(5e-5, 58.0 + 0.5 * f64::from(index));
+        let cold = steady(&model, &operation);
+        let next = solve(&model, &operation, 0, &tolerance, false, &mut warm).state;
+        assert!(distance(&cold, &next) < 1e-9 && cold.status == next.status, "{operation:?}");
+        (fresh, continued) = (fresh + cold.cycles, continued + next.cycles);
+    }
+    assert!(fresh < 73 * 8 && continued < 73 * 6, "{fresh} {continued}");
+}

@@ -6,7 +6,7 @@ use crate::measurement::Table;
 use crate::model::{Model, Operation};
 use crate::solver::analytic::wrap;
 use crate::solver::cycle::Tolerance;
-use crate::solver::{Status, Warm, solve_periodic};
+use crate::solver::{Status, Warm, solve_steady};
 use crate::units;
 use rayon::prelude::*;
 
@@ -89,7 +89,7 @@ fn farthest(one: &Model, other: &Model, table: &Table, bounds: &Bounds) -> Optio
     let distances: Vec<Option<f64>> = grid
         .par_iter()
         .map(|at| {
-            let state = |model: &Model| solve_periodic(model, at, &tolerance, &mut Warm::default());
+            let state = |model: &Model| solve_steady(model, at, &tolerance, false, &mut Warm::default()).state;
             let (a, b) = (state(one), state(other));
             if a.status != Status::Steady || b.status != Status::Steady {
                 return None;

@@ -9,52 +9,14 @@ use super::events::{EVENT_ROUGHNESS, crosses, first_root};
 use super::flow::{self, Flow, Leg};
 use super::radau::{A, State, Stepper};
 use super::sensitivity::{self, Gradient, Stretch};
+pub use super::tolerance::Tolerance;
 use crate::model::system::{HybridSystem, MAX_STATES, Mode};
 
 /// Square matrix over the states.
 pub type Matrix = [State; MAX_STATES];
 
-/// Demands on the integration.
-#[derive(Debug, Clone, Copy)]
-pub struct Tolerance {
-    /// Smallest number of steps per period.
-    pub steps: usize,
-    /// Largest deviation of the slip rate from its polynomial over a step, relative to its scale.
-    pub roughness: f64,
-    /// Most cycles integrated in one search for a periodic state.
-    pub cycles: usize,
-    /// Most steps integrated in one search.
-    pub budget: usize,
-}
-
-impl Tolerance {
-    /// For searches over many models: errors of 1e-4, and points that are hard to solve are given up soon.
-    pub const COARSE: Self = Self { steps: 16, roughness: 1e-2, cycles: 60, budget: 800 };
-}
-
-impl Tolerance {
-    /// Factor >= 1 by which steps may be longer than by default: where fewer of them are asked for, that holds for those too
-    /// that follow from the damping of the arm and from the roughness.
-    fn relief(&self) -> f64 {
-        (Self::default().steps as f64 / self.steps.max(1) as f64).max(1.0)
-    }
-
-    /// Relative change of the states over a cycle that may be left by the last step of Newton's.
-    fn left(&self) -> f64 {
-        LEFT * self.relief().powi(7)
-    }
-}
-
-impl Default for Tolerance {
-    fn default() -> Self {
-        Self { steps: 32, roughness: 1e-3, cycles: 250, budget: usize::MAX }
-    }
-}
-
 /// Largest numerical damping relative to the damping of the arm.
 const NUMERICAL_DAMPING: f64 = 2e-6;
-/// Relative change over a cycle that the last step of Newton's may leave at the default tolerance.
-const LEFT: f64 = 1e-8;
 /// Factors on size and roughness of the steps while a search is far off.
 const COARSE: f64 = 2.0;
 const COARSE_ROUGHNESS: f64 = 10.0;
@@ -218,10 +180,21 @@ impl<'a> Integrator<'a> {
         if self.measures_order() {
             return None;
         }
+        let index = self.known(mode)?;
+        self.flow_at(index)
+    }
+
+    /// Place of the exact flow of a mode among those met so far; `None` where it has none.
+    pub(super) fn known(&mut self, mode: Mode) -> Option<usize> {
         let index = self.flows.iter().position(|(known, _)| *known == mode).unwrap_or_else(|| {
             self.flows.push((mode, flow::flow(self.system, mode, self.tolerance.steps)));
             self.flows.len() - 1
         });
+        self.flows[index].1.is_some().then_some(index)
+    }
+
+    /// The exact flow at a place.
+    pub(super) fn flow_at(&self, index: usize) -> Option<&dyn Flow> {
         self.flows[index].1.as_deref()
     }
 
@@ -512,7 +485,7 @@ impl<'a> Integrator<'a> {
     }
 }
 
-fn identity() -> Matrix {
+pub(super) fn identity() -> Matrix {
     std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }))
 }
 

@@ -65,20 +65,36 @@ fn squarings(norm: f64) -> usize {
     ((norm / SMALL).log2().ceil().max(0.0) as usize).min(60)
 }
 
-/// Sum of (h M)^k/(k+1)! for a small h M, by Horner's rule.
-fn phi<const N: usize>(m: &Square<N>) -> Square<N> {
-    let mut sum = unit();
-    for k in (2..=TERMS).rev() {
-        sum = multiply(m, &sum);
+/// Sum of A^k/(k+1)! up to k = 12 for a small A, in five products: blocks of three powers, by Horner's rule in A^3.
+fn phi<const N: usize>(a: &Square<N>) -> Square<N> {
+    let square = multiply(a, a);
+    let cube = multiply(&square, a);
+    let mut sum = cube.map(|row| row.map(|v| v * FACTORIALS[12]));
+    for block in (0..4).rev() {
+        let [one, two, three] = [0, 1, 2].map(|k| FACTORIALS[3 * block + k]);
         for i in 0..N {
             for j in 0..N {
-                sum[i][j] /= k as f64;
+                sum[i][j] += two * a[i][j] + three * square[i][j];
             }
-            sum[i][i] += 1.0;
+            sum[i][i] += one;
+        }
+        if block > 0 {
+            sum = multiply(&cube, &sum);
         }
     }
     sum
 }
+
+/// 1/(k+1)!
+const FACTORIALS: [f64; TERMS] = {
+    let mut out = [1.0; TERMS];
+    let mut k = 1;
+    while k < TERMS {
+        out[k] = out[k - 1] / (k + 1) as f64;
+        k += 1;
+    }
+    out
+};
 
 /// exp(M t).
 pub fn exponential<const N: usize>(m: &Square<N>, t: f64) -> Square<N> {
@@ -145,6 +161,16 @@ impl<const N: usize> Map<N> {
             matrix[i][i] += 1.0;
         }
         Self { matrix, shift: apply(&phi, &constant.map(|c| c * t)) }
+    }
+
+    /// The map over any time, forwards or backwards.
+    pub fn over(m: &Square<N>, constant: &[f64; N], t: f64) -> Self {
+        let count = squarings(norm(m) * t.abs());
+        let mut map = Self::short(m, constant, t / (1u64 << count) as f64);
+        for _ in 0..count {
+            map = map.twice();
+        }
+        map
     }
 
     /// The maps over t, t/2, t/4, ... down to a small norm of M t; `None` where there are too many.

@@ -8,11 +8,14 @@
 // Indices run over several matrices at once here.
 #![allow(clippy::needless_range_loop)]
 
+use super::cubic::{between, crossing, cubic, turning_point};
 use super::cycle::Matrix;
-use super::exponential::{Map, Square, apply, dot, exponential, norm};
+use super::eliminated::Eliminated;
+use super::exponential::{Map, Square, apply, dot, exponential, multiply, norm};
 use super::harmonic::{Complex, particular, products, resolvent};
+use super::prediction::{Glance, Jump};
 use super::radau::State;
-use crate::model::system::{Evaluation, Forcing, HybridSystem, MAX_STATES, Mode};
+use crate::model::system::{Forcing, HybridSystem, MAX_STATES, Mode};
 
 /// Norm of M t up to which the power series of y is summed.
 const SERIES: f64 = 2.0;
@@ -51,6 +54,10 @@ pub trait Flow {
     /// Follows the mode from a state at a time to its end, or to the end of the period; the fundamental is that of
     /// state 0 less `offset`. Mean and force are gathered where they are to be observed.
     fn leg(&self, start: f64, z: &State, period: f64, offset: f64, observe: bool) -> Leg;
+    /// Follows the mode in whole steps; its end is known to a polynomial between them.
+    fn glance(&self, start: f64, z: &State, period: f64) -> Glance;
+    /// Continues an orbit in the mode to a stated time, whatever its margins.
+    fn jump(&self, at: &mut Jump, end: f64);
     /// Adds the derivatives of an output by the coefficients of the equations over a stretch; see [`super::sensitivity`].
     fn gather(&self, leg: &super::sensitivity::Stretch, into: &mut super::sensitivity::Gradient);
 }
@@ -115,38 +122,6 @@ pub fn flow(system: &dyn HybridSystem, mode: Mode, steps: usize) -> Option<Box<d
         5 => of!(5),
         6 => of!(6),
         _ => None,
-    }
-}
-
-/// The equations of an affine mode with the algebraic unknown eliminated: values for z = 0, and slopes.
-pub struct Eliminated {
-    /// f, g and their Jacobians at rest without forcing.
-    pub base: Evaluation,
-    /// Parts of f and g of sin wt and cos wt.
-    pub forced: [(State, f64); 2],
-}
-
-impl Eliminated {
-    /// The coefficients of a mode; `None` where the constraint does not determine s.
-    pub fn new(system: &dyn HybridSystem, mode: Mode) -> Option<Self> {
-        let zero = [0.0; MAX_STATES];
-        let (mut base, mut out) = (Evaluation::default(), Evaluation::default());
-        system.evaluate(&Forcing::default(), &zero, 0.0, mode, &mut base);
-        if base.gs == 0.0 {
-            return None;
-        }
-        let forced = [0.25 * system.period(), 0.0].map(|t| {
-            system.evaluate(&system.forcing(t), &zero, 0.0, mode, &mut out);
-            (std::array::from_fn(|i| out.f[i] - base.f[i]), out.g - base.g)
-        });
-        Some(Self { base, forced })
-    }
-
-    /// s at the states `z` under (constant, sine, cosine) parts of the forcing.
-    pub fn slip(&self, z: &State, parts: [f64; 3]) -> f64 {
-        let e = &self.base;
-        let forced = self.forced[0].1 * parts[1] + self.forced[1].1 * parts[2];
-        -(e.gz.iter().zip(z).map(|(g, z)| g * z).sum::<f64>() + parts[0] * e.g + forced) / e.gs
     }
 }
 
@@ -417,6 +392,60 @@ impl<const N: usize> Flow for Affine<N> {
         leg
     }
 
+    fn glance(&self, start: f64, z: &State, period: f64) -> Glance {
+        let turn = (self.omega * start).sin_cos();
+        let mut from = Sample { time: start, y: self.rest(z, turn), turn };
+        let margins = &self.margins[..if self.two_margins { 2 } else { 1 }];
+        let mut before = [0.0; 2];
+        for (value, margin) in before.iter_mut().zip(margins) {
+            *value = margin.value(&from.y, from.turn);
+        }
+        loop {
+            let ((s0, c0), (s, c)) = (from.turn, self.rotation);
+            let turn = (s0 * c + c0 * s, c0 * c - s0 * s);
+            let to = Sample { time: from.time + self.step, y: self.ladder[0].apply(&from.y), turn };
+            let last = (period - from.time) / self.step;
+            let mut fraction = last.min(1.0);
+            let (mut ended, mut after) = (false, [0.0; 2]);
+            for (j, margin) in margins.iter().enumerate() {
+                after[j] = margin.value(&to.y, to.turn);
+                if after[j] < CROSSED {
+                    let slopes = (margin.slope(&from.y, from.turn), margin.slope(&to.y, to.turn));
+                    let root = crossing(before[j], slopes.0 * self.step, after[j], slopes.1 * self.step);
+                    if root < fraction {
+                        (fraction, ended) = (root, true);
+                    }
+                }
+            }
+            if ended || last <= 1.0 + 1e-9 {
+                let (time, rates) = (from.time + fraction * self.step, (self.rate(&from.y), self.rate(&to.y)));
+                let y = std::array::from_fn(|i| {
+                    cubic(from.y[i], rates.0[i] * self.step, to.y[i], rates.1[i] * self.step, fraction)
+                });
+                let turn = (self.omega * time).sin_cos();
+                return Glance { time, state: self.state(&y, turn), slip: self.slip.value(&y, turn), ended };
+            }
+            (from, before) = (to, after);
+        }
+    }
+
+    fn jump(&self, at: &mut Jump, end: f64) {
+        let (from, to) = ((self.omega * at.time).sin_cos(), (self.omega * end).sin_cos());
+        let map = Map::over(&self.m, &self.constant, end - at.time);
+        let y = map.apply(&self.rest(&at.state, from));
+        let before: Square<N> = std::array::from_fn(|i| std::array::from_fn(|j| at.through[i][j]));
+        let through = multiply(&map.matrix, &before);
+        let values = [0, 1].map(|j| self.margins[j].value(&y, to));
+        let margin = usize::from(values[1] < values[0]);
+        let reading = &self.margins[margin];
+        for i in 0..N {
+            at.through[i][..N].copy_from_slice(&through[i]);
+            at.margin_by_start[i] = (0..N).map(|k| reading.a[k] * through[k][i]).sum();
+        }
+        (at.time, at.state, at.slip) = (end, self.state(&y, to), self.slip.value(&y, to));
+        (at.margin, at.rate) = (values[margin], reading.slope(&y, to));
+    }
+
     fn gather(&self, leg: &super::sensitivity::Stretch, into: &mut super::sensitivity::Gradient) {
         super::sensitivity::gather(self, leg, into);
     }
@@ -467,23 +496,4 @@ fn sum<const N: usize>(series: &[[f64; N]; TERMS], d: f64) -> [f64; N] {
         }
     }
     out
-}
-
-/// Fraction of the way at which a cubic with slopes of opposite sign at its ends turns round, and its value there.
-fn turning_point(f0: f64, g0: f64, f1: f64, g1: f64) -> (f64, f64) {
-    // f = f0 + g0 t + b t^2 + c t^3
-    let (b, c) = (3.0 * (f1 - f0) - 2.0 * g0 - g1, g0 + g1 - 2.0 * (f1 - f0));
-    let slope = |t: f64| g0 + t * (2.0 * b + 3.0 * c * t);
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..30 {
-        let middle = 0.5 * (low + high);
-        if (slope(middle) < 0.0) == (g0 < 0.0) { low = middle } else { high = middle }
-    }
-    let t = 0.5 * (low + high);
-    (t, f0 + t * (g0 + t * (b + c * t)))
-}
-
-/// Value at the turning point between two samples (value, slope), or the first value where there is none.
-fn between(from: (f64, f64), to: (f64, f64), size: f64) -> f64 {
-    if from.1 * to.1 < 0.0 { turning_point(from.0, from.1 * size, to.0, to.1 * size).1 } else { from.0 }
 }

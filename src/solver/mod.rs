@@ -2,8 +2,10 @@
 
 pub mod analytic;
 mod columns;
+mod cubic;
 pub mod cycle;
 mod dense;
+mod eliminated;
 mod elimination;
 mod events;
 pub mod exponential;
@@ -13,14 +15,17 @@ mod integrated;
 pub mod lu;
 pub mod paper_euler;
 pub mod parallel;
+mod prediction;
 pub mod radau;
 pub mod sensitivity;
 pub mod shooting;
+mod stages;
 mod steady;
 pub mod time;
+mod tolerance;
 
 pub use integrated::{Integrated, integrated};
-pub use steady::{Solution, Warm, orbit, solve, solve_periodic, solve_steady};
+pub use steady::{Solution, Warm, orbit, solve, solve_steady};
 
 /// Whether the point is a steady state, and if not, why.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -76,7 +81,8 @@ pub struct SteadyState {
     pub force_minimum: f64,
     /// Largest tangential force over the cycle \[N\].
     pub force_maximum: f64,
-    /// Cycles integrated to reach the state (sum over Newton iterations for shooting; 0 for closed forms).
+    /// Cycles followed to reach the state (sum over Newton iterations for shooting, those of a prediction included; 0 for
+    /// closed forms).
     pub cycles: usize,
     /// Relative change of the state over a cycle from the start that was found \[-\]: of the last cycle, or as estimated
     /// where a step of Newton's followed it that leaves next to nothing.

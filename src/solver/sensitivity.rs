@@ -9,8 +9,9 @@
 // Indices run over several matrices at once here.
 #![allow(clippy::needless_range_loop)]
 
+use super::eliminated::Eliminated;
 use super::exponential::{Square, exponential, exponential_gradient};
-use super::flow::{Affine, Eliminated};
+use super::flow::Affine;
 use super::harmonic::{Complex, products, times};
 use super::radau::State;
 use crate::model::system::{Forcing, HybridSystem, MAX_COLUMNS, MAX_STATES, Mode, ParameterColumns};

@@ -3,7 +3,7 @@
 // Indices run over several matrices at once here.
 #![allow(clippy::needless_range_loop)]
 
-use super::cycle::{Cycle, Integrator, Record, Tolerance};
+use super::cycle::{Cycle, Integrator, Matrix, Record, Tolerance};
 use super::dense;
 use super::radau::State;
 use crate::model::system::{HybridSystem, MAX_STATES, Mode};
@@ -21,7 +21,7 @@ pub struct Periodic {
     pub entry: (Mode, f64),
     /// The converged cycle.
     pub cycle: Cycle,
-    /// Cycles integrated.
+    /// Cycles followed, those of the prediction included.
     pub cycles: usize,
     /// Largest change of a state over the cycle, relative to its scale.
     pub residual: f64,
@@ -52,12 +52,15 @@ pub fn search(integrator: &mut Integrator, guess: Option<&Start>) -> Result<Peri
     let system = integrator.system();
     let n = system.states();
     let scales = system.scales();
+    let predicted = if integrator.measures_order() { None } else { integrator.predict(guess) };
+    let (predicted, cycles) = predicted.unzip();
+    let guess = predicted.as_ref().or(guess);
+    let mut cycles = cycles.unwrap_or(0);
     let (mut start, mut entry) = match guess {
         Some(guess) => (guess.0, Some(guess.1)),
         None => (system.initial_state(), None),
     };
     let mut best = f64::INFINITY;
-    let mut cycles = 0;
     let mut march = 0;
     let mut next_march = 3;
     let mut warm = guess.is_some();
@@ -191,22 +194,39 @@ fn largest_multiplier(system: &dyn HybridSystem, cycle: &Cycle) -> f64 {
         [false; MAX_STATES]
     };
     let kept: Vec<usize> = (0..n).filter(|&i| !open[i]).collect();
-    let mut matrix = DMatrix::from_fn(kept.len(), kept.len(), |i, j| {
-        cycle.monodromy[kept[i]][kept[j]] * scales[kept[j]] / scales[kept[i]]
-    });
+    let count = kept.len();
+    let mut matrix = [[0.0; MAX_STATES]; MAX_STATES];
+    for (row, &i) in matrix.iter_mut().zip(&kept) {
+        for (entry, &j) in row.iter_mut().zip(&kept) {
+            *entry = cycle.monodromy[i][j] * scales[j] / scales[i];
+        }
+    }
+    let largest = |m: &Matrix| {
+        let leading = m[..count].iter().flat_map(|row| &row[..count]);
+        leading.fold(0.0f64, |most, entry| if entry.abs() > most { entry.abs() } else { most })
+    };
     let mut log = 0.0;
     let mut power = 1.0;
     for _ in 0..10 {
-        let norm = matrix.amax();
+        let norm = largest(&matrix);
         if norm == 0.0 {
             return 0.0;
         }
-        matrix /= norm;
         log += norm.ln() / power;
-        matrix = &matrix * &matrix;
+        let inverse = 1.0 / norm;
+        let mut square = [[0.0; MAX_STATES]; MAX_STATES];
+        for i in 0..count {
+            for k in 0..count {
+                let factor = matrix[i][k] * inverse;
+                for j in 0..count {
+                    square[i][j] += factor * matrix[k][j] * inverse;
+                }
+            }
+        }
+        matrix = square;
         power *= 2.0;
     }
-    (log + matrix.amax().max(1e-300).ln() / power).exp()
+    (log + largest(&matrix).max(1e-300).ln() / power).exp()
 }
 
 /// Derivative of the fundamental by each parameter column: at a fixed start plus through the start.

@@ -64,13 +64,7 @@ pub fn solve(
 }
 
 /// The periodic state, marked where it is unstable; where none is found the point fails at once, without the time
-/// integration by which [`solve`] averages either.
-pub fn solve_periodic(model: &Model, at: &Operation, tolerance: &Tolerance, warm: &mut Warm) -> SteadyState {
-    search(model, at, 0, &Search { tolerance, derivatives: false, integrate: false }, warm).state
-}
-
-/// As [`solve_periodic`], with derivatives where asked for: what a fit needs, which gains nothing from an average over a
-/// motion that is not steady.
+/// integration by which [`solve`] averages either: a fit gains nothing from an average over a motion that is not steady.
 pub fn solve_steady(
     model: &Model,
     at: &Operation,

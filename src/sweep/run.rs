@@ -6,7 +6,7 @@ use crate::model::{Model, Operation};
 use crate::scenario::{Formulation, Scenario};
 use crate::solver::analytic::Oscillator;
 use crate::solver::cycle::Tolerance;
-use crate::solver::{Orbit, Status, SteadyState, Warm, orbit, solve, solve_periodic};
+use crate::solver::{Orbit, Status, SteadyState, Warm, orbit, solve, solve_steady};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use std::io::IsTerminal;
@@ -120,7 +120,7 @@ pub fn curve(model: &Model, condition: &Condition, frequency: &[f64]) -> Curve {
         let lost = |state: &SteadyState| matches!(state.status, Status::Failed(_));
         let state = match states.as_slice() {
             [.., before, last] if lost(before) && lost(last) => last.clone(),
-            _ => solve_periodic(&model, &operation(condition, f), &tolerance, &mut warm),
+            _ => solve_steady(&model, &operation(condition, f), &tolerance, false, &mut warm).state,
         };
         states.push(state);
     }

@@ -1,0 +1,41 @@
+//! What is demanded of an integration.
+
+/// Relative change over a cycle that the last step of Newton's may leave at the default tolerance.
+const LEFT: f64 = 1e-8;
+
+/// Demands on the integration.
+#[derive(Debug, Clone, Copy)]
+pub struct Tolerance {
+    /// Smallest number of steps per period.
+    pub steps: usize,
+    /// Largest deviation of the slip rate from its polynomial over a step, relative to its scale.
+    pub roughness: f64,
+    /// Most cycles integrated in one search for a periodic state.
+    pub cycles: usize,
+    /// Most steps integrated in one search.
+    pub budget: usize,
+}
+
+impl Tolerance {
+    /// For searches over many models: errors of 1e-4, and points that are hard to solve are given up soon.
+    pub const COARSE: Self = Self { steps: 16, roughness: 1e-2, cycles: 60, budget: 800 };
+}
+
+impl Tolerance {
+    /// Factor >= 1 by which steps may be longer than by default: where fewer of them are asked for, that holds for those too
+    /// that follow from the damping of the arm and from the roughness.
+    pub(super) fn relief(&self) -> f64 {
+        (Self::default().steps as f64 / self.steps.max(1) as f64).max(1.0)
+    }
+
+    /// Relative change of the states over a cycle that may be left by the last step of Newton's.
+    pub(super) fn left(&self) -> f64 {
+        LEFT * self.relief().powi(7)
+    }
+}
+
+impl Default for Tolerance {
+    fn default() -> Self {
+        Self { steps: 32, roughness: 1e-3, cycles: 250, budget: usize::MAX }
+    }
+}
