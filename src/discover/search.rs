@@ -27,7 +27,7 @@ const COSTLY: usize = 2;
 const BEGIN: usize = 4;
 const GO_ON: usize = 10;
 const END: usize = 30;
-const ALL: usize = 40;
+const ALL: usize = 15;
 /// Of the fits begun, so many go on, if within this factor of the best.
 const GOING_ON: (usize, f64) = (2, 3.0);
 /// Relative change of the sum of squares at which a fit to a part of the points is done, and one to all.
@@ -91,7 +91,7 @@ pub struct Explored {
     pub before: f64,
     /// The same with the threshold by which hypotheses are ranked.
     before_ranked: f64,
-    /// The first less the most that one sample's direction could take off, in a linear estimate.
+    /// The same after as much of one sample's change as is best, in a linear estimate.
     pub after: f64,
     /// Gain over all points that the addition needs to be accepted.
     needed: f64,
@@ -126,7 +126,8 @@ pub fn explore(data: &Data<'_>, from: &Hypothesis, base: &Base, addition: Additi
     let rest = base.without(&base.evaluation.residuals);
     let rows = rows(&data.part);
     let mut touched = vec![false; data.part.len()];
-    let (mut visibility, mut strongest, mut gain) = (0.0, None, 0.0f64);
+    let before = robust_chi2(&rest, data.threshold);
+    let (mut visibility, mut strongest, mut after) = (0.0, None, before);
     let mut tried: Vec<(f64, usize)> = Vec::new();
     for (index, model) in samples.iter().enumerate() {
         let residuals = residuals(data, model, base, hint);
@@ -136,7 +137,9 @@ pub fn explore(data: &Data<'_>, from: &Hypothesis, base: &Base, addition: Additi
         let change = base.without(&(&residuals - &base.evaluation.residuals));
         let size = change.norm_squared();
         if size > 0.0 {
-            gain = gain.max(rest.dot(&change).min(0.0).powi(2) / size);
+            // As much of the change as the sum of squares wants.
+            let share = (-rest.dot(&change) / size).max(0.0);
+            after = after.min(robust_chi2(&(&rest + &change * share), data.threshold));
         }
         if size * scale > visibility {
             (visibility, strongest) = (size * scale, Some(model.clone()));
@@ -148,9 +151,9 @@ pub fn explore(data: &Data<'_>, from: &Hypothesis, base: &Base, addition: Additi
     Explored {
         addition,
         order: tried.into_iter().map(|(_, index)| index).collect(),
-        before: robust_chi2(&rest, data.threshold),
+        before,
         before_ranked: robust_chi2(&rest, HUBER),
-        after: rest.norm_squared() - gain,
+        after,
         needed: addition.keys().len() as f64 * readings.ln() + 3.0 * MARGIN,
         scale,
         visibility,
