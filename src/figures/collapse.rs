@@ -176,6 +176,14 @@ impl Figure for Collapse {
         "Only the ratio of speed to drive matters"
     }
 
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "Marks of one colour on each other, and a strip at the level of rounding.",
+            "A strip that rises: something depends on speed or drive by itself, such as friction that depends on slip rate.",
+            "Measure the same V/u₀ with two drives: if the curves part, Coulomb friction is not enough.",
+        ]
+    }
+
     fn draw(&self, outcome: &Outcome) -> Result<Drawing, FigureError> {
         let data = Data::of(outcome)?;
         let count: usize = data.groups.iter().map(|group| group.curves.len()).sum();

@@ -198,6 +198,14 @@ impl Figure for Formulations {
         "Published procedure against the series formulation"
     }
 
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "Squares on the dotted slope; circles that level off at a small difference.",
+            "Circles that level off at more than the noise of the readings: the two formulations are then different models.",
+            "Take the series formulation; use the published procedure only to reproduce its numbers, with at least the steps shown.",
+        ]
+    }
+
     fn draw(&self, outcome: &Outcome) -> Result<Drawing, FigureError> {
         let data = Data::of(outcome)?;
         let largest = format!("{} %", significant(100.0 * data.largest(), 2));

@@ -146,6 +146,14 @@ impl Figure for FrictionIndependence {
         "The coefficient of friction does not matter"
     }
 
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "One line with several rims, and a strip at the level of rounding.",
+            "A strip above 10⁻⁶: friction moves the curve, through an effect that depends on the force or because points are not steady.",
+            "Free µ in a fit only where this strip rises above the noise of the readings; else they cannot determine it.",
+        ]
+    }
+
     fn draw(&self, outcome: &Outcome) -> Result<Drawing, FigureError> {
         let data = Data::of(outcome)?;
         let (largest, count) = (significant(data.largest(), 2), data.curves.len());

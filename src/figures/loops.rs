@@ -132,6 +132,14 @@ impl Figure for Loops {
         "Force-displacement loops of the contact"
     }
 
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "Closed loops: thick where the contact sticks, flat at the limit where it slips.",
+            "A loop that does not close, or a force above the limit without an effect in the scenario.",
+            "Compare areas: the loop with the largest area takes most energy out of the arm.",
+        ]
+    }
+
     fn needs_orbits(&self) -> bool {
         true
     }

@@ -177,6 +177,14 @@ impl Figure for RegimeMap {
         "Where the contact sticks"
     }
 
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "Colour begins at the line and grows inwards.",
+            "Stick outside the line, or grey points, without an effect in the scenario.",
+            "Choose conditions to measure from all three regions: full stick, partial stick, full slip.",
+        ]
+    }
+
     fn draw(&self, outcome: &Outcome) -> Result<Drawing, FigureError> {
         let data = Data::of(outcome)?;
         let states = || data.rows.iter().flat_map(|curve| &curve.states).filter(|s| s.status == Status::Steady);

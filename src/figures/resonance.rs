@@ -175,6 +175,14 @@ impl Figure for Resonance {
         "Resonance curves"
     }
 
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "Curves between the two limiting cases: slow rollers near static contact, fast ones near full slip.",
+            "A curve outside both limits without an effect in the scenario, open marks (self-excited states), or gaps (no state found).",
+            "Compare peak frequencies with measured ones first: they tell the contact's stiffness better than heights do.",
+        ]
+    }
+
     fn draw(&self, outcome: &Outcome) -> Result<Drawing, FigureError> {
         let data = Data::of(outcome)?;
         let curves: Vec<_> = data.scheme.curves.iter().map(|styled| styled.curve).collect();

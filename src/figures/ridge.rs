@@ -182,6 +182,14 @@ impl Figure for Ridge {
         "Resonance peak against roller speed"
     }
 
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "Frequency falls from static contact to full slip as V grows; height passes through a minimum, where slip takes most energy.",
+            "Jumps between neighbouring speeds: too coarse a grid of frequencies, or states that are not steady.",
+            "Measure near the minimum: a small change of the contact shows there most.",
+        ]
+    }
+
     fn draw(&self, outcome: &Outcome) -> Result<Drawing, FigureError> {
         let data = Data::of(outcome)?;
         let unit = Unit::fitting(range(data.peaks().map(|p| p.amplitude)).1, "rad");

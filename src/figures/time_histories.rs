@@ -138,6 +138,14 @@ impl Figure for TimeHistories {
         "One cycle in time"
     }
 
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "Slip rate is zero wherever it is shaded, and positive elsewhere.",
+            "Many short intervals of stick in one period: chatter, and a state that may not be steady.",
+            "Read where in the cycle stick begins and ends; a sensor fast enough would see the force break there.",
+        ]
+    }
+
     fn needs_orbits(&self) -> bool {
         true
     }

@@ -167,6 +167,14 @@ impl Figure for VelocityAmplitude {
         "Speed of the arm and speed of the roller"
     }
 
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "The computed curve lies on full slip wherever that stays below V, and leaves it towards static contact between f₁ and f₂.",
+            "A curve that leaves full slip where bωα is below V, or stays on it above V, without an effect in the scenario.",
+            "Look at the loops or the histories at that frequency: they show which part of the cycle sticks.",
+        ]
+    }
+
     fn draw(&self, outcome: &Outcome) -> Result<Drawing, FigureError> {
         let data = Data::of(outcome)?;
         let unit = Unit::speed();

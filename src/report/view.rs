@@ -193,6 +193,9 @@ pub struct FigureView {
     pub alt: String,
     /// Numbers that belong to it.
     pub notes: Vec<NoteView>,
+    /// What good looks like, what bad looks like, what to do.
+    #[serde(default)]
+    pub reading: Vec<NoteView>,
     /// Files beside the report.
     pub files: Vec<FileView>,
     /// The drawing, checked when the page is made. Not part of the JSON: it is among the files.

@@ -3,16 +3,18 @@
 
 mod text;
 
+pub use text::csv;
+
 use super::columns::{Column, columns};
 use super::limits::{Limits, Outside};
-use super::words::count;
-use super::{ComparisonFigure, drawing};
+use super::multiples::frequencies;
+
 use crate::compare::{Comparison, ContactPoint};
-use crate::figures::axes::{Axis, Panel, range};
+use crate::figures::axes::{Axis, Panel};
 use crate::figures::canvas::{Canvas, Point, Stroke, Type, document};
 use crate::figures::marks::Mark;
-use crate::figures::style::{Color, DASH_SLIP, DOTS, INK, Unit, WIDTH, significant, text_width};
-use crate::figures::{Drawing, FigureError};
+use crate::figures::style::{Color, DASH_SLIP, DOTS, INK, Unit, WIDTH, count, significant, text_width};
+use crate::figures::{Drawing, Figure, FigureError};
 
 const LEFT: f64 = 92.0;
 /// Right of the panels: names of the reference lines.
@@ -105,9 +107,7 @@ impl<'a> Data<'a> {
             let label = if self.columns.len() > 3 { "bωα [mm/s]" } else { "speed amplitude bωα [mm/s]" };
             return Axis::logarithmic(label, all, 0.05);
         }
-        let (low, high) = range(all);
-        let margin = if high > low { 0.02 * (high - low) } else { 0.0 };
-        Axis::linear("frequency f [Hz]", low - margin, high + margin)
+        frequencies("frequency f [Hz]", all)
     }
 
     fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
@@ -248,7 +248,7 @@ fn speeds(canvas: &mut Canvas, panel: &Panel, column: &Column<'_>, named: bool) 
     }
 }
 
-impl ComparisonFigure for Contact {
+impl Figure<Comparison> for Contact {
     fn name(&self) -> &'static str {
         if self.by_speed { "contact-amplitude" } else { "contact-fingerprint" }
     }
@@ -257,19 +257,8 @@ impl ComparisonFigure for Contact {
         if self.by_speed { "What the contact did, against the arm's speed" } else { "What the contact must have done" }
     }
 
-    fn draw(&self, comparison: &Comparison) -> Result<Drawing, FigureError> {
-        if comparison.contact.is_empty() {
-            return Err(FigureError::missing(self.name(), "measured phases"));
-        }
-        let data = Data::of(comparison, self.by_speed);
-        let alt = format!(
-            "Two rows of panels, stiffness and damping of the contact {}, in {} by speed: marks with error bars for the \
-             measurements, lines for the model, and lines at full stick and full slip.",
-            if self.by_speed { "against the arm's speed amplitude" } else { "against frequency" },
-            count(data.columns.len(), "column")
-        );
-        let svg = data.draw(self.title(), &alt)?;
-        let reading = if self.by_speed {
+    fn reading(&self) -> [&'static str; 3] {
+        if self.by_speed {
             [
                 "Marks on the lines. At rest k is flat. A sliding contact stays at zero while bωα is below V, and rises where the \
                  arm begins to overtake the roller.",
@@ -286,7 +275,21 @@ impl ComparisonFigure for Contact {
                 "Find the conditions in which marks and lines part. At rest: the material or the rig. In slip: the law of \
                  friction. Then compare with the fingerprints in the atlas.",
             ]
-        };
-        Ok(drawing(self, (data.caption(), alt), (svg, data.csv()), (data.notes(), reading)))
+        }
+    }
+
+    fn draw(&self, comparison: &Comparison) -> Result<Drawing, FigureError> {
+        if comparison.contact.is_empty() {
+            return Err(FigureError::missing(self.name(), "measured phases"));
+        }
+        let data = Data::of(comparison, self.by_speed);
+        let alt = format!(
+            "Two rows of panels, stiffness and damping of the contact {}, in {} by speed: marks with error bars for the \
+             measurements, lines for the model, and lines at full stick and full slip.",
+            if self.by_speed { "against the arm's speed amplitude" } else { "against frequency" },
+            count(data.columns.len(), "column")
+        );
+        let svg = data.draw(self.title(), &alt)?;
+        Ok(Drawing::of(self, (data.caption(), alt), (svg, data.csv()), data.notes()))
     }
 }

@@ -1,13 +1,13 @@
 //! Where the model fails: errors over condition and frequency, amplitude and phase side by side.
 
 use super::sigma::Sigma;
-use super::words::{self, count};
-use super::{ComparisonFigure, drawing};
+use super::words;
+
 use crate::compare::{Compared, Comparison};
 use crate::figures::axes::{Axis, Panel};
 use crate::figures::canvas::{Anchor, Canvas, Stroke, Type, document};
-use crate::figures::style::{Color, GREY, INK, Table, WIDTH, cell, diverging, significant};
-use crate::figures::{Drawing, FigureError};
+use crate::figures::style::{Color, GREY, INK, Table, WIDTH, cell, count, diverging, significant};
+use crate::figures::{Drawing, Figure, FigureError};
 
 /// Shades of the colour scale on either side of zero.
 const SHADES: f64 = 24.0;
@@ -178,13 +178,21 @@ impl<'a> Data<'a> {
     }
 }
 
-impl ComparisonFigure for MisfitMap {
+impl Figure<Comparison> for MisfitMap {
     fn name(&self) -> &'static str {
         "misfit-map"
     }
 
     fn title(&self) -> &'static str {
         "Where the model fails"
+    }
+
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "Pale cells without pattern.",
+            "Blocks of one colour, or blue beside red: a resonance at the wrong place. Rows that fail alike share a cause.",
+            "Note whether the failing rows share the speed, the load or the drive, and look for an effect that acts there.",
+        ]
     }
 
     fn draw(&self, comparison: &Comparison) -> Result<Drawing, FigureError> {
@@ -215,11 +223,6 @@ impl ComparisonFigure for MisfitMap {
             ("Ranges of misfit".to_string(), comparison.regions.len().to_string()),
             ("Largest error of an amplitude".to_string(), format!("{} σ", significant(largest, 3))),
         ];
-        let reading = [
-            "Pale cells without pattern.",
-            "Blocks of one colour, or blue beside red: a resonance at the wrong place. Rows that fail alike share a cause.",
-            "Note whether the failing rows share the speed, the load or the drive, and look for an effect that acts there.",
-        ];
-        Ok(drawing(self, (caption, alt), (svg, data.csv()), (notes, reading)))
+        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
     }
 }

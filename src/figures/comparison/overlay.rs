@@ -2,18 +2,18 @@
 
 mod text;
 
-use super::grid::{Cell, Grid, LEFT, Rows, heading};
+use super::multiples::{Multiples, frequencies};
 use super::sigma::{BAND, Sigma};
-use super::words::{self, Amplitude, count};
-use super::{ComparisonFigure, drawing};
+use super::words::{self, Amplitude};
+
 use crate::compare::{Compared, Comparison, Setting};
 use crate::figures::axes::{Axis, Panel, range};
-use crate::figures::canvas::{Anchor, Canvas, Point, Stroke, Type, document};
+use crate::figures::canvas::{Canvas, Point, Stroke};
 use crate::figures::legend::{Entry, Key};
 use crate::figures::marks::Mark;
 use crate::figures::resonance::{phase_axis, unbroken};
-use crate::figures::style::{Color, GREY, INK, LABEL_SIZE, SHADE, SLIP, STATIC, WIDTH, significant};
-use crate::figures::{Drawing, FigureError};
+use crate::figures::style::{Color, INK, SHADE, SLIP, STATIC, count};
+use crate::figures::{Drawing, Figure, FigureError};
 use std::f64::consts::PI;
 
 /// Standard deviations on either side of a point that its bar spans.
@@ -36,8 +36,7 @@ pub struct Data<'a> {
     phase: bool,
     /// Whether phases lie on the branch from -270° to 90°.
     pub wraps: bool,
-    /// How amplitudes are shown.
-    pub amplitude: Amplitude,
+    amplitude: Amplitude,
     scale: Sigma,
     shown: Vec<usize>,
 }
@@ -96,44 +95,20 @@ impl<'a> Data<'a> {
             .collect()
     }
 
-    fn axes(&self) -> (Axis, Axis) {
-        let (low, high) = range(self.c.points.iter().map(|p| p.point.frequency));
-        let margin = if high > low { 0.02 * (high - low) } else { 0.0 };
-        let x = Axis::linear("", low - margin, high + margin);
-        let bars = self.shown.iter().flat_map(|&i| self.measured(i)).flat_map(|(_, y, bar)| [y - bar, y + bar]);
-        let values = bars.chain(self.shown.iter().flat_map(|&i| self.curve(i)).map(|p| p.1));
-        (x, if self.phase { phase_axis(values) } else { Axis::around("", values) })
+    /// Name and unit of the values.
+    pub fn label(&self) -> String {
+        if self.phase { "phase φ [°]".into() } else { self.amplitude.label() }
     }
 
-    fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
-        let rows = Rows::of(self.legend());
-        let grid = Grid::of(self.shown.len(), rows.height());
-        let (x, y) = self.axes();
-        let y = Axis { label: String::new(), ..y };
-        document((WIDTH, grid.bottom()), (title, alt), |canvas| {
-            rows.draw(canvas);
-            let upright = Type { size: LABEL_SIZE, anchor: Anchor::Middle, upwards: true, ..Type::default() };
-            let label = if self.phase { "phase φ [°]".into() } else { self.amplitude.label() };
-            canvas.text((LEFT - 74.0, grid.middle()), &label, upright);
-            for (index, &condition) in self.shown.iter().enumerate() {
-                let at = grid.cell(index);
-                let Cell { left, top, width, .. } = at;
-                let main = Panel { left, top, width, height: grid.main, x: x.clone(), y: y.clone() };
-                self.main(canvas, &main, condition, at.first);
-                let strip = Panel { top: at.strip, height: grid.strip, y: Axis::linear("", -1.0, 1.0), ..main };
-                self.strip(canvas, &strip, condition, &at);
-            }
-        })
+    /// An axis for values, and for the readings of the conditions shown.
+    pub fn axis(&self, shown: &[usize], values: impl IntoIterator<Item = f64>) -> Axis {
+        let bars = shown.iter().flat_map(|&i| self.measured(i)).flat_map(|(_, y, bar)| [y - bar, y + bar]);
+        let values = bars.chain(values);
+        if self.phase { phase_axis(values) } else { Axis::around("", values) }
     }
 
-    fn main(&self, canvas: &mut Canvas, panel: &Panel, condition: usize, beside: bool) {
-        panel.frame(canvas, false, beside);
-        let setting = self.setting(condition);
-        heading(canvas, panel, (&words::speed(setting), &words::load_and_drive(setting)));
-        let curve = self.curve(condition);
-        for run in unbroken(&curve) {
-            panel.curve(canvas, run, Stroke::solid(MODEL, 2.2));
-        }
+    /// Draws the readings of a condition with their bars.
+    pub fn readings(&self, canvas: &mut Canvas, panel: &Panel, condition: usize) {
         let points = self.measured(condition);
         for &(f, y, bar) in &points {
             panel.curve(canvas, &[(f, y - bar), (f, y + bar)], Stroke::solid(INK, 1.2));
@@ -141,6 +116,28 @@ impl<'a> Data<'a> {
         for &(f, y, _) in &points {
             canvas.dot((panel.px(f), panel.py(y)), 2.3, INK);
         }
+    }
+
+    fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
+        let curves = self.shown.iter().flat_map(|&i| self.curve(i)).map(|p| p.1);
+        let multiples = Multiples {
+            legend: self.legend(),
+            label: self.label(),
+            x: frequencies("", self.c.points.iter().map(|p| p.point.frequency)),
+            y: self.axis(&self.shown, curves),
+            scale: &self.scale,
+            shown: self.shown.iter().map(|&i| (i, self.setting(i))).collect(),
+        };
+        let values = |canvas: &mut Canvas, panel: &Panel, condition| self.main(canvas, panel, condition);
+        multiples.draw((title, alt), values, |canvas, panel, condition| self.strip(canvas, panel, condition))
+    }
+
+    fn main(&self, canvas: &mut Canvas, panel: &Panel, condition: usize) {
+        let curve = self.curve(condition);
+        for run in unbroken(&curve) {
+            panel.curve(canvas, run, Stroke::solid(MODEL, 2.2));
+        }
+        self.readings(canvas, panel, condition);
         let far: Vec<Point> = self.outliers(condition).collect();
         panel.marks(canvas, &far, Mark::Diamond, 5.5, SLIP, true);
     }
@@ -156,10 +153,7 @@ impl<'a> Data<'a> {
         })
     }
 
-    fn strip(&self, canvas: &mut Canvas, panel: &Panel, condition: usize, at: &Cell) {
-        let band = self.scale.place(BAND);
-        canvas.rectangle((panel.left, panel.py(band)), panel.width, panel.py(-band) - panel.py(band), SHADE, None);
-        canvas.line((panel.left, panel.py(0.0)), (panel.right(), panel.py(0.0)), Stroke::solid(GREY, 0.8));
+    fn strip(&self, canvas: &mut Canvas, panel: &Panel, condition: usize) {
         let residual = |p: &Compared| (p.point.frequency, self.scale.place(p.amplitude_residual));
         if !self.phase {
             let line: Vec<Point> = self.points(condition).map(residual).collect();
@@ -168,18 +162,6 @@ impl<'a> Data<'a> {
         let place = |p: &Compared| Some((p.point.frequency, self.scale.place(p.phase_residual?)));
         let line: Vec<Point> = self.points(condition).filter_map(place).collect();
         self.residuals(canvas, panel, &line, if self.phase { MODEL } else { SLIP });
-        panel.border(canvas, 0.0);
-        let foot = Panel { x: Axis { label: "frequency f [Hz]".into(), ..panel.x.clone() }, ..panel.clone() };
-        foot.labels(canvas, at.last, false);
-        if at.first {
-            let small = Type { size: 13.0, ..Type::at(Anchor::End) };
-            let top = self.scale.top();
-            for (tick, text) in [(top, significant(top, 3)), (0.0, "0".into()), (-top, significant(-top, 3))] {
-                canvas.text((panel.left - 6.0, panel.py(self.scale.place(tick)) + 4.5), &text, small);
-            }
-            let upright = Type { size: 13.0, anchor: Anchor::Middle, upwards: true, ..Type::default() };
-            canvas.text((panel.left - 52.0, panel.top + 0.5 * panel.height), "error [σ]", upright);
-        }
     }
 
     fn residuals(&self, canvas: &mut Canvas, panel: &Panel, points: &[Point], color: Color) {
@@ -210,13 +192,21 @@ impl<'a> Data<'a> {
     }
 }
 
-impl ComparisonFigure for Overlay {
+impl Figure<Comparison> for Overlay {
     fn name(&self) -> &'static str {
         if self.phase { "overlay-phase" } else { "overlay" }
     }
 
     fn title(&self) -> &'static str {
         if self.phase { "Measured and modelled phase" } else { "Measured and modelled amplitude" }
+    }
+
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "Errors scattered about zero inside the band, about one in twenty outside.",
+            "Errors that swing smoothly along the frequency: the model has the wrong shape there, however small they are.",
+            "See in which panels the swing grows, with speed, load or drive; then read the contact below.",
+        ]
     }
 
     fn draw(&self, comparison: &Comparison) -> Result<Drawing, FigureError> {
@@ -230,11 +220,6 @@ impl ComparisonFigure for Overlay {
             count(data.shown.len(), "panel")
         );
         let svg = data.draw(self.title(), &alt)?;
-        let reading = [
-            "Errors scattered about zero inside the band, about one in twenty outside.",
-            "Errors that swing smoothly along the frequency: the model has the wrong shape there, however small they are.",
-            "See in which panels the swing grows, with speed, load or drive; then read the contact below.",
-        ];
-        Ok(drawing(self, (data.caption(), alt), (svg, data.csv()), (data.notes(), reading)))
+        Ok(Drawing::of(self, (data.caption(), alt), (svg, data.csv()), data.notes()))
     }
 }

@@ -1,14 +1,14 @@
 //! Measured and modelled resonance peaks, one row per condition: where and how high.
 
-use super::words::{self, Amplitude, count};
-use super::{ComparisonFigure, drawing};
+use super::words::{self, Amplitude};
+
 use crate::compare::{Comparison, ConditionMetrics, Peak};
 use crate::figures::axes::{Axis, Panel};
 use crate::figures::canvas::{Anchor, Canvas, Stroke, Type, document};
 use crate::figures::legend::Key;
 use crate::figures::marks::Mark;
-use crate::figures::style::{GREY, GRID, INK, STATIC, Table, WIDTH, cell, significant, text_width};
-use crate::figures::{Drawing, FigureError};
+use crate::figures::style::{GREY, GRID, INK, STATIC, Table, WIDTH, cell, count, significant, text_width};
+use crate::figures::{Drawing, Figure, FigureError};
 
 const TOP: f64 = 48.0;
 const GAP: f64 = 34.0;
@@ -137,13 +137,22 @@ impl<'a> Data<'a> {
     }
 }
 
-impl ComparisonFigure for Peaks {
+impl Figure<Comparison> for Peaks {
     fn name(&self) -> &'static str {
         "peaks"
     }
 
     fn title(&self) -> &'static str {
         "Resonance peaks, measured and modelled"
+    }
+
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "Open marks around filled ones in every row.",
+            "Lines between the marks of one row: the length is the error. The same shift in all rows is a stiffness or an \
+             inertia of the rig; one that changes from row to row is the contact.",
+            "A common shift: free a parameter of the rig in [fit]. Otherwise see which of V, W and u₀ the shift follows.",
+        ]
     }
 
     fn draw(&self, comparison: &Comparison) -> Result<Drawing, FigureError> {
@@ -162,12 +171,6 @@ impl ComparisonFigure for Peaks {
             count(data.shown.len(), "row")
         );
         let svg = data.draw(self.title(), &alt)?;
-        let reading = [
-            "Open marks around filled ones in every row.",
-            "Lines between the marks of one row: the length is the error. The same shift in all rows is a stiffness or an \
-             inertia of the rig; one that changes from row to row is the contact.",
-            "A common shift: free a parameter of the rig in [fit]. Otherwise see which of V, W and u₀ the shift follows.",
-        ];
-        Ok(drawing(self, (caption, alt), (svg, data.csv()), (data.notes(), reading)))
+        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), data.notes()))
     }
 }

@@ -1,14 +1,14 @@
 //! The error falling step by step: chi2 per reading, and the error of the amplitude beside the noise.
 
 use super::rows::Rows;
-use super::{DiscoveryFigure, drawing, ladder_of, name};
+use super::{ladder_of, name};
 use crate::discover::{Discovery, Step};
 use crate::figures::axes::{Axis, Panel};
 use crate::figures::canvas::{Canvas, Point, Stroke, Type, document};
 use crate::figures::legend::{Entry, Key, legend};
 use crate::figures::marks::Mark;
 use crate::figures::style::{DASH_SLIP, GREY, INK, SLIP, STATIC, Table, WHITE, WIDTH, cell, significant};
-use crate::figures::{Drawing, FigureError};
+use crate::figures::{Drawing, Figure, FigureError};
 
 const TOP: f64 = 48.0;
 const GAP: f64 = 40.0;
@@ -102,13 +102,22 @@ fn csv(steps: &[Step]) -> String {
     table.finish()
 }
 
-impl DiscoveryFigure for Ladder {
+impl Figure<Discovery> for Ladder {
     fn name(&self) -> &'static str {
         "ladder"
     }
 
     fn title(&self) -> &'static str {
         "The error, step by step"
+    }
+
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "The last row lies on the dashed lines, diamonds and points together: nothing but noise is left, and it predicts.",
+            "The last row stays right of the dashed lines: something is left. Diamonds right of the points: the step bends to the \
+             data rather than explaining them.",
+            "Trust the steps that bring a large fall; doubt those that bring a small one, and see the ranking.",
+        ]
     }
 
     fn draw(&self, discovery: &Discovery) -> Result<Drawing, FigureError> {
@@ -133,12 +142,6 @@ impl DiscoveryFigure for Ladder {
             ("χ² per reading".to_string(), chi2),
             ("Error of the amplitude".to_string(), format!("{error} % (noise {noise} %)")),
         ];
-        let reading = [
-            "The last row lies on the dashed lines, diamonds and points together: nothing but noise is left, and it predicts.",
-            "The last row stays right of the dashed lines: something is left. Diamonds right of the points: the step bends to the \
-             data rather than explaining them.",
-            "Trust the steps that bring a large fall; doubt those that bring a small one, and see the ranking.",
-        ];
-        Ok(drawing(self, (caption, alt), (svg, csv(steps)), (notes, reading)))
+        Ok(Drawing::of(self, (caption, alt), (svg, csv(steps)), notes))
     }
 }

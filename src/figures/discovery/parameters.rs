@@ -1,15 +1,14 @@
 //! The parameters of the explanation with their intervals, relative to their estimates.
 
 use super::rows::Rows;
-use super::{DiscoveryFigure, drawing};
+
 use crate::discover::{Discovery, Step, identified, open_ends};
 use crate::figures::axes::{Axis, Panel};
 use crate::figures::canvas::{Anchor, Canvas, Stroke, Type, document};
-use crate::figures::comparison::words::count;
 use crate::figures::legend::{Entry, Key, legend};
 use crate::figures::marks::Mark;
-use crate::figures::style::{GREY, GRID, INK, SLIP, STATIC, Table, WIDTH, cell, significant, text_width};
-use crate::figures::{Drawing, FigureError};
+use crate::figures::style::{GREY, GRID, INK, SLIP, STATIC, Table, WIDTH, cell, count, significant, text_width};
+use crate::figures::{Drawing, Figure, FigureError};
 use crate::fit::{Interval, Parameter};
 use crate::report::format::quantity;
 
@@ -129,13 +128,21 @@ fn csv(step: &Step) -> String {
     table.finish()
 }
 
-impl DiscoveryFigure for Parameters {
+impl Figure<Discovery> for Parameters {
     fn name(&self) -> &'static str {
         "parameters"
     }
 
     fn title(&self) -> &'static str {
         "What the data determine"
+    }
+
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "Short intervals: the readings fix the number, and a second set should give it again.",
+            "Arrows: these readings leave the number open, however well the curve fits.",
+            "Do not use an open number outside the range of these readings; measure where it matters.",
+        ]
     }
 
     fn draw(&self, discovery: &Discovery) -> Result<Drawing, FigureError> {
@@ -156,11 +163,6 @@ impl DiscoveryFigure for Parameters {
         );
         let svg = draw(step, self.title(), &alt)?;
         let notes = vec![("Bounded on both sides".to_string(), format!("{bounded} of {all}"))];
-        let reading = [
-            "Short intervals: the readings fix the number, and a second set should give it again.",
-            "Arrows: these readings leave the number open, however well the curve fits.",
-            "Do not use an open number outside the range of these readings; measure where it matters.",
-        ];
-        Ok(drawing(self, (caption, alt), (svg, csv(step)), (notes, reading)))
+        Ok(Drawing::of(self, (caption, alt), (svg, csv(step)), notes))
     }
 }

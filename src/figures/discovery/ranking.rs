@@ -1,17 +1,16 @@
 //! The candidates by Schwarz's criterion: how far each is behind the best one.
 
 use super::rows::Rows;
-use super::{DiscoveryFigure, drawing};
+
 use crate::discover::{Candidate, Discovery, MARGIN};
 use crate::figures::axes::Axis;
 use crate::figures::canvas::{Anchor, Canvas, Stroke, Type, document};
-use crate::figures::comparison::words::count;
 use crate::figures::legend::{Entry, Key, legend};
 use crate::figures::marks::Mark;
 use crate::figures::style::{
-    Color, GREY, GRID, INK, ROLLER, SHADE, SLIP, STATIC, Table, WHITE, WIDTH, cell, significant,
+    Color, GREY, GRID, INK, ROLLER, SHADE, SLIP, STATIC, Table, WHITE, WIDTH, cell, count, significant,
 };
-use crate::figures::{Drawing, FigureError};
+use crate::figures::{Drawing, Figure, FigureError};
 
 const TOP: f64 = 52.0;
 /// Room for the numbers at the right.
@@ -137,13 +136,21 @@ fn csv(d: &Discovery) -> String {
     table.finish()
 }
 
-impl DiscoveryFigure for Ranking {
+impl Figure<Discovery> for Ranking {
     fn name(&self) -> &'static str {
         "ranking"
     }
 
     fn title(&self) -> &'static str {
         "The candidates, ranked"
+    }
+
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "One cause (or the base) alone in the band, or with companions that contain it and add a number that gains nothing.",
+            "Different causes together in the band: these data cannot tell them apart, whatever the best one is called.",
+            "Measure next where the rivals in the band differ most; the discovery names the place.",
+        ]
     }
 
     fn draw(&self, discovery: &Discovery) -> Result<Drawing, FigureError> {
@@ -171,11 +178,6 @@ impl DiscoveryFigure for Ranking {
         if let Some(second) = second {
             notes.push(("First one outside the band".into(), format!("{} behind", significant(second, 3))));
         }
-        let reading = [
-            "One cause (or the base) alone in the band, or with companions that contain it and add a number that gains nothing.",
-            "Different causes together in the band: these data cannot tell them apart, whatever the best one is called.",
-            "Measure next where the rivals in the band differ most; the discovery names the place.",
-        ];
-        Ok(drawing(self, (caption, alt), (svg, csv(discovery)), (notes, reading)))
+        Ok(Drawing::of(self, (caption, alt), (svg, csv(discovery)), notes))
     }
 }
