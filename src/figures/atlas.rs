@@ -21,7 +21,7 @@ const CEILING: f64 = 2.5;
 const READING: [&str; 3] = [
     "Your misfit has the shape of one of these changes, in the same conditions and with the same sign.",
     "A change that shows where your readings show none: then this effect alone is not what is missing.",
-    "`stickslip add NAME SCENARIO` fits this effect to your readings; measure the condition in which it parts most from its rivals.",
+    "Fit it to your readings with the command stickslip add; then measure the condition in which it parts most from its rivals.",
 ];
 const AMPLITUDE: &str = "amplitude per drive α/u₀ [rad/m]";
 
@@ -159,13 +159,15 @@ fn drawing(lines: &[Line<'_>], words: (&str, &str)) -> Result<String, FigureErro
             heading(canvas, &upper, name, &lines[0].curves[index]);
             for line in lines {
                 let curve = &line.curves[index];
-                draw_curve(&upper, canvas, curve, line.stroke, per_drive(curve));
-                for run in unbroken(&data::steady(curve, degrees)) {
-                    lower.curve(canvas, run, line.stroke);
-                    if run.len() == 1 {
-                        lower.marks(canvas, run, Mark::Circle, 3.0, line.stroke.color, true);
+                canvas.series(&line.label, |canvas| {
+                    draw_curve(&upper, canvas, curve, line.stroke, per_drive(curve));
+                    for run in unbroken(&data::steady(curve, degrees)) {
+                        lower.curve(canvas, run, line.stroke);
+                        if run.len() == 1 {
+                            lower.marks(canvas, run, Mark::Circle, 3.0, line.stroke.color, true);
+                        }
                     }
-                }
+                });
             }
         }
     })

@@ -15,6 +15,7 @@ pub mod data;
 pub mod discovery;
 pub mod formulations;
 pub mod friction_independence;
+mod hooks;
 pub mod legend;
 pub mod loops;
 pub mod marks;

@@ -5,7 +5,7 @@ mod text;
 
 pub use text::csv;
 
-use super::columns::{Column, columns};
+use super::columns::{Column, Curve, columns};
 use super::limits::{Limits, Outside};
 use super::multiples::frequencies;
 
@@ -132,7 +132,7 @@ impl<'a> Data<'a> {
                     panel.frame(canvas, lower, index == 0);
                     self.references(canvas, &panel, row, index + 1 == self.columns.len());
                     if self.by_speed {
-                        speeds(canvas, &panel, column, !lower);
+                        canvas.within(&panel, |canvas| speeds(canvas, &panel, column, !lower));
                     }
                     self.panel(canvas, &panel, column, (row, limits));
                     y += height + 18.0;
@@ -145,9 +145,11 @@ impl<'a> Data<'a> {
         canvas.text((left, y), &column.heading, Type::default().bold());
         for (index, curve) in column.curves.iter().enumerate() {
             let y = y + LINE * (index + 1) as f64;
-            canvas.line((left, y - 4.5), (left + 24.0, y - 4.5), Stroke::solid(curve.color, 1.6));
-            canvas.mark(curve.mark, (left + 12.0, y - 4.5), 3.4, curve.color, Stroke::solid(curve.color, 0.4));
-            canvas.text((left + 30.0, y), &curve.label, Type { size: 13.0, ..Type::default() });
+            canvas.key(&curve.label, |canvas| {
+                canvas.line((left, y - 4.5), (left + 24.0, y - 4.5), Stroke::solid(curve.color, 1.6));
+                canvas.mark(curve.mark, (left + 12.0, y - 4.5), 3.4, curve.color, Stroke::solid(curve.color, 0.4));
+                canvas.text((left + 30.0, y), &curve.label, Type { size: 13.0, ..Type::default() });
+            });
         }
     }
 
@@ -155,14 +157,18 @@ impl<'a> Data<'a> {
     fn references(&self, canvas: &mut Canvas, panel: &Panel, row: &Row, named: bool) {
         let stuck = panel.py(row.unit.of(row.stuck));
         let slip = panel.py(0.0);
-        canvas.line((panel.left, stuck), (panel.right(), stuck), Stroke::dashed(INK, 1.4, DASH_SLIP));
-        canvas.line((panel.left, slip), (panel.right(), slip), Stroke::solid(INK, 1.1));
+        canvas.within(panel, |canvas| {
+            canvas.line((panel.left, stuck), (panel.right(), stuck), Stroke::dashed(INK, 1.4, DASH_SLIP));
+            canvas.line((panel.left, slip), (panel.right(), slip), Stroke::solid(INK, 1.1));
+        });
         if named {
-            // Names keep apart where the lines do not.
+            // Names keep apart where the lines do not; they have their place in the whole view only.
             let apart = (0.5 * (18.0 - (slip - stuck))).max(0.0);
             let at = |y: f64| (panel.right() + 8.0, y + 5.0);
-            canvas.text(at(stuck - apart), row.names.0, Type { size: 14.0, ..Type::default() });
-            canvas.text(at(slip + apart), row.names.1, Type { size: 14.0, ..Type::default() });
+            canvas.ticks(panel, (false, false), |canvas| {
+                canvas.text(at(stuck - apart), row.names.0, Type { size: 14.0, ..Type::default() });
+                canvas.text(at(slip + apart), row.names.1, Type { size: 14.0, ..Type::default() });
+            });
         }
     }
 
@@ -172,33 +178,41 @@ impl<'a> Data<'a> {
             let ((x, y), sd) = (place(p), row.unit.of((row.sd)(p)));
             panel.curve(canvas, &[(x, y - sd), (x, y + sd)], Stroke::solid(color, width));
         };
+        let of_curve = |canvas: &mut Canvas, curve: &Curve, draw: &dyn Fn(&mut Canvas)| {
+            canvas.series(&curve.label, |canvas| canvas.within(panel, draw));
+        };
         for curve in &column.curves {
-            for p in curve.measured.iter().filter(|p| limits.vague(p, row)) {
-                bar(canvas, p, curve.color.faded(), 0.9);
-                mark(canvas, panel, place(p), (curve.mark, curve.color.faded()));
-            }
+            of_curve(canvas, curve, &|canvas| {
+                for p in curve.measured.iter().filter(|p| limits.vague(p, row)) {
+                    bar(canvas, p, curve.color.faded(), 0.9);
+                    mark(canvas, panel, place(p), (curve.mark, curve.color.faded()));
+                }
+            });
         }
         for curve in &column.curves {
             let line: Vec<Point> = curve.model.iter().map(|p| place(p)).collect();
-            panel.curve(canvas, &line, Stroke::solid(curve.color, 1.5));
+            of_curve(canvas, curve, &|canvas| panel.curve(canvas, &line, Stroke::solid(curve.color, 1.5)));
         }
         for curve in &column.curves {
-            let clear = || curve.measured.iter().filter(|p| !limits.vague(p, row));
-            clear().for_each(|p| bar(canvas, p, curve.color, 1.1));
-            for p in clear() {
-                mark(canvas, panel, place(p), (curve.mark, curve.color));
-            }
+            of_curve(canvas, curve, &|canvas| {
+                let clear = || curve.measured.iter().filter(|p| !limits.vague(p, row));
+                clear().for_each(|p| bar(canvas, p, curve.color, 1.1));
+                for p in clear() {
+                    mark(canvas, panel, place(p), (curve.mark, curve.color));
+                }
+            });
         }
         for (curve, p) in column.curves.iter().flat_map(|curve| curve.measured.iter().map(move |p| (curve, p))) {
             let color = if limits.vague(p, row) { curve.color.faded() } else { curve.color };
             let x = panel.px(self.x(p));
             let tip =
                 |edge: f64, inwards: f64| [(x, edge), (x - 3.6, edge + 7.0 * inwards), (x + 3.6, edge + 7.0 * inwards)];
-            match limits.outside(p, row) {
-                Some(Outside::Above) => canvas.polygon(&tip(panel.top + 1.0, 1.0), color, None),
-                Some(Outside::Below) => canvas.polygon(&tip(panel.bottom() - 1.0, -1.0), color, None),
-                None => {}
-            }
+            let at = match limits.outside(p, row) {
+                Some(Outside::Above) => tip(panel.top + 1.0, 1.0),
+                Some(Outside::Below) => tip(panel.bottom() - 1.0, -1.0),
+                None => continue,
+            };
+            of_curve(canvas, curve, &|canvas| canvas.polygon(&at, color, None));
         }
     }
 }

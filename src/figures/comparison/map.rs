@@ -4,7 +4,7 @@ use super::sigma::Sigma;
 use super::words;
 
 use crate::compare::{Compared, Comparison};
-use crate::figures::axes::{Axis, Panel};
+use crate::figures::axes::{Axis, Panel, Scale};
 use crate::figures::canvas::{Anchor, Canvas, Stroke, Type, document};
 use crate::figures::style::{Color, GREY, INK, Table, WIDTH, cell, count, diverging, significant};
 use crate::figures::{Drawing, Figure, FigureError};
@@ -81,9 +81,11 @@ impl<'a> Data<'a> {
             for (index, (name, of)) in self.maps.iter().enumerate() {
                 let x = Axis::linear("frequency f [Hz]", low, high);
                 let y = Axis::linear("", rows as f64, 0.0);
-                let y = Axis { low: rows as f64, high: 0.0, ..y };
+                let y = Axis { low: rows as f64, high: 0.0, scale: Scale::Rows, ..y };
                 let panel = Panel { left: left + (width + GAP) * index as f64, top: TOP, width, height, x, y };
-                self.map(canvas, &panel, *of);
+                canvas.areas(&panel, |canvas| self.map(canvas, &panel, *of));
+                let frame = Panel { y: Axis::rows(), ..panel.clone() };
+                frame.border(canvas, 1.0);
                 panel.heading(canvas, name);
                 panel.labels(canvas, true, false);
             }
@@ -126,8 +128,6 @@ impl<'a> Data<'a> {
             let (t, b) = (y(region.condition) + 2.0, y(region.condition + 1) - 2.0);
             canvas.polyline(&[(l, t), (r, t), (r, b), (l, b), (l, t)], Stroke::solid(INK, 1.6));
         }
-        let frame = Panel { y: Axis::linear("", 0.2, 0.8).step(2.0), ..panel.clone() };
-        frame.border(canvas, 1.0);
     }
 
     fn bar(&self, canvas: &mut Canvas, left: f64, height: f64) {

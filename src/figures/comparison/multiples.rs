@@ -50,12 +50,15 @@ impl Multiples<'_> {
             for (index, &(condition, setting)) in self.shown.iter().enumerate() {
                 let at = grid.cell(index);
                 let Cell { left, top, width, .. } = at;
-                let y = Axis { label: String::new(), ..self.y.clone() };
+                let y = Axis { label: self.label.clone(), ..self.y.clone() };
                 let main = Panel { left, top, width, height: grid.main, x: self.x.clone(), y };
-                main.frame(canvas, false, at.first);
+                canvas.register(&main);
+                // All panels share one label beside them.
+                let bare = Panel { y: Axis { label: String::new(), ..main.y.clone() }, ..main.clone() };
+                bare.frame(canvas, false, at.first);
                 heading(canvas, &main, (&words::speed(setting), &words::load_and_drive(setting)));
                 values(canvas, &main, condition);
-                let strip = Panel { top: at.strip, height: grid.strip, y: Axis::linear("", -1.0, 1.0), ..main };
+                let strip = Panel { top: at.strip, height: grid.strip, y: self.scale.axis("error [σ]"), ..main };
                 self.ground(canvas, &strip);
                 errors(canvas, &strip, condition);
                 self.edge(canvas, &strip, &at);
@@ -66,21 +69,24 @@ impl Multiples<'_> {
     /// The band of plausible errors and the line of none.
     fn ground(&self, canvas: &mut Canvas, strip: &Panel) {
         let band = self.scale.place(BAND);
-        canvas.rectangle((strip.left, strip.py(band)), strip.width, strip.py(-band) - strip.py(band), SHADE, None);
-        canvas.line((strip.left, strip.py(0.0)), (strip.right(), strip.py(0.0)), Stroke::solid(GREY, 0.8));
+        canvas.areas(strip, |canvas| {
+            canvas.rectangle((strip.left, strip.py(band)), strip.width, strip.py(-band) - strip.py(band), SHADE, None);
+            canvas.line((strip.left, strip.py(0.0)), (strip.right(), strip.py(0.0)), Stroke::solid(GREY, 0.8));
+        });
     }
 
     /// Frame, ticks and labels of a strip.
     fn edge(&self, canvas: &mut Canvas, strip: &Panel, at: &Cell) {
         strip.border(canvas, 0.0);
-        let foot = Panel { x: Axis { label: "frequency f [Hz]".into(), ..strip.x.clone() }, ..strip.clone() };
-        foot.labels(canvas, at.last, false);
+        strip.labels(canvas, at.last, false);
         if at.first {
             let small = Type { size: 13.0, ..Type::at(Anchor::End) };
             let top = self.scale.top();
-            for (tick, text) in [(top, significant(top, 3)), (0.0, "0".into()), (-top, significant(-top, 3))] {
-                canvas.text((strip.left - 6.0, strip.py(self.scale.place(tick)) + 4.5), &text, small);
-            }
+            canvas.ticks(strip, (false, true), |canvas| {
+                for (tick, text) in [(top, significant(top, 3)), (0.0, "0".into()), (-top, significant(-top, 3))] {
+                    canvas.text((strip.left - 6.0, strip.py(self.scale.place(tick)) + 4.5), &text, small);
+                }
+            });
             let upright = Type { size: 13.0, anchor: Anchor::Middle, upwards: true, ..Type::default() };
             canvas.text((strip.left - 52.0, strip.top + 0.5 * strip.height), "error [σ]", upright);
         }

@@ -19,6 +19,10 @@ use std::f64::consts::PI;
 /// Standard deviations on either side of a point that its bar spans.
 pub const BAR: f64 = 1.96;
 const MODEL: Color = STATIC;
+/// Names of what is drawn.
+pub const MEASURED: &str = "measured, 95 % bars";
+const AMPLITUDES: &str = "error of amplitude";
+const PHASES: &str = "error of phase";
 
 /// Amplitudes, or their companion for phases.
 pub struct Overlay {
@@ -110,12 +114,16 @@ impl<'a> Data<'a> {
     /// Draws the readings of a condition with their bars.
     pub fn readings(&self, canvas: &mut Canvas, panel: &Panel, condition: usize) {
         let points = self.measured(condition);
-        for &(f, y, bar) in &points {
-            panel.curve(canvas, &[(f, y - bar), (f, y + bar)], Stroke::solid(INK, 1.2));
-        }
-        for &(f, y, _) in &points {
-            canvas.dot((panel.px(f), panel.py(y)), 2.3, INK);
-        }
+        canvas.series(MEASURED, |canvas| {
+            canvas.within(panel, |canvas| {
+                for &(f, y, bar) in &points {
+                    panel.curve(canvas, &[(f, y - bar), (f, y + bar)], Stroke::solid(INK, 1.2));
+                }
+                for &(f, y, _) in &points {
+                    canvas.dot((panel.px(f), panel.py(y)), 2.3, INK);
+                }
+            });
+        });
     }
 
     fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
@@ -123,7 +131,7 @@ impl<'a> Data<'a> {
         let multiples = Multiples {
             legend: self.legend(),
             label: self.label(),
-            x: frequencies("", self.c.points.iter().map(|p| p.point.frequency)),
+            x: frequencies("frequency f [Hz]", self.c.points.iter().map(|p| p.point.frequency)),
             y: self.axis(&self.shown, curves),
             scale: &self.scale,
             shown: self.shown.iter().map(|&i| (i, self.setting(i))).collect(),
@@ -134,12 +142,12 @@ impl<'a> Data<'a> {
 
     fn main(&self, canvas: &mut Canvas, panel: &Panel, condition: usize) {
         let curve = self.curve(condition);
-        for run in unbroken(&curve) {
-            panel.curve(canvas, run, Stroke::solid(MODEL, 2.2));
-        }
+        canvas.series("model", |canvas| {
+            unbroken(&curve).iter().for_each(|run| panel.curve(canvas, run, Stroke::solid(MODEL, 2.2)));
+        });
         self.readings(canvas, panel, condition);
         let far: Vec<Point> = self.outliers(condition).collect();
-        panel.marks(canvas, &far, Mark::Diamond, 5.5, SLIP, true);
+        canvas.series("outlier", |canvas| panel.marks(canvas, &far, Mark::Diamond, 5.5, SLIP, true));
     }
 
     /// Places of the readings that stand out.
@@ -157,31 +165,34 @@ impl<'a> Data<'a> {
         let residual = |p: &Compared| (p.point.frequency, self.scale.place(p.amplitude_residual));
         if !self.phase {
             let line: Vec<Point> = self.points(condition).map(residual).collect();
-            self.residuals(canvas, panel, &line, MODEL);
+            canvas.series(AMPLITUDES, |canvas| self.residuals(canvas, panel, &line, MODEL));
         }
         let place = |p: &Compared| Some((p.point.frequency, self.scale.place(p.phase_residual?)));
         let line: Vec<Point> = self.points(condition).filter_map(place).collect();
-        self.residuals(canvas, panel, &line, if self.phase { MODEL } else { SLIP });
+        let color = if self.phase { MODEL } else { SLIP };
+        canvas.series(PHASES, |canvas| self.residuals(canvas, panel, &line, color));
     }
 
     fn residuals(&self, canvas: &mut Canvas, panel: &Panel, points: &[Point], color: Color) {
-        panel.curve(canvas, points, Stroke::solid(color, 0.9));
-        for &(f, y) in points {
-            canvas.dot((panel.px(f), panel.py(y)), 1.9, color);
-        }
+        canvas.within(panel, |canvas| {
+            panel.curve(canvas, points, Stroke::solid(color, 0.9));
+            for &(f, y) in points {
+                canvas.dot((panel.px(f), panel.py(y)), 1.9, color);
+            }
+        });
     }
 
     fn legend(&self) -> Vec<Entry> {
         let mut entries = vec![
-            (Key::Mark(Mark::Circle, INK, true), "measured, 95 % bars".into()),
+            (Key::Mark(Mark::Circle, INK, true), MEASURED.into()),
             (Key::Line(Stroke::solid(MODEL, 2.2)), "model".into()),
         ];
         if self.phase {
-            entries.push((Key::Mark(Mark::Circle, MODEL, true), "error of phase".into()));
+            entries.push((Key::Mark(Mark::Circle, MODEL, true), PHASES.into()));
         } else {
-            entries.push((Key::Mark(Mark::Circle, MODEL, true), "error of amplitude".into()));
+            entries.push((Key::Mark(Mark::Circle, MODEL, true), AMPLITUDES.into()));
             if self.c.points.iter().any(|p| p.phase_residual.is_some()) {
-                entries.push((Key::Mark(Mark::Circle, SLIP, true), "error of phase".into()));
+                entries.push((Key::Mark(Mark::Circle, SLIP, true), PHASES.into()));
             }
         }
         entries.push((Key::Patch(SHADE), format!("within ±{BAND} σ")));

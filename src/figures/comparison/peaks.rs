@@ -7,7 +7,7 @@ use crate::figures::axes::{Axis, Panel};
 use crate::figures::canvas::{Anchor, Canvas, Stroke, Type, document};
 use crate::figures::legend::Key;
 use crate::figures::marks::Mark;
-use crate::figures::style::{GREY, GRID, INK, STATIC, Table, WIDTH, cell, count, significant, text_width};
+use crate::figures::style::{GREY, GRID, INK, STATIC, Table, WHITE, WIDTH, cell, count, significant, text_width};
 use crate::figures::{Drawing, Figure, FigureError};
 
 const TOP: f64 = 48.0;
@@ -60,7 +60,7 @@ impl<'a> Data<'a> {
             for (side, name) in names.iter().enumerate() {
                 let (low, high) = ends(side);
                 let x = Axis::linear(name.clone(), low, high);
-                let y = Axis::linear("", 0.2, 0.8).step(2.0);
+                let y = Axis::rows();
                 let panel = Panel { left: left + (width + GAP) * side as f64, top: TOP, width, height, x, y };
                 self.panel(canvas, &panel, side);
             }
@@ -73,6 +73,26 @@ impl<'a> Data<'a> {
 
     fn panel(&self, canvas: &mut Canvas, panel: &Panel, side: usize) {
         panel.frame(canvas, true, false);
+        canvas.within(panel, |canvas| self.joins(canvas, panel, side));
+        for (shown, name) in [(1, "model"), (0, "measured")] {
+            canvas.series(name, |canvas| canvas.within(panel, |canvas| self.marks(canvas, panel, side, shown)));
+        }
+    }
+
+    /// Marks of the measured (0) or the modelled (1) peaks.
+    fn marks(&self, canvas: &mut Canvas, panel: &Panel, side: usize, shown: usize) {
+        for (index, condition) in self.shown.iter().enumerate() {
+            let Some(value) = self.values(condition)[shown] else { continue };
+            let at = (panel.px(value[side]), TOP + self.row * (index as f64 + 0.5));
+            match shown {
+                0 => canvas.dot(at, 4.2, INK),
+                _ => canvas.mark(Mark::Diamond, at, 6.0, WHITE, Stroke::solid(STATIC, 2.0)),
+            }
+        }
+    }
+
+    /// Lines along the rows, and between the two marks of each.
+    fn joins(&self, canvas: &mut Canvas, panel: &Panel, side: usize) {
         for (index, condition) in self.shown.iter().enumerate() {
             let y = TOP + self.row * (index as f64 + 0.5);
             canvas.line((panel.left, y), (panel.right(), y), Stroke::solid(GRID, 1.0));
@@ -80,13 +100,6 @@ impl<'a> Data<'a> {
             let [measured, model] = values.map(|value| value.map(|value| panel.px(value[side])));
             if let (Some(a), Some(b)) = (measured, model) {
                 canvas.line((a, y), (b, y), Stroke::solid(GREY, 2.4));
-            }
-            if let Some(x) = model {
-                let white = crate::figures::style::WHITE;
-                canvas.mark(Mark::Diamond, (x, y), 6.0, white, Stroke::solid(STATIC, 2.0));
-            }
-            if let Some(x) = measured {
-                canvas.dot((x, y), 4.2, INK);
             }
             if measured.is_none() && model.is_none() {
                 let words = Type { size: 13.0, color: GREY, ..Type::at(Anchor::Middle) };

@@ -23,6 +23,10 @@ const HEIGHT: f64 = 210.0;
 const TOP: f64 = 92.0;
 const BETWEEN: f64 = 18.0;
 
+/// Names of what is drawn.
+const MEASURED: &str = "measured, ± one standard deviation";
+const EXPLANATION: &str = "explanation";
+
 /// The figure.
 pub struct Fingerprint;
 
@@ -102,26 +106,30 @@ impl<'a> Data<'a> {
 
     fn panel(&self, canvas: &mut Canvas, panel: &Panel, condition: usize, (row, limits): (&Row, &Limits)) {
         let place = |p: &ContactPoint| (p.frequency_hz, row.unit.of((row.value)(p)));
-        for p in self.end.comparison.contact.iter().filter(|p| p.condition == condition) {
+        let reading = |canvas: &mut Canvas, p: &ContactPoint| {
             let ((x, y), sd) = (place(p), row.unit.of((row.sd)(p)));
             let ink = if limits.vague(p, row) { INK.faded() } else { INK };
             panel.curve(canvas, &[(x, y - sd), (x, y + sd)], Stroke::solid(ink, 1.1));
             if (limits.low..=limits.high).contains(&y) {
                 canvas.dot((panel.px(x), panel.py(y)), 2.4, ink);
             }
-        }
-        for (points, stroke) in self.models() {
+        };
+        let readings = self.end.comparison.contact.iter().filter(|p| p.condition == condition);
+        canvas.series(MEASURED, |canvas| {
+            canvas.within(panel, |canvas| readings.for_each(|p| reading(canvas, p)));
+        });
+        for ((points, stroke), name) in self.models().into_iter().zip([&name(self.base), EXPLANATION]) {
             let line: Vec<Point> = points.iter().filter(|p| p.condition == condition).map(place).collect();
-            panel.curve(canvas, &line, stroke);
+            canvas.series(name, |canvas| panel.curve(canvas, &line, stroke));
         }
     }
 
     fn legend(&self, canvas: &mut Canvas) {
         let [(_, base), (_, end)] = self.models();
         let entries: [Entry; 3] = [
-            (Key::Mark(Mark::Circle, INK, true), "measured, ± one standard deviation".into()),
+            (Key::Mark(Mark::Circle, INK, true), MEASURED.into()),
             (Key::Line(base), name(self.base)),
-            (Key::Line(end), "explanation".into()),
+            (Key::Line(end), EXPLANATION.into()),
         ];
         let mut x = LEFT;
         for entry in &entries {

@@ -6,7 +6,7 @@ use crate::discover::{Discovery, Step};
 use crate::figures::axes::Panel;
 use crate::figures::canvas::{Canvas, Point, Stroke};
 use crate::figures::comparison::multiples::{Multiples, frequencies};
-use crate::figures::comparison::overlay::{BAR, Data};
+use crate::figures::comparison::overlay::{BAR, Data, MEASURED};
 use crate::figures::comparison::sigma::{BAND, Sigma};
 use crate::figures::comparison::words;
 use crate::figures::legend::{Entry, Key};
@@ -67,7 +67,7 @@ impl<'a> Steps<'a> {
         let multiples = Multiples {
             legend: self.legend(),
             label: self.data[0].label(),
-            x: frequencies("", points.map(|p| p.point.frequency)),
+            x: frequencies("frequency f [Hz]", points.map(|p| p.point.frequency)),
             y: self.data[0].axis(&self.shown, curves),
             scale: &self.scale,
             shown: self.shown.iter().map(|&i| (i, self.data[0].setting(i))).collect(),
@@ -80,9 +80,9 @@ impl<'a> Steps<'a> {
         self.data[0].readings(canvas, panel, condition);
         for (index, data) in self.data.iter().enumerate() {
             let curve = data.curve(condition);
-            for run in unbroken(&curve) {
-                panel.curve(canvas, run, self.stroke(index, 2.2));
-            }
+            canvas.series(&name(&self.steps[index]), |canvas| {
+                unbroken(&curve).iter().for_each(|run| panel.curve(canvas, run, self.stroke(index, 2.2)));
+            });
         }
     }
 
@@ -90,12 +90,13 @@ impl<'a> Steps<'a> {
         for (index, data) in self.data.iter().enumerate() {
             let place = |p: &Compared| Some((p.point.frequency, self.scale.place(residual(p, self.phase)?)));
             let line: Vec<Point> = data.points(condition).filter_map(place).collect();
-            panel.curve(canvas, &line, Stroke::solid(color(index, self.steps.len()), 1.5));
+            let stroke = Stroke::solid(color(index, self.steps.len()), 1.5);
+            canvas.series(&name(&self.steps[index]), |canvas| panel.curve(canvas, &line, stroke));
         }
     }
 
     fn legend(&self) -> Vec<Entry> {
-        let mut entries = vec![(Key::Mark(Mark::Circle, INK, true), "measured, 95 % bars".to_string())];
+        let mut entries = vec![(Key::Mark(Mark::Circle, INK, true), MEASURED.to_string())];
         let line = |(index, step): (usize, &Step)| (Key::Line(self.stroke(index, 2.2)), name(step));
         entries.extend(self.steps.iter().enumerate().map(line));
         entries.push((Key::Patch(SHADE), format!("error within ±{BAND} σ")));

@@ -58,12 +58,12 @@ fn draw(shown: &[&Candidate], title: &str, alt: &str) -> Result<String, FigureEr
         shown.iter().map(|c| place(c.delta_bic)).filter(|p| p.is_finite()).fold(place(4.0 * MARGIN), f64::max);
     let high = 1.06 * largest;
     // The panel names its own ticks: its axis is in places.
-    let panel = rows.panel(rows.left, width, Axis::linear("", -0.04 * high, high).step(1e9));
+    let panel = rows.panel(rows.left, width, Axis::linear("ΔBIC", -0.04 * high, high).step(1e9).sinh(MARGIN, 1.0));
     document((WIDTH, rows.bottom() + 62.0), (title, alt), |canvas| {
         entries(canvas, rows.left, shown);
         let tied = panel.px(place(MARGIN)) - panel.left;
-        canvas.rectangle((panel.left, panel.top), tied, panel.height, SHADE, None);
-        ticks(canvas, &panel, high);
+        canvas.areas(&panel, |canvas| canvas.rectangle((panel.left, panel.top), tied, panel.height, SHADE, None));
+        canvas.ticks(&panel, (true, false), |canvas| ticks(canvas, &panel, high));
         rows.draw(canvas, &[&panel]);
         panel.border(canvas, 0.0);
         let head = |x: f64, text: &str, canvas: &mut Canvas| {
@@ -74,9 +74,14 @@ fn draw(shown: &[&Candidate], title: &str, alt: &str) -> Result<String, FigureEr
         for (index, c) in shown.iter().enumerate() {
             let (_, mark, color) = kind(c);
             let (x, y) = (panel.px(place(c.delta_bic)), rows.y(index));
-            canvas.line((panel.px(0.0), y), (x, y), Stroke::solid(color.faded(), 5.0));
-            let outline = Stroke::solid(color, 1.6);
-            canvas.mark(mark, (x, y), 5.5, if c.testable { color } else { WHITE }, outline);
+            let draw = |canvas: &mut Canvas| {
+                canvas.areas(&panel, |canvas| {
+                    canvas.line((panel.px(0.0), y), (x, y), Stroke::solid(color.faded(), 5.0));
+                });
+                let inner = if c.testable { color } else { WHITE };
+                canvas.within(&panel, |canvas| canvas.mark(mark, (x, y), 5.5, inner, Stroke::solid(color, 1.6)));
+            };
+            canvas.series(kind(c).0, draw);
             let number = Type { size: 13.0, ..Type::at(Anchor::End) };
             let weight = if c.weight < 1e-3 { "< 0.001".into() } else { format!("{:.3}", c.weight) };
             canvas.text((WIDTH - 100.0, y + 4.5), &weight, number);
