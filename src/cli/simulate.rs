@@ -133,8 +133,8 @@ fn write(drawing: Drawing, id: &str, out: &Path) -> Result<FigureInput> {
         files::replace(&out.join(&name), bytes)?;
         names.push(name);
     }
-    let Drawing { name, title, caption, alt, svg, notes, reading, .. } = drawing;
-    Ok(FigureInput { name, title, caption, alt, svg, notes, reading, files: names })
+    let Drawing { name, title, caption, alt, svg, csv, notes, reading } = drawing;
+    Ok(FigureInput { name, title, caption, alt, svg, csv, notes, reading, files: names })
 }
 
 /// Every steady state of an outcome as CSV.

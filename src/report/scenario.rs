@@ -28,6 +28,8 @@ pub struct FigureInput {
     pub svg: String,
     /// Labelled numbers.
     pub notes: Vec<(String, String)>,
+    /// What is shown as a table.
+    pub csv: String,
     /// What good looks like, what bad looks like, what to do.
     pub reading: [String; 3],
     /// Paths of its files relative to the report.
@@ -87,6 +89,7 @@ pub(super) fn figure(scenario_id: &str, input: &FigureInput) -> FigureView {
     };
     FigureView {
         svg: input.svg.clone(),
+        csv: input.csv.clone(),
         anchor,
         name: input.name.clone(),
         title: input.title.clone(),

@@ -149,6 +149,7 @@ pub fn figure(id: &str, name: &str, title: &str) -> FigureInput {
             ("Peak in static contact".into(), "4.581 µrad at 81.57 Hz".into()),
             ("Largest speed amplitude".into(), "0.1683 mm/s at 71.92 Hz".into()),
         ],
+        csv: "frequency [Hz],amplitude [µrad]\n71.19,6.24\n".into(),
         reading: [
             "A row of peaks that moves to the right as the roller slows.",
             "A peak that moves the other way.",
