@@ -36,7 +36,7 @@ const EQUATIONS: [(&str, &str); 4] = [
     ("the arm, driven through one spring and rubbed by the roller", "Jθ″ + Cθ′ + Kθ = a(k₀u + c₀u′) + bF"),
     ("its damping and stiffness", "C = C₀ + 2c₀a², K = K₀ + 2k₀a²"),
     ("bristles of stretch x in series with a slider of slip rate s", "x′ = V − bθ′ − s, F = kc x + cc x′"),
-    ("the slider rests below the Coulomb limit, and slips at it", "s = 0 while |F| < μW, else F = μW"),
+    ("the slider rests below the Coulomb limit, and slips at it", "s = 0 while |F| < μW, else |F| = μW"),
 ];
 
 /// Symbols that are marked wherever a text has them; others could be words or units.
