@@ -3,10 +3,10 @@
 #[path = "figures/layout.rs"]
 mod layout;
 
-use layout::check_layout;
+use layout::{check_drawing, rows};
 use stickslip::compare::{Comparison, Options, compare};
-use stickslip::figures::comparison::{REGISTRY, find};
-use stickslip::figures::{self, Drawing, FigureError};
+use stickslip::figures::comparison::REGISTRY;
+use stickslip::figures::{self, Drawing};
 use stickslip::measurement::{self, Table};
 use stickslip::scenario::{self, Scenario};
 
@@ -67,17 +67,7 @@ fn variants() -> Vec<(&'static str, Comparison)> {
 }
 
 fn drawn(comparison: &Comparison) -> Vec<Drawing> {
-    let draw = |figure: &&dyn figures::comparison::ComparisonFigure| match figure.draw(comparison) {
-        Ok(drawing) => Some(drawing),
-        Err(FigureError::MissingData(_)) => None,
-        Err(why) => panic!("{}: {why}", figure.name()),
-    };
-    REGISTRY.iter().filter_map(draw).collect()
-}
-
-fn rows(drawing: &Drawing) -> Vec<Vec<String>> {
-    let mut reader = csv::Reader::from_reader(drawing.csv.as_bytes());
-    reader.records().map(|record| record.unwrap().iter().map(String::from).collect()).collect()
+    figures::drawings(REGISTRY, comparison).unwrap()
 }
 
 #[test]
@@ -85,18 +75,7 @@ fn every_figure_draws_every_table_twice_alike_with_room_for_every_text() {
     for (name, comparison) in variants() {
         let drawings = drawn(&comparison);
         assert_eq!(drawings, drawn(&comparison), "{name}");
-        for drawing in &drawings {
-            let what = format!("{name}: {}", drawing.name);
-            assert!(drawing.caption.len() > 80 && drawing.alt.len() > 40, "{what}");
-            assert!(drawing.notes.len() >= 4 && drawing.notes.iter().all(|(_, text)| !text.is_empty()), "{what}");
-            assert!(drawing.svg.contains(r##"fill="#FFFFFF""##), "{what} has no background");
-            assert!(!drawing.svg.contains("NaN") && !drawing.svg.contains("inf"), "{what} has a broken coordinate");
-            assert!(drawing.svg.len() < 120_000, "{what}: {} bytes", drawing.svg.len());
-            assert!(!drawing.svg.contains("script"), "{what}");
-            let page = stickslip::report::svg::inline(&drawing.svg, "f-").unwrap_or_else(|| panic!("{what}"));
-            assert_eq!(page.matches("<svg").count(), 1);
-            check_layout(drawing);
-        }
+        drawings.iter().for_each(|drawing| check_drawing(name, drawing));
     }
 }
 
@@ -112,7 +91,7 @@ fn figures_of_phases_need_phases() {
 #[test]
 fn tables_hold_every_reading_and_the_numbers_of_the_comparison() {
     let comparison = compared(1, |_, _| {});
-    let csv = |name: &str| rows(&find(name).unwrap().draw(&comparison).unwrap());
+    let csv = |name: &str| rows(&figures::find(REGISTRY, name).unwrap().draw(&comparison).unwrap());
     let readings = comparison.points.len();
     assert_eq!(csv("misfit-map").len(), readings);
     assert_eq!(csv("contact-fingerprint").len(), 2 * readings);
@@ -138,7 +117,7 @@ fn the_fingerprint_keeps_its_range_where_readings_say_nothing() {
             point.amplitude_sd = 3.0 * point.amplitude;
         }
     });
-    let drawing = |c: &Comparison| find("contact-fingerprint").unwrap().draw(c).unwrap();
+    let drawing = |c: &Comparison| figures::find(REGISTRY, "contact-fingerprint").unwrap().draw(c).unwrap();
     assert!(drawing(&wild).caption.contains("Faded: ") && drawing(&wild).caption.contains("Arrows at the edges: "));
     assert!(!drawing(&calm).caption.contains("Faded: "), "{}", drawing(&calm).caption);
 }

@@ -5,12 +5,12 @@ mod layout;
 #[path = "figures/small_discovery.rs"]
 mod small_discovery;
 
-use layout::check_layout;
+use layout::{check_drawing, check_layout, rows};
 use small_discovery::discovered;
 use std::sync::OnceLock;
 use stickslip::discover::{Discovery, Verdict, identified, open_ends, sentence};
-use stickslip::figures::discovery::{DiscoveryFigure, REGISTRY, find};
-use stickslip::figures::{self, Drawing, FigureError};
+use stickslip::figures::discovery::REGISTRY;
+use stickslip::figures::{self, Drawing};
 use stickslip::fit::{Identified, Interval};
 
 const HOSTILE: &str = "</svg><script>alert(1)</script> µ 漢";
@@ -36,33 +36,13 @@ fn variants() -> &'static [(&'static str, Discovery)] {
 }
 
 fn drawn(discovery: &Discovery) -> Vec<Drawing> {
-    let draw = |figure: &&dyn DiscoveryFigure| match figure.draw(discovery) {
-        Ok(drawing) => Some(drawing),
-        Err(FigureError::MissingData(_)) => None,
-        Err(why) => panic!("{}: {why}", figure.name()),
-    };
-    REGISTRY.iter().filter_map(draw).collect()
-}
-
-fn rows(drawing: &Drawing) -> Vec<Vec<String>> {
-    let mut reader = csv::Reader::from_reader(drawing.csv.as_bytes());
-    reader.records().map(|record| record.unwrap().iter().map(String::from).collect()).collect()
+    figures::drawings(REGISTRY, discovery).unwrap()
 }
 
 fn check(name: &str, discovery: &Discovery) {
     let drawings = drawn(discovery);
     assert_eq!(drawings, drawn(discovery), "{name}");
-    for drawing in &drawings {
-        let what = format!("{name}: {}", drawing.name);
-        assert!(drawing.caption.len() > 80 && drawing.alt.len() > 40, "{what}");
-        assert!(drawing.notes.len() >= 4 && drawing.notes.iter().all(|(_, text)| !text.is_empty()), "{what}");
-        assert!(!drawing.svg.contains("NaN") && !drawing.svg.contains("inf"), "{what} has a broken coordinate");
-        assert!(drawing.svg.len() < 150_000, "{what}: {} bytes", drawing.svg.len());
-        assert!(!drawing.svg.contains("script"), "{what}");
-        let page = stickslip::report::svg::inline(&drawing.svg, "f-").unwrap_or_else(|| panic!("{what}"));
-        assert_eq!(page.matches("<svg").count(), 1);
-        check_layout(drawing);
-    }
+    drawings.iter().for_each(|drawing| check_drawing(name, drawing));
 }
 
 #[test]
@@ -86,7 +66,7 @@ fn tables_hold_the_numbers_of_the_discovery() {
     let d = &variants()[0].1;
     assert_eq!(d.verdict, Verdict::EffectMissing);
     assert!(sentence(d).starts_with("missing: "));
-    let csv = |name: &str| rows(&find(name).unwrap().draw(d).unwrap());
+    let csv = |name: &str| rows(&figures::find(REGISTRY, name).unwrap().draw(d).unwrap());
     let number = |text: &str| text.parse::<f64>().unwrap();
     let ladder = csv("ladder");
     assert_eq!(ladder.len(), d.steps.len());
@@ -121,7 +101,7 @@ fn open_and_extreme_ends_of_intervals_stay_on_the_drawing() {
     assert_eq!(words, ["identified", "only an upper bound", "these data do not determine it", "identified"]);
     let above = Interval { low: comparison.intervals[1].value, high: top, ..comparison.intervals[1] };
     assert_eq!(open_ends(&parameters[1], &above), (false, true));
-    let drawing = find("parameters").unwrap().draw(&d).unwrap();
+    let drawing = figures::find(REGISTRY, "parameters").unwrap().draw(&d).unwrap();
     look("open", &drawing);
     check_layout(&drawing);
 }

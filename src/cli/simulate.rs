@@ -4,9 +4,6 @@ use crate::atlas;
 use crate::compare::Comparison;
 use crate::discover::Discovery;
 use crate::error::{Error, Result};
-use crate::figures::comparison::{ComparisonFigure, REGISTRY};
-use crate::figures::discovery::DiscoveryFigure;
-use crate::figures::trial::TrialFigure;
 use crate::figures::{self, Drawing, Figure, FigureError};
 use crate::files;
 use crate::report::{self, EffectView, FigureInput};
@@ -54,9 +51,9 @@ pub fn outcome(scenario: &Scenario, quiet: bool) -> Result<Outcome> {
 
 fn chosen(scenario: &Scenario) -> Vec<&'static dyn Figure> {
     if scenario.figures.is_empty() {
-        return DEFAULT_FIGURES.iter().filter_map(|name| figures::find(name)).collect();
+        return DEFAULT_FIGURES.iter().filter_map(|name| figures::find(figures::REGISTRY, name)).collect();
     }
-    scenario.figures.iter().filter_map(|name| figures::find(name)).collect()
+    scenario.figures.iter().filter_map(|name| figures::find(figures::REGISTRY, name)).collect()
 }
 
 /// Draws the figures of every outcome and writes them with the curves below `out`; what the report needs of them, per
@@ -98,44 +95,32 @@ pub fn atlas(scenario: &Scenario, out: &Path) -> Result<Vec<EffectView>> {
     drawn.collect()
 }
 
+/// Draws those figures of a registry that the subject can fill, and writes them into the folder `id` below `out`.
+fn drawn<T: Sync + 'static>(
+    registry: &[&'static dyn Figure<T>],
+    subject: &T,
+    id: &str,
+    out: &Path,
+) -> Result<Vec<FigureInput>> {
+    go_on()?;
+    let drawings = figures::drawings(registry, subject).map_err(|why| Error::Unfinished(why.to_string()))?;
+    go_on()?;
+    drawings.into_par_iter().map(|drawing| write(drawing, id, out)).collect()
+}
+
 /// Draws the figures of a comparison that its measurements can fill, and writes them below `out`.
 pub fn comparison(comparison: &Comparison, out: &Path) -> Result<Vec<FigureInput>> {
-    let draw = |figure: &&dyn ComparisonFigure| {
-        go_on()?;
-        match figure.draw(comparison) {
-            Ok(drawing) => write(drawing, &comparison.scenario.id, out).map(Some),
-            Err(FigureError::MissingData(_)) => Ok(None),
-            Err(why) => Err(Error::Unfinished(why.to_string())),
-        }
-    };
-    let drawn: Vec<Option<FigureInput>> = REGISTRY.par_iter().map(draw).collect::<Result<_>>()?;
-    Ok(drawn.into_iter().flatten().collect())
+    drawn(figures::comparison::REGISTRY, comparison, &comparison.scenario.id, out)
 }
 
 /// Draws the figures of a discovery that it can fill, and writes them below `out`.
 pub fn discovery(discovery: &Discovery, out: &Path) -> Result<Vec<FigureInput>> {
-    let id = &discovery.explanation().comparison.scenario.id;
-    let draw = |figure: &&dyn DiscoveryFigure| {
-        go_on()?;
-        match figure.draw(discovery) {
-            Ok(drawing) => write(drawing, id, out).map(Some),
-            Err(FigureError::MissingData(_)) => Ok(None),
-            Err(why) => Err(Error::Unfinished(why.to_string())),
-        }
-    };
-    let drawn: Vec<Option<FigureInput>> = figures::discovery::REGISTRY.par_iter().map(draw).collect::<Result<_>>()?;
-    Ok(drawn.into_iter().flatten().collect())
+    drawn(figures::discovery::REGISTRY, discovery, &discovery.explanation().comparison.scenario.id, out)
 }
 
 /// Draws the figures of a series of trials and writes them below `out`.
 pub fn trial(summary: &Summary, out: &Path) -> Result<Vec<FigureInput>> {
-    let draw = |figure: &&dyn TrialFigure| match figure.draw(summary) {
-        Ok(drawing) => write(drawing, "figures", out).map(Some),
-        Err(FigureError::MissingData(_)) => Ok(None),
-        Err(why) => Err(Error::Unfinished(why.to_string())),
-    };
-    let drawn: Vec<Option<FigureInput>> = figures::trial::REGISTRY.par_iter().map(draw).collect::<Result<_>>()?;
-    Ok(drawn.into_iter().flatten().collect())
+    drawn(figures::trial::REGISTRY, summary, "figures", out)
 }
 
 /// Writes the three files of a drawing into the folder `id` below `out`.
@@ -148,8 +133,8 @@ fn write(drawing: Drawing, id: &str, out: &Path) -> Result<FigureInput> {
         files::replace(&out.join(&name), bytes)?;
         names.push(name);
     }
-    let Drawing { name, title, caption, alt, svg, notes, .. } = drawing;
-    Ok(FigureInput { name, title, caption, alt, svg, notes, files: names })
+    let Drawing { name, title, caption, alt, svg, csv, notes, reading } = drawing;
+    Ok(FigureInput { name, title, caption, alt, svg, csv, notes, reading, files: names })
 }
 
 /// Every steady state of an outcome as CSV.

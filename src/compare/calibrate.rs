@@ -5,6 +5,7 @@ use crate::fit::{CONVERGED, Fit, HUBER, Parameter, Problem, Settings, minimise, 
 use crate::measurement::Point;
 use crate::model::Model;
 use crate::solver::cycle::Tolerance;
+use crate::statistics::{median, spread};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
@@ -18,8 +19,6 @@ const EVALUATIONS: usize = 60;
 const OUTLYING: f64 = 5.0;
 /// Neighbours on either side.
 const NEIGHBOURS: usize = 3;
-/// Share of the median absolute deviation in the standard deviation of a normal distribution.
-const MAD: f64 = 1.4826;
 
 /// A calibrated model.
 #[derive(Debug, Clone)]
@@ -104,17 +103,7 @@ pub(crate) fn scattered(parameters: &[Parameter], number: u32, seed: u32) -> Vec
 
 /// Robust standard deviation of residuals about zero.
 pub(crate) fn scale(residuals: &DVector<f64>) -> f64 {
-    MAD * median(residuals.iter().map(|r| r.abs()).collect())
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let n = values.len();
-    match n {
-        0 => 0.0,
-        _ if n % 2 == 1 => values[n / 2],
-        _ => 0.5 * (values[n / 2 - 1] + values[n / 2]),
-    }
+    spread(residuals.iter().copied(), 0.0)
 }
 
 /// Readings that are far off where their neighbours along the frequency are not. `residuals` holds (row, residual) of one
@@ -127,9 +116,9 @@ pub(crate) fn outliers(column: &'static str, residuals: &[(usize, f64)]) -> Vec<
         if near.len() < NEIGHBOURS {
             continue;
         }
-        let middle = median(near.clone());
-        let spread = MAD * median(near.iter().map(|r| (r - middle).abs()).collect());
-        if (residual - middle).abs() > OUTLYING * spread.max(1.0) {
+        let middle = median(near.iter().copied());
+        let scatter = spread(near, middle);
+        if (residual - middle).abs() > OUTLYING * scatter.max(1.0) {
             found.push(Outlier { row, column, sigma: residual });
         }
     }

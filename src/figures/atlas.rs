@@ -18,6 +18,11 @@ const LEFT: f64 = 92.0;
 const GAP: f64 = 38.0;
 /// Largest amplitude shown, in those of the base.
 const CEILING: f64 = 2.5;
+const READING: [&str; 3] = [
+    "Your misfit has the shape of one of these changes, in the same conditions and with the same sign.",
+    "A change that shows where your readings show none: then this effect alone is not what is missing.",
+    "Fit it to your readings with the command stickslip add; then measure the condition in which it parts most from its rivals.",
+];
 const AMPLITUDE: &str = "amplitude per drive α/u₀ [rad/m]";
 
 /// A curve with its line and its label.
@@ -56,7 +61,16 @@ pub fn draw(entry: &Entry) -> Result<Drawing, FigureError> {
     );
     let svg = drawing(&lines, (&title, &alt))?;
     let notes = notes(&lines);
-    Ok(Drawing { name: entry.effect.name().into(), title, caption, alt, svg, csv: csv(&lines), notes })
+    Ok(Drawing {
+        name: entry.effect.name().into(),
+        title,
+        caption,
+        alt,
+        svg,
+        csv: csv(&lines),
+        notes,
+        reading: READING.map(String::from),
+    })
 }
 
 fn steady(curve: &Curve) -> usize {
@@ -145,13 +159,15 @@ fn drawing(lines: &[Line<'_>], words: (&str, &str)) -> Result<String, FigureErro
             heading(canvas, &upper, name, &lines[0].curves[index]);
             for line in lines {
                 let curve = &line.curves[index];
-                draw_curve(&upper, canvas, curve, line.stroke, per_drive(curve));
-                for run in unbroken(&data::steady(curve, degrees)) {
-                    lower.curve(canvas, run, line.stroke);
-                    if run.len() == 1 {
-                        lower.marks(canvas, run, Mark::Circle, 3.0, line.stroke.color, true);
+                canvas.series(&line.label, |canvas| {
+                    draw_curve(&upper, canvas, curve, line.stroke, per_drive(curve));
+                    for run in unbroken(&data::steady(curve, degrees)) {
+                        lower.curve(canvas, run, line.stroke);
+                        if run.len() == 1 {
+                            lower.marks(canvas, run, Mark::Circle, 3.0, line.stroke.color, true);
+                        }
                     }
-                }
+                });
             }
         }
     })

@@ -11,6 +11,17 @@ use plotters::coord::types::RangedCoordf64;
 const X_SPACING: f64 = 88.0;
 const Y_SPACING: f64 = 46.0;
 
+/// What places on an axis stand for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Scale {
+    /// The value itself.
+    Value,
+    /// a sinh(b place): a scale that is linear near zero and logarithmic far from it.
+    Sinh(f64, f64),
+    /// Rows of names, without values.
+    Rows,
+}
+
 /// An axis in displayed units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
@@ -24,6 +35,8 @@ pub struct Axis {
     pub log: bool,
     /// Fixed distance of the ticks of a linear axis.
     pub step: Option<f64>,
+    /// What places stand for.
+    pub scale: Scale,
 }
 
 impl Axis {
@@ -39,7 +52,7 @@ impl Axis {
         } else {
             0.05 * scale
         };
-        Self { label: label.into(), low: low - pad, high: high + pad, log: false, step: None }
+        Self { label: label.into(), low: low - pad, high: high + pad, log: false, step: None, scale: Scale::Value }
     }
 
     /// A linear axis around the values with a margin; from zero where they are positive and come near it.
@@ -57,12 +70,23 @@ impl Axis {
         let (low, high) = range(values.into_iter().filter(|value| *value > 0.0).map(f64::log10));
         let (low, high) = if !low.is_finite() { (-1.0, 0.0) } else { (low, high) };
         let pad = if high - low < 0.05 { 0.3 } else { margin * (high - low) };
-        Self { label: label.into(), low: 10f64.powf(low - pad), high: 10f64.powf(high + pad), log: true, step: None }
+        let (low, high) = (10f64.powf(low - pad), 10f64.powf(high + pad));
+        Self { label: label.into(), low, high, log: true, step: None, scale: Scale::Value }
     }
 
     /// The same with ticks at multiples of `step`.
     pub fn step(self, step: f64) -> Self {
         Self { step: Some(step), ..self }
+    }
+
+    /// An axis of rows that names nothing itself.
+    pub fn rows() -> Self {
+        Self { scale: Scale::Rows, ..Self::linear("", 0.2, 0.8).step(2.0) }
+    }
+
+    /// The same with places that stand for a sinh(b place).
+    pub fn sinh(self, a: f64, b: f64) -> Self {
+        Self { scale: Scale::Sinh(a, b), ..self }
     }
 
     /// Place of a value between the ends of the axis, given in logical pixels; none for what has no place on it.
@@ -129,6 +153,13 @@ impl Panel {
     /// Grid, frame, ticks and labels; tick labels and label of the horizontal axis only where `below` is set, those of
     /// the vertical axis only where `beside` is set.
     pub fn frame(&self, canvas: &mut Canvas, below: bool, beside: bool) {
+        canvas.ticks(self, (below, beside), |canvas| self.grid(canvas));
+        self.border(canvas, -1.0);
+        self.labels(canvas, below, beside);
+    }
+
+    /// Lines at the named ticks.
+    fn grid(&self, canvas: &mut Canvas) {
         let grid = Stroke::solid(GRID, 1.0);
         for (value, _) in self.x.ticks(self.width, X_SPACING).iter().filter(|(_, label)| !label.is_empty()) {
             canvas.line((self.px(*value), self.top), (self.px(*value), self.bottom()), grid);
@@ -136,22 +167,22 @@ impl Panel {
         for (value, _) in self.y.ticks(self.height, Y_SPACING).iter().filter(|(_, label)| !label.is_empty()) {
             canvas.line((self.left, self.py(*value)), (self.right(), self.py(*value)), grid);
         }
-        self.border(canvas, -1.0);
-        self.labels(canvas, below, beside);
     }
 
     /// Frame with its tick marks; they point outwards for `direction` 1, inwards for -1.
     pub fn border(&self, canvas: &mut Canvas, direction: f64) {
         let thin = Stroke::solid(INK, 1.2);
         let length = |label: &str| direction * if label.is_empty() { 3.5 } else { 6.5 };
-        for (value, label) in self.x.ticks(self.width, X_SPACING) {
-            let x = self.px(value);
-            canvas.line((x, self.bottom()), (x, self.bottom() + length(&label)), thin);
-        }
-        for (value, label) in self.y.ticks(self.height, Y_SPACING) {
-            let y = self.py(value);
-            canvas.line((self.left, y), (self.left - length(&label), y), thin);
-        }
+        canvas.ticks(self, (false, false), |canvas| {
+            for (value, label) in self.x.ticks(self.width, X_SPACING) {
+                let x = self.px(value);
+                canvas.line((x, self.bottom()), (x, self.bottom() + length(&label)), thin);
+            }
+            for (value, label) in self.y.ticks(self.height, Y_SPACING) {
+                let y = self.py(value);
+                canvas.line((self.left, y), (self.left - length(&label), y), thin);
+            }
+        });
         let (l, r, t, b) = (self.left, self.right(), self.top, self.bottom());
         canvas.polyline(&[(l, t), (r, t), (r, b), (l, b), (l, t)], thin);
     }
@@ -159,17 +190,22 @@ impl Panel {
     /// Tick labels and axis labels below and beside the panel.
     pub fn labels(&self, canvas: &mut Canvas, below: bool, beside: bool) {
         let style = Type { size: LABEL_SIZE, anchor: Anchor::Middle, ..Type::default() };
+        let named = |ticks: Vec<(f64, String)>| ticks.into_iter().filter(|(_, label)| !label.is_empty());
         if below {
-            for (value, label) in self.x.ticks(self.width, X_SPACING).iter().filter(|(_, label)| !label.is_empty()) {
-                canvas.text((self.px(*value), self.bottom() + 21.0), label, Type::at(Anchor::Middle));
-            }
+            canvas.ticks(self, (true, false), |canvas| {
+                for (value, label) in named(self.x.ticks(self.width, X_SPACING)) {
+                    canvas.text((self.px(value), self.bottom() + 21.0), &label, Type::at(Anchor::Middle));
+                }
+            });
             canvas.text((self.left + 0.5 * self.width, self.bottom() + 46.0), &self.x.label, style);
         }
         if beside {
-            for (value, label) in self.y.ticks(self.height, Y_SPACING).iter().filter(|(_, label)| !label.is_empty()) {
-                let position = (self.left - 9.0, self.py(*value) + 0.36 * TICK_SIZE);
-                canvas.text(position, label, Type::at(Anchor::End));
-            }
+            canvas.ticks(self, (false, true), |canvas| {
+                for (value, label) in named(self.y.ticks(self.height, Y_SPACING)) {
+                    let position = (self.left - 9.0, self.py(value) + 0.36 * TICK_SIZE);
+                    canvas.text(position, &label, Type::at(Anchor::End));
+                }
+            });
             let position = (self.left - 68.0, self.top + 0.5 * self.height);
             canvas.text(position, &self.y.label, Type { upwards: true, ..style });
         }
@@ -179,20 +215,22 @@ impl Panel {
     pub fn curve(&self, canvas: &mut Canvas, points: &[Point], stroke: Stroke) {
         let pixels: Vec<Point> = points.iter().map(|&(x, y)| (self.px(x), self.py(y))).collect();
         let window = ((self.left, self.top), (self.right(), self.bottom()));
-        for run in clip::polyline(&pixels, window) {
-            canvas.polyline(&run, stroke);
+        let runs = clip::polyline(&pixels, window);
+        if !runs.is_empty() {
+            canvas.within(self, |canvas| runs.iter().for_each(|run| canvas.polyline(run, stroke)));
         }
     }
 
     /// Marks at the points that lie in the panel; a mark without fill is open.
     pub fn marks(&self, canvas: &mut Canvas, points: &[Point], mark: Mark, radius: f64, color: Color, filled: bool) {
         let outline = if filled { Stroke::solid(WHITE, 0.8) } else { Stroke::solid(color, 1.6) };
-        for &(x, y) in points {
-            let (x, y) = (self.px(x), self.py(y));
-            let across = self.left - 0.5..=self.right() + 0.5;
-            if across.contains(&x) && (self.top - 0.5..=self.bottom() + 0.5).contains(&y) {
-                canvas.mark(mark, (x, y), radius, if filled { color } else { WHITE }, outline);
-            }
+        let (across, up) = (self.left - 0.5..=self.right() + 0.5, self.top - 0.5..=self.bottom() + 0.5);
+        let pixels = points.iter().map(|&(x, y)| (self.px(x), self.py(y)));
+        let inside: Vec<Point> = pixels.filter(|(x, y)| across.contains(x) && up.contains(y)).collect();
+        if !inside.is_empty() {
+            let color_inside = if filled { color } else { WHITE };
+            let draw = |canvas: &mut Canvas, at| canvas.mark(mark, at, radius, color_inside, outline);
+            canvas.within(self, |canvas| inside.iter().for_each(|&at| draw(canvas, at)));
         }
     }
 

@@ -5,10 +5,11 @@
 
 use super::FigureError;
 use super::compact::compact;
+use super::hooks::{self, Hooks};
 pub use super::pen::{Anchor, Dash, Stroke, Type};
 use super::style::{Color, WHITE, text_width, typeface};
 use plotters::coord::Shift;
-use plotters::element::{DashedPathElement, DottedPathElement, Drawable, PointCollection};
+use plotters::element::{Drawable, PointCollection};
 use plotters::prelude::*;
 use plotters::style::Color as _;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -36,6 +37,7 @@ fn fill(Color(red, green, blue): Color) -> ShapeStyle {
 pub struct Canvas<'a> {
     area: DrawingArea<SVGBackend<'a>, Shift>,
     failure: Option<String>,
+    pub(super) hooks: Hooks,
 }
 
 /// The SVG document of that width and height with its title and text alternative, as `draw` draws it on white.
@@ -49,34 +51,32 @@ pub fn document(
 ) -> Result<String, FigureError> {
     let mut svg = String::new();
     let backend = SVGBackend::with_string(&mut svg, (fine(width) as u32, fine(height) as u32));
-    let mut canvas = Canvas { area: backend.into_drawing_area(), failure: None };
+    let mut canvas = Canvas { area: backend.into_drawing_area(), failure: None, hooks: Hooks::default() };
     canvas.rectangle((0.0, 0.0), width, height, WHITE, None);
     draw(&mut canvas);
     let done = canvas.area.present().map_err(|error| error.to_string());
     if let Some(reason) = canvas.failure.take().or(done.err()) {
         return Err(FigureError::Render(reason));
     }
+    let hooks = std::mem::take(&mut canvas.hooks);
     drop(canvas);
-    Ok(dress(&svg, (width, height), (title, alt)))
+    Ok(dress(&svg, &hooks, (width, height), (title, alt)))
 }
 
 /// Sets the outer size back to logical pixels, and adds what plotters cannot write: title and text alternative, round
 /// corners of lines, and baselines exactly where they were asked for.
-fn dress(svg: &str, (width, height): (f64, f64), (title, alt): (&str, &str)) -> String {
+fn dress(svg: &str, hooks: &Hooks, (width, height): (f64, f64), (title, alt): (&str, &str)) -> String {
     let body = svg.split_once('\n').map_or("", |(_, body)| body);
-    let body = compact(&body.replace(r#" dy="-0.5ex""#, "").replace(r#" opacity="1""#, ""));
+    let body = body.replace(r#" dy="-0.5ex""#, "").replace(r#" opacity="1""#, "");
+    let body = compact(&hooks::dress(&body, hooks));
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {} {}\" role=\"img\" \
          stroke-linejoin=\"round\">\n<title>{}</title>\n<desc>{}</desc>\n{body}",
         fine(width),
         fine(height),
-        escape(title),
-        escape(alt)
+        hooks::escape(title),
+        hooks::escape(alt)
     )
-}
-
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 fn pixel((x, y): Point) -> (i32, i32) {
@@ -98,6 +98,11 @@ impl<'a> Canvas<'a> {
         }
     }
 
+    /// A circle larger than any drawing, which stands for one end of a group.
+    pub(super) fn end(&mut self, number: i32) {
+        self.put(Circle::new((0, 0), hooks::HUGE + number, fill(WHITE)));
+    }
+
     /// A straight line.
     pub fn line(&mut self, from: Point, to: Point, stroke: Stroke) {
         self.polyline(&[from, to], stroke);
@@ -109,17 +114,16 @@ impl<'a> Canvas<'a> {
             return;
         }
         let (points, style) = (pixels(points), line(stroke));
-        match stroke.dash {
-            Dash::Solid => self.put(PathElement::new(points, style)),
-            Dash::Dashes(size, gap) => self.put(DashedPathElement::new(points, fine(size), fine(gap), style)),
+        let dashes = match stroke.dash {
+            Dash::Solid => return self.put(PathElement::new(points, style)),
+            Dash::Dashes(size, gap) => format!("stroke-dasharray=\"{},{}\"", fine(size), fine(gap)),
             Dash::DashDots(size, gap) => {
-                let (dot, radius) = (fill(stroke.color), fine(0.5 * stroke.width));
-                let dots = move |at: (i32, i32)| Circle::new(at, radius, dot);
-                let first = fine(size + 0.5 * gap);
-                self.put(DashedPathElement::new(points.clone(), fine(size), fine(gap), style));
-                self.put(DottedPathElement::new(points, first, fine(size + gap), dots));
+                // Round ends lengthen dashes by the width, and make dots of dashes without length.
+                let (size, gap) = (fine((size - stroke.width).max(0.0)), fine(0.5 * (gap + stroke.width)));
+                format!("stroke-dasharray=\"{size},{gap},0,{gap}\" stroke-linecap=\"round\"")
             }
-        }
+        };
+        self.group(format!("<g {dashes}>"), |canvas| canvas.put(PathElement::new(points, style)));
     }
 
     /// A filled polygon, with an outline where a stroke is given.
@@ -219,15 +223,14 @@ mod tests {
     }
 
     #[test]
-    fn dashes_are_pieces_and_dots_lie_between_them() {
+    fn dashes_are_attributes_of_one_line_and_dots_lie_between_them() {
         let draw = |dash| {
             let line = |canvas: &mut Canvas<'_>| canvas.line((0.0, 5.0), (40.0, 5.0), Stroke::dashed(INK, 2.0, dash));
             document((40.0, 10.0), ("", ""), line).unwrap()
         };
         let dashed = draw(Dash::Dashes(6.0, 4.0));
-        assert_eq!(dashed.matches('M').count(), 4, "{dashed}");
+        assert!(dashed.contains("<g stroke-dasharray=\"96,64\">\n<polyline") && dashed.contains("</g>"), "{dashed}");
         let dotted = draw(Dash::DashDots(6.0, 4.0));
-        assert_eq!((dotted.matches('H').count(), dotted.matches("h0").count()), (4, 4), "{dotted}");
-        assert!(dotted.contains(r#"stroke-width="32" stroke-linecap="round" d="M128,80h0"#), "{dotted}");
+        assert!(dotted.contains(r#"<g stroke-dasharray="64,48,0,48" stroke-linecap="round">"#), "{dotted}");
     }
 }

@@ -103,11 +103,13 @@ impl<'a> Data<'a> {
             upper.frame(canvas, false, true);
             lower.frame(canvas, true, true);
             for (i, group) in self.groups.iter().enumerate() {
-                for curve in &group.curves {
-                    upper.curve(canvas, &self.points(curve), Stroke::solid(self.color(i), 1.6));
-                }
-                let floored: Vec<Point> = group.spread.iter().map(|&(f, s)| (f, s.max(FLOOR))).collect();
-                lower.curve(canvas, &floored, Stroke::solid(self.color(i), 1.8));
+                canvas.series(&significant(group.ratio, 4), |canvas| {
+                    for curve in &group.curves {
+                        upper.curve(canvas, &self.points(curve), Stroke::solid(self.color(i), 1.6));
+                    }
+                    let floored: Vec<Point> = group.spread.iter().map(|&(f, s)| (f, s.max(FLOOR))).collect();
+                    lower.curve(canvas, &floored, Stroke::solid(self.color(i), 1.8));
+                });
             }
             // Marks of different drives are interleaved along the curve so that each stays visible.
             for (i, group) in self.groups.iter().enumerate() {
@@ -116,9 +118,12 @@ impl<'a> Data<'a> {
                     let stride = (points.len() / 9).max(1);
                     let offset = drive * stride / self.drives.len() + i * 2;
                     let some: Vec<Point> = points.iter().copied().skip(offset % stride).step_by(stride).collect();
-                    upper.marks(canvas, &some, MARKS[drive % MARKS.len()], 4.6, self.color(i), drive < MARKS.len());
+                    let (mark, color) = (MARKS[drive % MARKS.len()], self.color(i));
                     let excited = data::self_excited(curve, |s| self.unit.of(s.amplitude / curve.condition.drive));
-                    upper.marks(canvas, &excited, Mark::Circle, 4.0, self.color(i), false);
+                    canvas.series(&significant(group.ratio, 4), |canvas| {
+                        upper.marks(canvas, &some, mark, 4.6, color, drive < MARKS.len());
+                        upper.marks(canvas, &excited, Mark::Circle, 4.0, color, false);
+                    });
                 }
             }
             legend(canvas, upper.right() + 30.0, 20.0, &entries);
@@ -174,6 +179,14 @@ impl Figure for Collapse {
 
     fn title(&self) -> &'static str {
         "Only the ratio of speed to drive matters"
+    }
+
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "Marks of one colour on each other, and a strip at the level of rounding.",
+            "A strip that rises: something depends on speed or drive by itself, such as friction that depends on slip rate.",
+            "Measure the same V/u₀ with two drives: if the curves part, Coulomb friction is not enough.",
+        ]
     }
 
     fn draw(&self, outcome: &Outcome) -> Result<Drawing, FigureError> {

@@ -12,6 +12,9 @@ use crate::sweep::{Curve, Outcome};
 
 const HEIGHT: f64 = 660.0;
 
+/// Name of the guide of a first-order procedure.
+const SLOPE: &str = "slope −1";
+
 /// The figure.
 pub struct Formulations;
 
@@ -72,7 +75,7 @@ impl<'a> Data<'a> {
         }
         if limits {
             entries.push((Key::Mark(Mark::Square, GREY, true), "from Δt → 0".into()));
-            entries.push((Key::Line(Stroke::dashed(INK, 1.6, DASHES[2])), "slope −1".into()));
+            entries.push((Key::Line(Stroke::dashed(INK, 1.6, DASHES[2])), SLOPE.into()));
         }
         let free = WIDTH - 92.0 - 40.0 - legend_width(&entries);
         let width = if steps { 0.5 * (free - 104.0) } else { free };
@@ -96,10 +99,12 @@ impl<'a> Data<'a> {
         panel.curve(canvas, &[(panel.x.low, 0.0), (panel.x.high, 0.0)], Stroke::solid(GREY, 1.2));
         for (i, pair) in self.pairs.iter().enumerate() {
             let points: Vec<Point> = pair.difference.iter().map(|&(f, d)| (f, 100.0 * d)).collect();
-            panel.curve(canvas, &points, Stroke::solid(self.color(i), 2.2));
-            if points.len() < 3 {
-                panel.marks(canvas, &points, Mark::Circle, 5.0, self.color(i), true);
-            }
+            canvas.series(&pair.label, |canvas| {
+                panel.curve(canvas, &points, Stroke::solid(self.color(i), 2.2));
+                if points.len() < 3 {
+                    panel.marks(canvas, &points, Mark::Circle, 5.0, self.color(i), true);
+                }
+            });
         }
         panel
     }
@@ -115,19 +120,21 @@ impl<'a> Data<'a> {
         panel.heading(canvas, "Error of the step size");
         for (i, pair) in self.pairs.iter().enumerate() {
             let color = self.color(i);
-            panel.curve(canvas, &pair.to_series, Stroke::dashed(color, 1.6, DASHES[1]));
-            panel.marks(canvas, &pair.to_series, Mark::Circle, 4.6, color, false);
-            panel.curve(canvas, &pair.to_limit, Stroke::solid(color, 2.0));
-            panel.marks(canvas, &pair.to_limit, MARKS[1], 4.6, color, true);
+            canvas.series(&pair.label, |canvas| {
+                panel.curve(canvas, &pair.to_series, Stroke::dashed(color, 1.6, DASHES[1]));
+                panel.marks(canvas, &pair.to_series, Mark::Circle, 4.6, color, false);
+                panel.curve(canvas, &pair.to_limit, Stroke::solid(color, 2.0));
+                panel.marks(canvas, &pair.to_limit, MARKS[1], 4.6, color, true);
+            });
         }
         let worst = self.pairs.iter().filter_map(|pair| pair.to_limit.first()).max_by(|a, b| a.1.total_cmp(&b.1));
         if let Some(&(n, error)) = worst.filter(|point| point.1 > 0.0) {
             let end = panel.x.high / 1.3;
             let guide = [(n, 1.7 * error), (end, 1.7 * error * n / end)];
-            panel.curve(canvas, &guide, Stroke::dashed(INK, 1.6, DASHES[2]));
+            canvas.series(SLOPE, |canvas| panel.curve(canvas, &guide, Stroke::dashed(INK, 1.6, DASHES[2])));
             let at = (panel.px((n * end).sqrt()) + 12.0, panel.py(1.7 * error * n / (n * end).sqrt()) - 10.0);
             if at.1 > panel.top + 20.0 {
-                canvas.text(at, "∝ 1/steps", Type::at(Anchor::Start));
+                canvas.within(&panel, |canvas| canvas.text(at, "∝ 1/steps", Type::at(Anchor::Start)));
             }
         }
         panel
@@ -196,6 +203,14 @@ impl Figure for Formulations {
 
     fn title(&self) -> &'static str {
         "Published procedure against the series formulation"
+    }
+
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "Squares on the dotted slope; circles that level off at a small difference.",
+            "Circles that level off at more than the noise of the readings: the two formulations are then different models.",
+            "Take the series formulation; use the published procedure only to reproduce its numbers, with at least the steps shown.",
+        ]
     }
 
     fn draw(&self, outcome: &Outcome) -> Result<Drawing, FigureError> {

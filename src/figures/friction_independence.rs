@@ -90,14 +90,18 @@ impl<'a> Data<'a> {
             lower.frame(canvas, true, true);
             for (i, curve) in self.curves.iter().enumerate() {
                 let stroke = self.stroke(i);
-                upper.curve(canvas, &data::steady(curve, |s| self.unit.of(s.amplitude)), stroke);
-                middle.curve(canvas, &data::steady(curve, |s| s.phase.to_degrees()), stroke);
-                let excited = data::self_excited(curve, |s| self.unit.of(s.amplitude));
-                upper.marks(canvas, &excited, Mark::Circle, 4.0, stroke.color, false);
+                canvas.series(&significant(curve.condition.friction, 4), |canvas| {
+                    upper.curve(canvas, &data::steady(curve, |s| self.unit.of(s.amplitude)), stroke);
+                    middle.curve(canvas, &data::steady(curve, |s| s.phase.to_degrees()), stroke);
+                    let excited = data::self_excited(curve, |s| self.unit.of(s.amplitude));
+                    upper.marks(canvas, &excited, Mark::Circle, 4.0, stroke.color, false);
+                });
             }
             for (i, points) in self.differences.iter().enumerate() {
                 let points: Vec<Point> = points.iter().map(|&(f, d)| (f, d.max(FLOOR))).collect();
-                lower.curve(canvas, &points, Stroke { width: 1.8, ..self.stroke(i + 1) });
+                let stroke = Stroke { width: 1.8, ..self.stroke(i + 1) };
+                let name = significant(self.curves[i + 1].condition.friction, 4);
+                canvas.series(&name, |canvas| lower.curve(canvas, &points, stroke));
             }
             legend(canvas, upper.right() + 30.0, 20.0, &entries);
             let base = significant(self.curves[0].condition.friction, 4);
@@ -144,6 +148,14 @@ impl Figure for FrictionIndependence {
 
     fn title(&self) -> &'static str {
         "The coefficient of friction does not matter"
+    }
+
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "One line with several rims, and a strip at the level of rounding.",
+            "A strip above 10⁻⁶: friction moves the curve, through an effect that depends on the force or because points are not steady.",
+            "Free µ in a fit only where this strip rises above the noise of the readings; else they cannot determine it.",
+        ]
     }
 
     fn draw(&self, outcome: &Outcome) -> Result<Drawing, FigureError> {

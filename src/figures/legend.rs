@@ -34,25 +34,29 @@ pub fn legend(canvas: &mut Canvas, left: f64, top: f64, entries: &[Entry]) -> f6
     let mut y = top;
     for (key, text) in entries {
         y += if *key == Key::Heading && y > top { 30.0 } else { 21.0 };
-        let middle = y - 5.0;
         let style = Type::default();
-        match *key {
-            Key::Line(stroke) => canvas.line((left, middle), (left + 36.0, middle), stroke),
-            Key::Mark(mark, color, true) => {
-                canvas.mark(mark, (left + 18.0, middle), 5.0, color, Stroke::solid(GREY, 0.5))
-            }
-            Key::Mark(mark, color, false) => {
-                canvas.mark(mark, (left + 18.0, middle), 5.0, WHITE, Stroke::solid(color, 1.6));
-            }
-            Key::Patch(color) => {
-                canvas.rectangle((left + 4.0, middle - 7.0), 28.0, 14.0, color, Some(Stroke::solid(GREY, 0.7)));
-            }
-            Key::Heading => {
-                canvas.text((left, y), text, style.bold());
-                continue;
-            }
+        if *key == Key::Heading {
+            canvas.text((left, y), text, style.bold());
+            continue;
         }
-        canvas.text((left + 44.0, y), text, style);
+        canvas.key(text, |canvas| entry(canvas, (left, y), *key, text));
     }
     y
+}
+
+/// One entry with its text on the line `y`.
+fn entry(canvas: &mut Canvas, (left, y): (f64, f64), key: Key, text: &str) {
+    let middle = y - 5.0;
+    match key {
+        Key::Line(stroke) => canvas.line((left, middle), (left + 36.0, middle), stroke),
+        Key::Mark(mark, color, true) => canvas.mark(mark, (left + 18.0, middle), 5.0, color, Stroke::solid(GREY, 0.5)),
+        Key::Mark(mark, color, false) => {
+            canvas.mark(mark, (left + 18.0, middle), 5.0, WHITE, Stroke::solid(color, 1.6));
+        }
+        Key::Patch(color) => {
+            canvas.rectangle((left + 4.0, middle - 7.0), 28.0, 14.0, color, Some(Stroke::solid(GREY, 0.7)));
+        }
+        Key::Heading => {}
+    }
+    canvas.text((left + 44.0, y), text, Type::default());
 }

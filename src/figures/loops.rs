@@ -8,6 +8,9 @@ use super::style::{INK, SLIP, STATIC, Table, Unit, WIDTH, cell};
 use super::{Drawing, Figure, FigureError};
 use crate::sweep::Outcome;
 
+/// Names of the two states.
+const NAMES: [&str; 2] = ["interface sticks", "interface slips, F = µW"];
+
 /// The figure.
 pub struct Loops;
 
@@ -51,8 +54,8 @@ impl<'a> Data<'a> {
         let pad = 0.08 * (highest - lowest).max(1e-3);
         document((WIDTH, total), (title, alt), |canvas| {
             let entries = [
-                (Key::Line(Stroke::solid(STATIC, 4.5)), "interface sticks".to_string()),
-                (Key::Line(Stroke::solid(SLIP, 2.0)), "interface slips, F = µW".to_string()),
+                (Key::Line(Stroke::solid(STATIC, 4.5)), NAMES[0].to_string()),
+                (Key::Line(Stroke::solid(SLIP, 2.0)), NAMES[1].to_string()),
             ];
             legend(canvas, left, 2.0, &entries[..1]);
             legend(canvas, left + 220.0, 2.0, &entries[1..]);
@@ -80,7 +83,7 @@ impl<'a> Data<'a> {
             let end = (start + run.len() + 1).min(points.len());
             let line: Vec<Point> = points[start..end].iter().map(|point| point.0).collect();
             let stroke = if run[0].1 { Stroke::solid(STATIC, 4.5) } else { Stroke::solid(SLIP, 2.0) };
-            panel.curve(canvas, &line, stroke);
+            canvas.series(NAMES[usize::from(!run[0].1)], |canvas| panel.curve(canvas, &line, stroke));
             start += run.len();
         }
         // The direction of travel: an arrowhead where the force changes most.
@@ -93,7 +96,8 @@ impl<'a> Data<'a> {
             let length = (to.0 - from.0).hypot(to.1 - from.1);
             let along =
                 |way: f64| (middle.0 + way * (to.0 - from.0) / length, middle.1 + way * (to.1 - from.1) / length);
-            canvas.arrow(along(-7.0), along(8.0), Stroke::solid(if points[i].1 { STATIC } else { SLIP }, 3.4));
+            let stroke = Stroke::solid(if points[i].1 { STATIC } else { SLIP }, 3.4);
+            canvas.within(panel, |canvas| canvas.arrow(along(-7.0), along(8.0), stroke));
         }
     }
 
@@ -130,6 +134,14 @@ impl Figure for Loops {
 
     fn title(&self) -> &'static str {
         "Force-displacement loops of the contact"
+    }
+
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "Closed loops: thick where the contact sticks, flat at the limit where it slips.",
+            "A loop that does not close, or a force above the limit without an effect in the scenario.",
+            "Compare areas: the loop with the largest area takes most energy out of the arm.",
+        ]
     }
 
     fn needs_orbits(&self) -> bool {

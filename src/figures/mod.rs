@@ -15,6 +15,7 @@ pub mod data;
 pub mod discovery;
 pub mod formulations;
 pub mod friction_independence;
+mod hooks;
 pub mod legend;
 pub mod loops;
 pub mod marks;
@@ -32,6 +33,7 @@ pub mod trial;
 pub mod velocity_amplitude;
 
 use crate::sweep::Outcome;
+use rayon::prelude::*;
 
 /// Why a figure could not be drawn.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -68,36 +70,40 @@ pub struct Drawing {
     pub csv: String,
     /// Key numbers: name, and value with unit.
     pub notes: Vec<(String, String)>,
+    /// What good looks like, what bad looks like, what to do.
+    pub reading: [String; 3],
 }
 
 impl Drawing {
     /// The drawing of a figure: caption and text alternative, SVG and CSV, key numbers.
-    fn of(
-        figure: &dyn Figure,
+    fn of<T>(
+        figure: &dyn Figure<T>,
         (caption, alt): (String, String),
         (svg, csv): (String, String),
         notes: Vec<(String, String)>,
     ) -> Self {
         let (name, title) = (figure.name().into(), figure.title().into());
-        Self { name, title, caption, alt, svg, csv, notes }
+        Self { name, title, caption, alt, svg, csv, notes, reading: figure.reading().map(String::from) }
     }
 }
 
-/// A figure of the registry.
-pub trait Figure: Sync {
-    /// Name used in scenario files, in kebab-case.
+/// A figure of a `T`: of an outcome, a comparison, a discovery, a series of trials.
+pub trait Figure<T = Outcome>: Sync {
+    /// Name used in scenario files, in kebab-case; also the stem of its files.
     fn name(&self) -> &'static str;
     /// Title.
     fn title(&self) -> &'static str;
+    /// How to read it: what good looks like, what bad looks like, what to do.
+    fn reading(&self) -> [&'static str; 3];
     /// Whether the sweep must keep the orbits.
     fn needs_orbits(&self) -> bool {
         false
     }
-    /// Draws the outcome.
+    /// Draws the subject.
     ///
     /// # Errors
-    /// [`FigureError::MissingData`] where the outcome lacks what the figure shows.
-    fn draw(&self, outcome: &Outcome) -> Result<Drawing, FigureError>;
+    /// [`FigureError::MissingData`] where the subject lacks what the figure shows.
+    fn draw(&self, subject: &T) -> Result<Drawing, FigureError>;
 }
 
 /// Every figure, in the order in which a report shows them.
@@ -119,9 +125,24 @@ pub fn names() -> Vec<&'static str> {
     REGISTRY.iter().map(|figure| figure.name()).collect()
 }
 
-/// The figure of that name.
-pub fn find(name: &str) -> Option<&'static dyn Figure> {
-    REGISTRY.iter().copied().find(|figure| figure.name() == name)
+/// The figure of that name in a registry.
+pub fn find<T: 'static>(registry: &[&'static dyn Figure<T>], name: &str) -> Option<&'static dyn Figure<T>> {
+    registry.iter().copied().find(|figure| figure.name() == name)
+}
+
+/// Those figures of a registry that the subject can fill.
+///
+/// # Errors
+/// [`FigureError::Render`] where one cannot be drawn.
+pub fn drawings<T: Sync + 'static>(
+    registry: &[&'static dyn Figure<T>],
+    subject: &T,
+) -> Result<Vec<Drawing>, FigureError> {
+    let draw = |figure: &&dyn Figure<T>| match figure.draw(subject) {
+        Err(FigureError::MissingData(_)) => None,
+        drawn => Some(drawn),
+    };
+    registry.par_iter().filter_map(draw).collect()
 }
 
 /// The SVG as PNG, `scale` pixels per logical pixel.

@@ -12,6 +12,9 @@ use crate::sweep::{Curve, LimitCurve, LimitingCase, Outcome};
 const HEIGHT: f64 = 620.0;
 const MISSING: Color = Color(0xd0, 0xd0, 0xd0);
 
+/// Name of the line where the arm in full slip is as fast as the roller.
+const BOUNDARY: &str = "V = bωα in full slip";
+
 /// The figure.
 pub struct RegimeMap;
 
@@ -58,12 +61,15 @@ impl<'a> Data<'a> {
         let x = Axis::linear("frequency f [Hz]", self.span.0, self.span.1);
         let panel = Panel { left: 92.0, top: 24.0, width: WIDTH - 92.0 - 132.0, height: 536.0, x, y };
         document((WIDTH, HEIGHT), (title, alt), |canvas| {
-            self.cells(&panel, canvas, &edges);
-            panel.curve(canvas, &self.boundary(), Stroke::solid(WHITE, 5.0));
-            panel.curve(canvas, &self.boundary(), Stroke::solid(SLIP, 2.6));
+            canvas.areas(&panel, |canvas| self.cells(&panel, canvas, &edges));
+            canvas.series(BOUNDARY, |canvas| {
+                panel.curve(canvas, &self.boundary(), Stroke::solid(WHITE, 5.0));
+                panel.curve(canvas, &self.boundary(), Stroke::solid(SLIP, 2.6));
+            });
             panel.border(canvas, 1.0);
             panel.labels(canvas, true, true);
-            label_boundary(&panel, canvas, &self.boundary());
+            // Has its place in the whole view only.
+            canvas.ticks(&panel, (false, false), |canvas| label_boundary(&panel, canvas, &self.boundary()));
             color_bar(canvas, &panel);
         })
     }
@@ -125,7 +131,7 @@ fn color(status: &Status, stick: f64) -> Color {
 
 /// Names the boundary above it, at its top or else near a side: wherever there is room.
 fn label_boundary(panel: &Panel, canvas: &mut Canvas, boundary: &[Point]) {
-    let text = "V = bωα in full slip";
+    let text = BOUNDARY;
     let half = 0.5 * text_width(text, 15.0, true) + 8.0;
     let line: Vec<Point> = boundary.iter().map(|&(f, v)| (panel.px(f), panel.py(v))).collect();
     let Some(top) = line.iter().min_by(|a, b| a.1.total_cmp(&b.1)) else { return };
@@ -175,6 +181,14 @@ impl Figure for RegimeMap {
 
     fn title(&self) -> &'static str {
         "Where the contact sticks"
+    }
+
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "Colour begins at the line and grows inwards.",
+            "Stick outside the line, or grey points, without an effect in the scenario.",
+            "Choose conditions to measure from all three regions: full stick, partial stick, full slip.",
+        ]
     }
 
     fn draw(&self, outcome: &Outcome) -> Result<Drawing, FigureError> {

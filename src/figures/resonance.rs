@@ -1,7 +1,7 @@
 //! Amplitude and phase against frequency, one curve per condition, between the limiting cases (paper Figures 5 and 6).
 
 use super::axes::{Axis, Panel, range};
-use super::canvas::{Point, Stroke, document};
+use super::canvas::{Canvas, Point, Stroke, document};
 use super::data::{self, health};
 use super::legend::{Entry, Key, legend, legend_width};
 use super::marks::Mark;
@@ -99,23 +99,28 @@ impl<'a> Data<'a> {
             let mut widest_first: Vec<&Styled<'_>> = self.scheme.curves.iter().collect();
             widest_first.sort_by(|a, b| b.stroke.width.total_cmp(&a.stroke.width));
             for styled in widest_first {
-                draw_curve(&upper, canvas, styled.curve, styled.stroke, |s| self.unit.of(s.amplitude));
-                // A line broken wherever the phase jumps by more than half a turn.
-                let points = data::steady(styled.curve, |s| self.phase(s.phase));
-                for run in unbroken(&points) {
-                    lower.curve(canvas, run, styled.stroke);
-                }
-                let dots = |s: &SteadyState| if points.len() == 1 { self.phase(s.phase) } else { f64::NAN };
-                draw_curve(&lower, canvas, styled.curve, styled.stroke, dots);
-                let open = data::self_excited(styled.curve, |s| self.phase(s.phase));
-                lower.marks(canvas, &open, Mark::Circle, 4.0, styled.stroke.color, false);
-                let down = |of: &dyn Fn(&SteadyState) -> f64| -> Vec<Point> { other_branch(styled.curve, of) };
-                let (a, p) = (down(&|s| self.unit.of(s.amplitude)), down(&|s| self.phase(s.phase)));
-                upper.marks(canvas, &a, Mark::Triangle, 4.0, styled.stroke.color, false);
-                lower.marks(canvas, &p, Mark::Triangle, 4.0, styled.stroke.color, false);
+                canvas.series(&styled.label, |canvas| self.curve(canvas, (&upper, &lower), styled));
             }
             legend(canvas, upper.right() + 30.0, 20.0, &entries);
         })
+    }
+
+    /// Amplitude and phase of one curve.
+    fn curve(&self, canvas: &mut Canvas, (upper, lower): (&Panel, &Panel), styled: &Styled<'_>) {
+        draw_curve(upper, canvas, styled.curve, styled.stroke, |s| self.unit.of(s.amplitude));
+        // A line broken wherever the phase jumps by more than half a turn.
+        let points = data::steady(styled.curve, |s| self.phase(s.phase));
+        for run in unbroken(&points) {
+            lower.curve(canvas, run, styled.stroke);
+        }
+        let dots = |s: &SteadyState| if points.len() == 1 { self.phase(s.phase) } else { f64::NAN };
+        draw_curve(lower, canvas, styled.curve, styled.stroke, dots);
+        let open = data::self_excited(styled.curve, |s| self.phase(s.phase));
+        lower.marks(canvas, &open, Mark::Circle, 4.0, styled.stroke.color, false);
+        let down = |of: &dyn Fn(&SteadyState) -> f64| -> Vec<Point> { other_branch(styled.curve, of) };
+        let (a, p) = (down(&|s| self.unit.of(s.amplitude)), down(&|s| self.phase(s.phase)));
+        upper.marks(canvas, &a, Mark::Triangle, 4.0, styled.stroke.color, false);
+        lower.marks(canvas, &p, Mark::Triangle, 4.0, styled.stroke.color, false);
     }
 
     fn csv(&self) -> String {
@@ -173,6 +178,14 @@ impl Figure for Resonance {
 
     fn title(&self) -> &'static str {
         "Resonance curves"
+    }
+
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "Curves between the two limiting cases: slow rollers near static contact, fast ones near full slip.",
+            "A curve outside both limits without an effect in the scenario, open marks (self-excited states), or gaps (no state found).",
+            "Compare peak frequencies with measured ones first: they tell the contact's stiffness better than heights do.",
+        ]
     }
 
     fn draw(&self, outcome: &Outcome) -> Result<Drawing, FigureError> {

@@ -131,23 +131,17 @@ impl<'a> Data<'a> {
         panel.frame(canvas, below, true);
         for (limit, stroke) in &self.limits {
             let y = level(limit) / factor;
-            panel.curve(canvas, &[(panel.x.low, y), (panel.x.high, y)], *stroke);
+            let ends = [(panel.x.low, y), (panel.x.high, y)];
+            canvas.series(limit_name(limit.case), |canvas| panel.curve(canvas, &ends, *stroke));
         }
         if let Some(v) = self.threshold() {
             let x = speed.of(v);
-            panel.curve(canvas, &[(x, panel.y.low), (x, panel.y.high)], Stroke::dashed(INK, 1.4, DOTS));
+            let ends = [(x, panel.y.low), (x, panel.y.high)];
+            let name = format!("V = {}", speed.show(v, 4));
+            canvas.series(&name, |canvas| panel.curve(canvas, &ends, Stroke::dashed(INK, 1.4, DOTS)));
         }
         for line in &self.lines {
-            let moving = || line.peaks.iter().filter(|peak| peak.speed > 0.0);
-            let points: Vec<Point> = moving().map(|peak| (speed.of(peak.speed), quantity(peak) / factor)).collect();
-            panel.curve(canvas, &points, line.stroke);
-            for (point, peak) in points.iter().zip(moving()) {
-                panel.marks(canvas, &[*point], line.mark, line.radius, line.stroke.color, peak.inside);
-            }
-            for peak in line.peaks.iter().filter(|peak| peak.speed == 0.0) {
-                let edge = [(panel.x.low, quantity(peak) / factor)];
-                panel.marks(canvas, &edge, line.mark, line.radius + 2.0, line.stroke.color, peak.inside);
-            }
+            canvas.series(&line.label, |canvas| line.draw(canvas, panel, (quantity, factor)));
         }
     }
 
@@ -167,6 +161,23 @@ impl<'a> Data<'a> {
     }
 }
 
+impl Line {
+    /// A line through the peaks of moving rollers, and a mark at every peak.
+    fn draw(&self, canvas: &mut Canvas, panel: &Panel, (quantity, factor): Shown) {
+        let speed = Unit::speed();
+        let moving = || self.peaks.iter().filter(|peak| peak.speed > 0.0);
+        let points: Vec<Point> = moving().map(|peak| (speed.of(peak.speed), quantity(peak) / factor)).collect();
+        panel.curve(canvas, &points, self.stroke);
+        for (point, peak) in points.iter().zip(moving()) {
+            panel.marks(canvas, &[*point], self.mark, self.radius, self.stroke.color, peak.inside);
+        }
+        for peak in self.peaks.iter().filter(|peak| peak.speed == 0.0) {
+            let edge = [(panel.x.low, quantity(peak) / factor)];
+            panel.marks(canvas, &edge, self.mark, self.radius + 2.0, self.stroke.color, peak.inside);
+        }
+    }
+}
+
 fn peak(curve: &Curve) -> Option<Peak> {
     let (frequency, amplitude) = data::peak(&data::steady(curve, |s| s.amplitude))?;
     let (low, high) = range(curve.frequency.iter().copied());
@@ -180,6 +191,14 @@ impl Figure for Ridge {
 
     fn title(&self) -> &'static str {
         "Resonance peak against roller speed"
+    }
+
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "Frequency falls from static contact to full slip as V grows; height passes through a minimum, where slip takes most energy.",
+            "Jumps between neighbouring speeds: too coarse a grid of frequencies, or states that are not steady.",
+            "Measure near the minimum: a small change of the contact shows there most.",
+        ]
     }
 
     fn draw(&self, outcome: &Outcome) -> Result<Drawing, FigureError> {

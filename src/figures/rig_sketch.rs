@@ -224,6 +224,14 @@ impl Figure for RigSketch {
         "The rig and its contact"
     }
 
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "Every value is that of your rig.",
+            "A value that belongs to another rig, or to another state of it.",
+            "Correct the scenario file; the table of parameters below names the key of each value.",
+        ]
+    }
+
     fn draw(&self, outcome: &Outcome) -> Result<Drawing, FigureError> {
         let values = values(outcome);
         let mut table = Table::new(&["symbol", "quantity", "value", "unit"]);

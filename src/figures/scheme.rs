@@ -142,14 +142,16 @@ pub fn limits(outcome: &Outcome, drive: f64) -> Vec<(&LimitCurve, Stroke)> {
 
 /// Draws part of a limiting case; a lone point as a mark.
 pub fn draw_limit(panel: &Panel, canvas: &mut Canvas, points: &[Point], case: LimitingCase, stroke: Stroke) {
-    panel.curve(canvas, points, stroke);
-    if points.len() == 1 {
-        let (mark, color) = match case {
-            LimitingCase::FreeOrFullSlip => (Mark::Triangle, SLIP),
-            LimitingCase::StaticContact => (Mark::Square, STATIC),
-        };
-        panel.marks(canvas, points, mark, 6.0, color, false);
-    }
+    canvas.series(limit_name(case), |canvas| {
+        panel.curve(canvas, points, stroke);
+        if points.len() == 1 {
+            let (mark, color) = match case {
+                LimitingCase::FreeOrFullSlip => (Mark::Triangle, SLIP),
+                LimitingCase::StaticContact => (Mark::Square, STATIC),
+            };
+            panel.marks(canvas, points, mark, 6.0, color, false);
+        }
+    });
 }
 
 /// The line of a limiting case in its own colour.

@@ -169,6 +169,11 @@ pub fn power_of_ten(exponent: i32) -> String {
     format!("10{}{}", if exponent < 0 { "⁻" } else { "" }, raised.collect::<String>())
 }
 
+/// `1 point`, `2 points`.
+pub fn count(number: usize, word: &str) -> String {
+    if number == 1 { format!("1 {word}") } else { format!("{number} {word}s") }
+}
+
 /// The font of all figures as plotters knows it; its size is in units of the backend.
 pub fn typeface(size: f64, bold: bool) -> FontDesc<'static> {
     static REGISTERED: Once = Once::new();

@@ -12,6 +12,13 @@ const HEIGHT: f64 = 740.0;
 const MOST_COLUMNS: usize = 3;
 const FORCE: Color = Color(0x6a, 0x3d, 0x9a);
 
+/// Names of what is drawn.
+const ARM: &str = "arm bθ′";
+const SPEED: &str = "roller V";
+const SLIP_RATE: &str = "slip rate s";
+const CONTACT: &str = "force F";
+const STICKS: &str = "interface sticks";
+
 /// The figure.
 pub struct TimeHistories;
 
@@ -53,11 +60,11 @@ impl<'a> Data<'a> {
         let padding = 0.08 * (highest - lowest).max(1e-3);
         document((WIDTH, HEIGHT), (title, alt), |canvas| {
             let entries = [
-                (Key::Line(Stroke::solid(INK, 2.6)), "arm bθ′"),
-                (Key::Line(Stroke::dashed(ROLLER, 2.4, DASH_ROLLER)), "roller V"),
-                (Key::Line(Stroke::dashed(SLIP, 2.4, Dash::Dashes(7.0, 3.0))), "slip rate s"),
-                (Key::Line(Stroke::solid(FORCE, 2.6)), "force F"),
-                (Key::Patch(SHADE), "interface sticks"),
+                (Key::Line(Stroke::solid(INK, 2.6)), ARM),
+                (Key::Line(Stroke::dashed(ROLLER, 2.4, DASH_ROLLER)), SPEED),
+                (Key::Line(Stroke::dashed(SLIP, 2.4, Dash::Dashes(7.0, 3.0))), SLIP_RATE),
+                (Key::Line(Stroke::solid(FORCE, 2.6)), CONTACT),
+                (Key::Patch(SHADE), STICKS),
             ];
             for (i, (key, text)) in entries.into_iter().enumerate() {
                 legend(canvas, left + 178.0 * i as f64, 2.0, &[(key, text.to_string())]);
@@ -71,19 +78,25 @@ impl<'a> Data<'a> {
                     Axis::linear(format!("force F − µW [{}]", self.force.label), lowest - padding, highest + padding);
                 let lower = Panel { left, top: 466.0, width, height: 214.0, x: axis(), y };
                 for panel in [&upper, &lower] {
-                    shade(panel, canvas, cycle);
+                    canvas.series(STICKS, |canvas| canvas.areas(panel, |canvas| shade(panel, canvas, cycle)));
                     panel.frame(canvas, panel.top == lower.top, index == 0);
                 }
                 let [first, second] = cycle.name();
                 canvas.text((left, 92.0 - 29.0), &first, Type::at(Anchor::Start).bold());
                 canvas.text((left, 92.0 - 9.0), &second, Type::at(Anchor::Start));
                 let v = speed.of(cycle.condition.speed);
-                upper.curve(canvas, &[(0.0, v), (1.0, v)], Stroke::dashed(ROLLER, 2.4, DASH_ROLLER));
-                upper.curve(canvas, &Self::history(cycle, |i| speed.of(cycle.velocity(i))), Stroke::solid(INK, 2.6));
+                let roller = vec![(0.0, v), (1.0, v)];
+                let arm = Self::history(cycle, |i| speed.of(cycle.velocity(i)));
                 let slip = Self::history(cycle, |i| speed.of(cycle.orbit.slip_rate[i]));
-                upper.curve(canvas, &slip, Stroke::dashed(SLIP, 2.4, Dash::Dashes(7.0, 3.0)));
                 let force = Self::history(cycle, |i| self.force.of(cycle.force(i)));
-                lower.curve(canvas, &force, Stroke::solid(FORCE, 2.6));
+                for (name, panel, points, stroke) in [
+                    (SPEED, &upper, roller, Stroke::dashed(ROLLER, 2.4, DASH_ROLLER)),
+                    (ARM, &upper, arm, Stroke::solid(INK, 2.6)),
+                    (SLIP_RATE, &upper, slip, Stroke::dashed(SLIP, 2.4, Dash::Dashes(7.0, 3.0))),
+                    (CONTACT, &lower, force, Stroke::solid(FORCE, 2.6)),
+                ] {
+                    canvas.series(name, |canvas| panel.curve(canvas, &points, stroke));
+                }
             }
         })
     }
@@ -136,6 +149,14 @@ impl Figure for TimeHistories {
 
     fn title(&self) -> &'static str {
         "One cycle in time"
+    }
+
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "Slip rate is zero wherever it is shaded, and positive elsewhere.",
+            "Many short intervals of stick in one period: chatter, and a state that may not be steady.",
+            "Read where in the cycle stick begins and ends; a sensor fast enough would see the force break there.",
+        ]
     }
 
     fn needs_orbits(&self) -> bool {

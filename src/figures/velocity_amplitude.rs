@@ -71,12 +71,13 @@ impl<'a> Data<'a> {
             self.curves.iter().map(|(c, _)| c.condition.speed).filter(|v| self.fits(*v, top)).collect();
         let values = speeds.iter().copied().chain([0.0, top]).map(|v| unit.of(v));
         let mut entries: Vec<Entry> = vec![(Key::Heading, "Arm, bωα".into())];
-        for (curve, stroke) in &self.curves {
+        let name = |curve: &Curve| {
             let partial = curve.states.iter().any(|s| s.stick_fraction > 0.0 && s.stick_fraction < 1.0);
             let alone = if partial { "computed, partial stick" } else { "computed" };
-            let name = if single { alone.into() } else { Field::Speed.equation(&curve.condition) };
-            entries.push((Key::Line(*stroke), name));
-        }
+            if single { alone.into() } else { Field::Speed.equation(&curve.condition) }
+        };
+        entries.extend(self.curves.iter().map(|(curve, stroke)| (Key::Line(*stroke), name(curve))));
+        let mut roller = String::new();
         entries.extend(self.limits.iter().map(|(limit, stroke)| (Key::Line(*stroke), limit_name(limit.case).into())));
         if !speeds.is_empty() {
             let text = if single {
@@ -85,6 +86,7 @@ impl<'a> Data<'a> {
                 "V in the curve's colour".into()
             };
             entries.push((Key::Heading, "Roller".into()));
+            roller = text.clone();
             entries.push((Key::Line(Stroke::dashed(if single { ROLLER } else { INK }, 2.0, DASH_ROLLER)), text));
         }
         let width = WIDTH - 92.0 - 50.0 - legend_width(&entries);
@@ -104,9 +106,12 @@ impl<'a> Data<'a> {
                 if self.fits(speed, top) {
                     let level = unit.of(speed);
                     let dashes = Stroke::dashed(stroke.color, 2.0, DASH_ROLLER);
-                    panel.curve(canvas, &[(panel.x.low, level), (panel.x.high, level)], dashes);
+                    let ends = [(panel.x.low, level), (panel.x.high, level)];
+                    canvas.series(&roller, |canvas| panel.curve(canvas, &ends, dashes));
                 }
-                draw_curve(&panel, canvas, curve, *stroke, |s| unit.of(s.speed_amplitude));
+                let draw =
+                    |canvas: &mut Canvas| draw_curve(&panel, canvas, curve, *stroke, |s| unit.of(s.speed_amplitude));
+                canvas.series(&name(curve), draw);
             }
             for (limit, stroke) in &self.limits {
                 let points = limit_points(limit, &limit.speed_amplitude, self.span, unit.factor);
@@ -116,9 +121,11 @@ impl<'a> Data<'a> {
                 let level = unit.of(curve.condition.speed);
                 let roots = self.onsets(&curve.condition);
                 let marks: Vec<Point> = roots.iter().map(|f| (*f, level)).collect();
-                panel.marks(canvas, &marks, Mark::Circle, 6.0, SLIP, false);
+                canvas.series("full slip is as fast as the roller", |canvas| {
+                    panel.marks(canvas, &marks, Mark::Circle, 6.0, SLIP, false);
+                });
                 if single {
-                    drop_lines(&panel, canvas, &roots, level);
+                    canvas.within(&panel, |canvas| drop_lines(&panel, canvas, &roots, level));
                 }
             }
             legend(canvas, panel.right() + 30.0, 20.0, &entries);
@@ -165,6 +172,14 @@ impl Figure for VelocityAmplitude {
 
     fn title(&self) -> &'static str {
         "Speed of the arm and speed of the roller"
+    }
+
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "The computed curve lies on full slip wherever that stays below V, and leaves it towards static contact between f₁ and f₂.",
+            "A curve that leaves full slip where bωα is below V, or stays on it above V, without an effect in the scenario.",
+            "Look at the loops or the histories at that frequency: they show which part of the cycle sticks.",
+        ]
     }
 
     fn draw(&self, outcome: &Outcome) -> Result<Drawing, FigureError> {

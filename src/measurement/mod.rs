@@ -24,6 +24,7 @@ pub use scatter::{Scatter, Spread, scatter};
 use crate::error::{Error, Result};
 use crate::scenario::diagnostic::whole_file;
 use crate::scenario::{MeasurementSource, Scenario};
+use crate::statistics::median;
 
 /// One measured steady state, SI units and rad.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -111,10 +112,10 @@ impl Table {
             n if n == self.points.len() => "amplitude and phase",
             _ => "amplitude and some phases",
         };
-        let relative = middle(self.points.iter().map(|point| point.amplitude_sd / point.amplitude));
+        let relative = median(self.points.iter().map(|point| point.amplitude_sd / point.amplitude));
         let mut noise = format!("noise {} {:.1} %", self.amplitude_noise.word(), 100.0 * relative);
         if let Some(source) = self.phase_noise {
-            let phase = middle(self.points.iter().filter_map(|point| point.phase_sd)).to_degrees();
+            let phase = median(self.points.iter().filter_map(|point| point.phase_sd)).to_degrees();
             let word = if source == self.amplitude_noise { String::new() } else { format!("{} ", source.word()) };
             noise += &format!(" and {word}{phase:.2} deg");
         }
@@ -124,16 +125,6 @@ impl Table {
             if low == high { format!("{} Hz", number(low)) } else { format!("{}-{} Hz", number(low), number(high)) };
         let (points, conditions) = (count(self.points.len(), "point"), count(conditions, "condition"));
         format!("{points}, {conditions}, {span}, {kinds}, {noise}")
-    }
-}
-
-/// The median, 0 of nothing.
-fn middle(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    match values.len() {
-        0 => 0.0,
-        n => 0.5 * (values[(n - 1) / 2] + values[n / 2]),
     }
 }
 

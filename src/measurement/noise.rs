@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use super::pool::{Pooled, Repeats};
-use super::{NoiseSource, Point, Spread, middle, scatter};
+use super::{NoiseSource, Point, Spread, scatter};
 use crate::error::{Error, Result};
 use crate::scenario::diagnostic::whole_file;
+use crate::statistics::median;
 
 /// No instrument is believed to be better than this, relative and in rad.
 const FLOOR: f64 = 1e-6;
@@ -24,7 +25,7 @@ pub(crate) fn assign(
     let phases = points.iter().any(|point| point.phase.is_some());
 
     let amplitude_noise = if amplitude_stated {
-        let stated = middle(points.iter().map(|p| p.amplitude_sd / p.amplitude * (p.replicates as f64).sqrt()));
+        let stated = median(points.iter().map(|p| p.amplitude_sd / p.amplitude * (p.replicates as f64).sqrt()));
         contradiction("amplitude", stated, seen.amplitude, notes);
         NoiseSource::Stated
     } else {
@@ -45,7 +46,7 @@ pub(crate) fn assign(
     }
     let phase_noise = if phase_stated {
         let single = |p: &Point| p.phase_sd.map(|sd| sd * (p.replicates as f64).sqrt());
-        contradiction("phase", middle(points.iter().filter_map(single)), seen.phase, notes);
+        contradiction("phase", median(points.iter().filter_map(single)), seen.phase, notes);
         NoiseSource::Stated
     } else {
         let (sd, source) = estimate("phase", phase_repeats, seen.phase, file, notes)?;

@@ -10,6 +10,7 @@
 use std::f64::consts::PI;
 
 use super::Point;
+use crate::statistics::median;
 
 /// The noise of single readings as the curves show it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -170,7 +171,7 @@ fn scale(residuals: &[f64]) -> Option<f64> {
         return None;
     }
     sizes.sort_by(f64::total_cmp);
-    let mut sd = super::middle(sizes.iter().copied()) / 0.6745;
+    let mut sd = median(sizes.iter().copied()) / 0.6745;
     for _ in 0..50 {
         let near = &sizes[..sizes.partition_point(|size| *size <= CUT * sd)];
         let next = (near.iter().map(|size| size * size).sum::<f64>() / near.len().max(1) as f64 / CUT_VARIANCE).sqrt();
@@ -189,7 +190,7 @@ fn verdict(trials: Vec<Trial>) -> Option<Spread> {
     trials.sort_by(|a, b| a.sd.total_cmp(&b.sd).then(a.order.cmp(&b.order)));
     let limit = trials.first()?.sd * (1.0 + 1.5 / (most as f64).sqrt());
     let alike: Vec<Trial> = trials.into_iter().take_while(|trial| trial.sd <= limit).collect();
-    let sd = super::middle(alike.iter().map(|trial| trial.sd));
+    let sd = median(alike.iter().map(|trial| trial.sd));
     let chosen = alike[(alike.len() - 1) / 2];
     // Overlapping windows are correlated; this many of them count in the variance of their mean square.
     let independent = 1.0 / (PI * chosen.order as f64 / 2.0).sqrt();

@@ -72,30 +72,21 @@ fn story(d: &Discovery) -> Vec<String> {
     let (before, after) = (&base.comparison.overall, &end.comparison.overall);
     let number = |value: f64| quantity(value, "1", 3);
     let percent = |value: f64| quantity(value, "%", 3);
-    let mut lines = Vec::new();
+    let mut lines = vec![format!(
+        "The calibrated model leaves χ² = {} per reading, and an error of {} in the amplitude where the noise is {}.",
+        number(before.chi2_per_point),
+        percent(before.rms_error_percent),
+        percent(before.noise_percent)
+    )];
     if d.verdict == Verdict::NothingMissing {
+        let tried = d.candidates.len().saturating_sub(1);
+        lines.push(format!("None of {tried} additions improves on that by more than its own parameters cost."));
+    } else if !end.hypothesis.additions.is_empty() {
         lines.push(format!(
-            "The calibrated model leaves χ² = {} per reading, and an error of {} where the noise is {}. None of {} additions \
-             improves on that by more than its own parameters cost.",
-            number(before.chi2_per_point),
-            percent(before.rms_error_percent),
-            percent(before.noise_percent),
-            d.candidates.len().saturating_sub(1)
-        ));
-    } else {
-        let added = end.hypothesis.label();
-        let with = if end.hypothesis.additions.is_empty() { String::new() } else { format!(" With {added} it") };
-        let fall = format!(
-            " comes to χ² = {} and an error of {}; the noise is {}.",
+            "With {} it comes to χ² = {} and an error of {}.",
+            end.hypothesis.label(),
             number(after.chi2_per_point),
-            percent(after.rms_error_percent),
-            percent(after.noise_percent)
-        );
-        lines.push(format!(
-            "The calibrated model leaves χ² = {} per reading, and an error of {} in the amplitude.{with}{}",
-            number(before.chi2_per_point),
-            percent(before.rms_error_percent),
-            if with.is_empty() { String::new() } else { fall }
+            percent(after.rms_error_percent)
         ));
     }
     if let Some(held_out) = end.held_out {

@@ -1,35 +1,51 @@
 //! The symbols of the equations, once, for the table of symbols and for the hints on symbols elsewhere.
 
-use super::view::SymbolView;
+use super::view::{EquationView, SymbolView};
+use minijinja::HtmlEscape;
 
-/// Symbol, SI unit, meaning.
-const SYMBOLS: &[(&str, &str, &str)] = &[
-    ("J", "kg m²", "inertia of the arm about the torsional axis"),
-    ("K₀", "N m/rad", "stiffness of the torsional spring"),
-    ("C₀", "N m s/rad", "damping of the torsional spring"),
-    ("k₀", "N/m", "stiffness of each translational spring"),
-    ("c₀", "N s/m", "damping of each translational spring"),
-    ("a", "m", "arm of the translational springs"),
-    ("b", "m", "arm of the contact"),
-    ("k_c", "N/m", "stiffness of the bristles of the contact"),
-    ("c_c", "N s/m", "damping of the bristles of the contact"),
-    ("μ", "", "coefficient of friction"),
-    ("W", "N", "normal load; 0 means no contact"),
-    ("V", "m/s", "peripheral speed of the roller"),
-    ("u₀", "m", "amplitude of the actuator"),
-    ("f", "Hz", "drive frequency"),
-    ("ω", "rad/s", "angular drive frequency, 2πf"),
-    ("α", "rad", "amplitude of the arm's angle at the drive frequency"),
-    ("φ", "rad", "phase of that component, relative to the actuator"),
-    ("θ₀", "rad", "mean angle of the arm"),
-    ("bωα", "m/s", "amplitude of the arm's speed at the contact"),
-    ("F", "N", "tangential force of the roller on the arm"),
-    ("f₁, f₂", "Hz", "lower and upper frequency at which the arm's speed amplitude bωα equals V"),
+/// Id, symbol, SI unit, meaning.
+const SYMBOLS: &[(&str, &str, &str, &str)] = &[
+    ("inertia", "J", "kg m²", "inertia of the arm about the torsional axis"),
+    ("K0", "K₀", "N m/rad", "stiffness of the torsional spring"),
+    ("C0", "C₀", "N m s/rad", "damping of the torsional spring"),
+    ("spring-k0", "k₀", "N/m", "stiffness of each translational spring"),
+    ("spring-c0", "c₀", "N s/m", "damping of each translational spring"),
+    ("arm-a", "a", "m", "arm of the translational springs"),
+    ("arm-b", "b", "m", "arm of the contact"),
+    ("contact-kc", "k_c", "N/m", "stiffness of the bristles of the contact"),
+    ("contact-cc", "c_c", "N s/m", "damping of the bristles of the contact"),
+    ("mu", "μ", "", "coefficient of friction"),
+    ("load-W", "W", "N", "normal load; 0 means no contact"),
+    ("speed-V", "V", "m/s", "peripheral speed of the roller"),
+    ("drive-u0", "u₀", "m", "amplitude of the actuator"),
+    ("frequency-f", "f", "Hz", "drive frequency"),
+    ("omega", "ω", "rad/s", "angular drive frequency, 2πf"),
+    ("alpha", "α", "rad", "amplitude of the arm's angle at the drive frequency"),
+    ("phi", "φ", "rad", "phase of that component, relative to the actuator"),
+    ("theta0", "θ₀", "rad", "mean angle of the arm"),
+    ("arm-speed", "bωα", "m/s", "amplitude of the arm's speed at the contact"),
+    ("force-F", "F", "N", "tangential force of the roller on the arm"),
+    ("f1-f2", "f₁, f₂", "Hz", "lower and upper frequency at which the arm's speed amplitude bωα equals V"),
+    ("sigma", "σ", "", "standard deviation of a reading: 1 in 20 errors of pure noise is larger than 2 σ"),
+    ("chi2", "χ²", "", "mean square of the errors in standard deviations; noise alone gives 1"),
+    ("delta-bic", "ΔBIC", "", "Schwarz's criterion above the best candidate; below 6 the two are a tie"),
 ];
+
+/// The equations of the model without effects.
+const EQUATIONS: [(&str, &str); 4] = [
+    ("the arm, driven through one spring and rubbed by the roller", "Jθ″ + Cθ′ + Kθ = a(k₀u + c₀u′) + bF"),
+    ("its damping and stiffness", "C = C₀ + 2c₀a², K = K₀ + 2k₀a²"),
+    ("bristles of stretch x in series with a slider of slip rate s", "x′ = V − bθ′ − s, F = kc x + cc x′"),
+    ("the slider rests below the Coulomb limit, and slips at it", "s = 0 while |F| < μW, else |F| = μW"),
+];
+
+/// Symbols that are marked wherever a text has them; others could be words or units.
+const MARKED: [&str; 8] = ["bωα", "ΔBIC", "χ²", "u₀", "θ₀", "α", "φ", "σ"];
 
 /// All symbols, in the order in which the model introduces them.
 pub fn glossary() -> Vec<SymbolView> {
-    let view = |&(symbol, unit, meaning): &(&str, &str, &str)| SymbolView {
+    let view = |&(id, symbol, unit, meaning): &(&str, &str, &str, &str)| SymbolView {
+        anchor: anchor(id),
         symbol: symbol.into(),
         unit: unit.into(),
         meaning: meaning.into(),
@@ -37,7 +53,75 @@ pub fn glossary() -> Vec<SymbolView> {
     SYMBOLS.iter().map(view).collect()
 }
 
+/// The equations of the model, each with what it is of.
+pub fn equations() -> Vec<EquationView> {
+    let view = |&(of, equation): &(&str, &str)| EquationView { of: of.into(), equation: equation.into() };
+    EQUATIONS.iter().map(view).collect()
+}
+
 /// What a symbol means; empty for one that is not in the table.
 pub fn meaning(symbol: &str) -> &'static str {
-    SYMBOLS.iter().find(|(known, ..)| *known == symbol).map_or("", |(.., meaning)| meaning)
+    SYMBOLS.iter().find(|(_, known, ..)| *known == symbol).map_or("", |(.., meaning)| meaning)
+}
+
+fn anchor(id: &str) -> String {
+    format!("symbol-{id}")
+}
+
+/// A symbol in italics, its index lowered; a link to its meaning where the table has it.
+pub fn linked(symbol: &str) -> String {
+    let html = set(symbol);
+    match SYMBOLS.iter().find(|(_, known, ..)| *known == symbol) {
+        Some((id, ..)) => {
+            let anchor = anchor(id);
+            format!("<a class=\"term\" href=\"#{anchor}\" aria-describedby=\"{anchor}\">{html}</a>")
+        }
+        None => html,
+    }
+}
+
+/// A symbol in italics, its index lowered.
+pub fn set(symbol: &str) -> String {
+    let (letter, index) = symbol.split_once('_').unwrap_or((symbol, ""));
+    let index = if index.is_empty() { String::new() } else { format!("<sub>{}</sub>", HtmlEscape(index)) };
+    format!("<var>{}</var>{index}", HtmlEscape(letter))
+}
+
+/// A text with the first of each marked symbol linked to its meaning.
+pub fn terms(text: &str) -> String {
+    let mut html = String::with_capacity(2 * text.len());
+    let (mut rest, mut seen) = (text, Vec::new());
+    while !rest.is_empty() {
+        let found = MARKED.iter().filter(|symbol| !seen.contains(symbol)).filter_map(|s| Some((rest.find(s)?, s)));
+        let Some((at, symbol)) = found.min_by_key(|(at, symbol)| (*at, std::cmp::Reverse(symbol.len()))) else { break };
+        let (before, after) = rest.split_at(at);
+        html += &format!("{}{}", HtmlEscape(before), linked(symbol));
+        seen.push(symbol);
+        rest = &after[symbol.len()..];
+    }
+    html + &HtmlEscape(rest).to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn symbols_are_escaped_and_lead_to_their_meaning() {
+        assert_eq!(set("<b>_c"), "<var>&lt;b&gt;</var><sub>c</sub>");
+        assert_eq!(linked("zz"), "<var>zz</var>");
+        let alpha = "<a class=\"term\" href=\"#symbol-alpha\" aria-describedby=\"symbol-alpha\"><var>α</var></a>";
+        assert_eq!(linked("α"), alpha);
+        assert_eq!(terms("<i> α, α & β"), format!("&lt;i&gt; {alpha}, α &amp; β"));
+        assert!(terms("bωα").contains("symbol-arm-speed"));
+    }
+
+    #[test]
+    fn marked_symbols_are_in_the_table_and_ids_are_unique() {
+        assert!(MARKED.iter().all(|symbol| !meaning(symbol).is_empty()));
+        let mut ids: Vec<&str> = SYMBOLS.iter().map(|(id, ..)| *id).collect();
+        ids.sort_unstable();
+        ids.dedup();
+        assert_eq!(ids.len(), SYMBOLS.len());
+    }
 }

@@ -13,8 +13,9 @@ mod discovery;
 mod discovery_view;
 pub mod format;
 mod glossary;
+mod mathml;
+mod packed;
 mod parameters;
-
 pub mod provenance;
 mod render;
 mod scenario;
@@ -34,7 +35,7 @@ pub use scenario::{FigureInput, scenario_view};
 pub use verdict::{Agreement, Completeness, Found, Match, Tone, Verdict};
 pub use view::{
     AxisView, CandidateView, CheckView, ClaimView, ComparisonView, CurveView, DiscoveryView, EffectParameterView,
-    EffectView, FigureView, FileView, FittedView, Headline, InputView, LimitView, MatchView, NextView, NotTestableView,
-    NoteView, OutlierView, ParameterView, PeakView, ProvenanceView, Quantity, ReportView, SCHEMA, ScenarioView,
-    StepView, SummaryView, SymbolView, TallyView, TimingView,
+    EffectView, EquationView, FigureView, FileView, FittedView, Headline, InputView, LimitView, MatchView, NextView,
+    NotTestableView, NoteView, OutlierView, ParameterView, PeakView, ProvenanceView, Quantity, ReportView, SCHEMA,
+    ScenarioView, StepView, SummaryView, SymbolView, TallyView, TimingView,
 };

@@ -4,17 +4,19 @@ use std::collections::BTreeMap;
 
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::{Serde, Value};
-use minijinja::{AutoEscape, Environment, HtmlEscape, UndefinedBehavior, context};
+use minijinja::{AutoEscape, Environment, UndefinedBehavior, context};
 
-use super::glossary::meaning;
-use super::svg;
 use super::verdict::Tone;
 use super::view::{FigureView, ReportView};
+use super::{glossary, mathml, packed, svg};
 
-/// Name in the environment and text of every template; `.html.j2` is escaped automatically, the style sheet is not.
+/// The style sheet and the scripts, which go into the page as they are.
+const STYLE: &str = include_str!("../../templates/report.css");
+const SCRIPT: &str = concat!(include_str!("../../templates/figures.js"), include_str!("../../templates/page.js"));
+
+/// Name in the environment and text of every template; all are escaped automatically.
 const TEMPLATES: &[(&str, &str)] = &[
     ("report.html.j2", include_str!("../../templates/report.html.j2")),
-    ("report.css", include_str!("../../templates/report.css")),
     ("macros.html.j2", include_str!("../../templates/partials/macros.html.j2")),
     ("summary.html.j2", include_str!("../../templates/partials/summary.html.j2")),
     ("claims.html.j2", include_str!("../../templates/partials/claims.html.j2")),
@@ -45,17 +47,26 @@ pub fn render(view: &ReportView) -> Result<String, RenderError> {
         let svg = svg::inline(&figure.svg, &format!("{}--", figure.anchor)).unwrap_or_default();
         (figure.anchor.clone(), Value::from_safe_string(svg))
     };
+    let table = |figure: &FigureView| (figure.anchor.clone(), packed::packed(&figure.csv));
     let of_scenarios = view.scenarios.iter().flat_map(|scenario| &scenario.figures);
     let comparisons = view.scenarios.iter().filter_map(|scenario| scenario.comparison.as_ref());
     let of_comparisons = comparisons.flat_map(|comparison| comparison.figures.iter().chain(&comparison.more));
     let discoveries = view.scenarios.iter().filter_map(|scenario| scenario.discovery.as_ref());
     let of_discoveries = discoveries.flat_map(|discovery| discovery.figures.iter().chain(&discovery.more));
     let of_effects = view.atlas.iter().map(|effect| &effect.figure);
-    let drawings: BTreeMap<String, Value> =
-        of_scenarios.chain(of_comparisons).chain(of_discoveries).chain(of_effects).map(drawing).collect();
+    let all: Vec<&FigureView> = of_scenarios.chain(of_comparisons).chain(of_discoveries).chain(of_effects).collect();
+    let drawings: BTreeMap<String, Value> = all.iter().map(|figure| drawing(figure)).collect();
+    let tables: BTreeMap<String, String> = all.iter().map(|figure| table(figure)).collect();
     let environment = environment()?;
     let page = environment.get_template("report.html.j2")?;
-    Ok(page.render(context! { report => Value::from(Serde(view)), drawings => drawings })?)
+    let policy = format!(
+        "default-src 'none'; script-src {}; style-src {}; img-src data:; base-uri 'none'; form-action 'none'",
+        packed::source(SCRIPT),
+        packed::source(STYLE)
+    );
+    let [style, script] = [STYLE, SCRIPT].map(|text| Value::from_safe_string(text.into()));
+    let report = Value::from(Serde(view));
+    Ok(page.render(context! { report, drawings, tables, policy, style, script })?)
 }
 
 /// The same view as JSON: indented, keys in the order of the types, a line feed at the end.
@@ -67,30 +78,18 @@ fn environment() -> Result<Environment<'static>, minijinja::Error> {
     let mut environment = Environment::new();
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     environment.set_syntax(SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?);
-    environment
-        .set_auto_escape_callback(|name| if name.ends_with(".css") { AutoEscape::None } else { AutoEscape::Html });
+    environment.set_auto_escape_callback(|_| AutoEscape::Html);
     environment.add_filter("tone", |verdict: &str| Tone::of(verdict).class());
     environment.add_filter("sign", |verdict: &str| Tone::of(verdict).symbol());
-    environment.add_filter("symbol", symbol);
+    environment.add_filter("symbol", |text: &str| Value::from_safe_string(glossary::linked(text)));
+    environment.add_filter("letters", |text: &str| Value::from_safe_string(glossary::set(text)));
+    environment.add_filter("terms", |text: &str| Value::from_safe_string(glossary::terms(text)));
+    environment.add_filter("math", |text: &str| Value::from_safe_string(mathml::block(text)));
     environment.add_filter("raw", raw);
     for (name, text) in TEMPLATES {
         environment.add_template(name, text)?;
     }
     Ok(environment)
-}
-
-/// A symbol in italics, its index lowered, with its meaning as a hint.
-fn symbol(text: &str) -> Value {
-    let (letter, index) = text.split_once('_').unwrap_or((text, ""));
-    let mut html = format!("<var>{}</var>", HtmlEscape(letter));
-    if !index.is_empty() {
-        html.push_str(&format!("<sub>{}</sub>", HtmlEscape(index)));
-    }
-    let hint = meaning(text);
-    if !hint.is_empty() {
-        html = format!("<abbr title=\"{}\">{html}</abbr>", HtmlEscape(hint));
-    }
-    Value::from_safe_string(html)
 }
 
 /// A number exactly as the JSON has it.
@@ -105,11 +104,5 @@ mod tests {
     #[test]
     fn every_template_parses() {
         environment().unwrap();
-    }
-
-    #[test]
-    fn symbols_are_escaped_and_explained() {
-        assert_eq!(symbol("<b>_c").to_string(), "<var>&lt;b&gt;</var><sub>c</sub>");
-        assert!(symbol("k_c").to_string().starts_with("<abbr title=\"stiffness of the bristles"));
     }
 }

@@ -28,6 +28,10 @@ pub struct FigureInput {
     pub svg: String,
     /// Labelled numbers.
     pub notes: Vec<(String, String)>,
+    /// What is shown as a table.
+    pub csv: String,
+    /// What good looks like, what bad looks like, what to do.
+    pub reading: [String; 3],
     /// Paths of its files relative to the report.
     pub files: Vec<String>,
 }
@@ -85,14 +89,23 @@ pub(super) fn figure(scenario_id: &str, input: &FigureInput) -> FigureView {
     };
     FigureView {
         svg: input.svg.clone(),
+        csv: input.csv.clone(),
         anchor,
         name: input.name.clone(),
         title: input.title.clone(),
         caption: input.caption.clone(),
         alt: input.alt.clone(),
         notes: input.notes.iter().map(|(label, text)| NoteView { label: label.clone(), text: text.clone() }).collect(),
+        reading: reading(&input.reading),
         files: input.files.iter().map(file).collect(),
     }
+}
+
+/// How to read a figure; nothing where nothing is said.
+fn reading(texts: &[String; 3]) -> Vec<NoteView> {
+    let labels = ["What good looks like", "What bad looks like", "What to do"];
+    let said = labels.iter().zip(texts).filter(|(_, text)| !text.is_empty());
+    said.map(|(label, text)| NoteView { label: (*label).into(), text: text.clone() }).collect()
 }
 
 /// An effect with its parameters in one line.

@@ -1,7 +1,7 @@
 //! Puts the parts together: unique anchors, links that lead somewhere, the summary with failures first.
 
 use super::anchor::{self, Anchors};
-use super::glossary::glossary;
+use super::glossary::{equations, glossary};
 use super::provenance::{Provenance, SECTION};
 use super::verdict::{Agreement, Completeness, Found, Match, Tone, Verdict};
 use super::view::{
@@ -12,13 +12,11 @@ use super::view::{
 /// Ids of the page's own sections.
 pub const SECTIONS: [&str; 8] = ["top", "content", "summary", "claims", "atlas", "verification", "symbols", SECTION];
 
-const PAPER: &str = "The experiment of Nakano and others on the dynamic response of rubber in frictional contact (Frontiers in \
-    Mechanical Engineering 5:9, 2019), simulated from its printed values. This page states what each published claim comes to when \
-    it is computed, shows the figures and the numbers they hold, and says how far the numbers can be trusted and how to obtain them again.";
+const PAPER: &str = "The experiment of Nakano and others (Frontiers in Mechanical Engineering 5:9, 2019), simulated from its printed \
+    values: what each claim comes to, the figures with their numbers, and how far these can be trusted.";
 
 const PLAIN: &str = "Simulations of a torsional rig in frictional contact with a driven roller, after Nakano and others (Frontiers in \
-    Mechanical Engineering 5:9, 2019). This page shows the figures and the numbers they hold, and says how far the numbers can be \
-    trusted and how to obtain them again.";
+    Mechanical Engineering 5:9, 2019): the figures with their numbers, and how far these can be trusted.";
 
 impl ReportView {
     /// The report from its parts. Anchors are made unique, links to figures that do not exist are dropped.
@@ -73,6 +71,7 @@ impl ReportView {
             scenarios,
             atlas,
             verification,
+            equations: equations(),
             glossary: glossary(),
         }
     }
@@ -126,7 +125,7 @@ fn compared(scenarios: &[ScenarioView]) -> Vec<Headline> {
 
 /// The outcome of a discovery in a line.
 fn of_discovery(scenario: &ScenarioView, d: &DiscoveryView) -> Headline {
-    let by = if d.added.is_empty() { String::new() } else { format!(" + {}", d.added) };
+    let by = if d.added.is_empty() { String::new() } else { format!(" {}", d.added) };
     let sentence = d.sentence.trim_end_matches('.');
     let numbers = match d.verdict {
         Found::Nothing => format!("{sentence} (χ² per reading {})", d.before.text),

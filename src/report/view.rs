@@ -37,6 +37,9 @@ pub struct ReportView {
     pub atlas: Vec<EffectView>,
     /// The numbers that prove the solvers.
     pub verification: Vec<CheckView>,
+    /// The equations of the model without effects.
+    #[serde(default)]
+    pub equations: Vec<EquationView>,
     /// Symbols.
     pub glossary: Vec<SymbolView>,
     /// Versions, inputs, timings, host: the only part that may differ between two runs on the same input.
@@ -193,11 +196,17 @@ pub struct FigureView {
     pub alt: String,
     /// Numbers that belong to it.
     pub notes: Vec<NoteView>,
+    /// What good looks like, what bad looks like, what to do.
+    #[serde(default)]
+    pub reading: Vec<NoteView>,
     /// Files beside the report.
     pub files: Vec<FileView>,
     /// The drawing, checked when the page is made. Not part of the JSON: it is among the files.
     #[serde(skip)]
     pub svg: String,
+    /// What is shown as a table. Not part of the JSON either.
+    #[serde(skip)]
+    pub csv: String,
 }
 
 /// An effect of the catalogue and what it does to resonance curves.
@@ -347,12 +356,24 @@ pub struct CheckView {
 /// A symbol of the equations.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SymbolView {
+    /// Id in the page.
+    #[serde(default)]
+    pub anchor: String,
     /// Symbol.
     pub symbol: String,
     /// SI unit.
     pub unit: String,
     /// Meaning.
     pub meaning: String,
+}
+
+/// An equation of the model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EquationView {
+    /// What it is of.
+    pub of: String,
+    /// The equation in plain characters.
+    pub equation: String,
 }
 
 /// Where the report comes from.

@@ -1,4 +1,4 @@
-//! Texts of a drawing: all on the canvas, none touching another.
+//! What every drawing must be: complete, fit for a page, its texts on the canvas and apart.
 
 use resvg::usvg::{Group, Node, Rect, Tree};
 use stickslip::figures::{self, Drawing};
@@ -34,4 +34,26 @@ pub fn check_layout(drawing: &Drawing) {
             assert!(apart, "{}: `{text}` {a:?} overlaps `{other}` {b:?}", drawing.name);
         }
     }
+}
+
+/// Caption, notes and reading are there, no coordinate is broken, the size is bounded, and it goes into a page.
+pub fn check_drawing(name: &str, drawing: &Drawing) {
+    let what = format!("{name}: {}", drawing.name);
+    assert!(drawing.caption.len() > 80 && drawing.alt.len() > 40 && !drawing.notes.is_empty(), "{what}");
+    assert!(drawing.notes.iter().all(|(_, text)| !text.is_empty()), "{what}");
+    assert!(drawing.reading.iter().all(|text| text.len() > 15), "{what}");
+    assert!(drawing.svg.contains(r##"fill="#FFFFFF""##), "{what} has no background");
+    assert!(!drawing.svg.contains("NaN") && !drawing.svg.contains("inf"), "{what} has a broken coordinate");
+    assert!(!drawing.svg.contains("script") && !drawing.svg.contains(" id="), "{what}");
+    assert!(drawing.svg.len() < 330_000, "{what}: {} bytes", drawing.svg.len());
+    let page = stickslip::report::svg::inline(&drawing.svg, "f-").unwrap_or_else(|| panic!("{what}"));
+    let size = ["<svg", "<title>", "<desc>"].map(|tag| page.matches(tag).count());
+    assert_eq!(size, [1, 1, 1], "{what}");
+    check_layout(drawing);
+}
+
+/// The rows of a drawing's table.
+pub fn rows(drawing: &Drawing) -> Vec<Vec<String>> {
+    let mut reader = csv::Reader::from_reader(drawing.csv.as_bytes());
+    reader.records().map(|record| record.unwrap().iter().map(String::from).collect()).collect()
 }

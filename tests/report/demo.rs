@@ -149,6 +149,13 @@ pub fn figure(id: &str, name: &str, title: &str) -> FigureInput {
             ("Peak in static contact".into(), "4.581 µrad at 81.57 Hz".into()),
             ("Largest speed amplitude".into(), "0.1683 mm/s at 71.92 Hz".into()),
         ],
+        csv: "frequency [Hz],amplitude [µrad]\n71.19,6.24\n".into(),
+        reading: [
+            "A row of peaks that moves to the right as the roller slows.",
+            "A peak that moves the other way.",
+            "Compare the frequencies of the peaks with measured ones.",
+        ]
+        .map(String::from),
         files: ["svg", "png", "csv"].map(|kind| format!("{id}/{name}.{kind}")).to_vec(),
     }
 }

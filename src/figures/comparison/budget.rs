@@ -1,11 +1,10 @@
 //! Where the error comes from: model, noise and numerics, whose squares add up.
 
-use super::{ComparisonFigure, drawing};
 use crate::compare::Comparison;
 use crate::figures::canvas::{Stroke, Type, document};
 use crate::figures::legend::{Key, legend};
 use crate::figures::style::{Color, GREY, SLIP_BAND, STATIC, Table, WHITE, WIDTH, cell, significant};
-use crate::figures::{Drawing, FigureError};
+use crate::figures::{Drawing, Figure, FigureError};
 
 const LEFT: f64 = 40.0;
 const TOP: f64 = 44.0;
@@ -15,13 +14,21 @@ const NUMERICS: Color = Color(0x22, 0x22, 0x22);
 /// The figure.
 pub struct Budget;
 
-impl ComparisonFigure for Budget {
+impl Figure<Comparison> for Budget {
     fn name(&self) -> &'static str {
         "error-budget"
     }
 
     fn title(&self) -> &'static str {
         "Error budget"
+    }
+
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "Noise fills the bar; numerics are too small to see.",
+            "The model fills the bar: better readings or finer steps would change nothing.",
+            "Improve the largest part: the model, then the readings; numerics above a tenth of the noise is a fault of the program.",
+        ]
     }
 
     fn draw(&self, comparison: &Comparison) -> Result<Drawing, FigureError> {
@@ -77,11 +84,6 @@ impl ComparisonFigure for Budget {
         let notes = parts
             .iter()
             .map(|(name, value, _)| (format!("{}{}", name[..1].to_uppercase(), &name[1..]), number(*value)));
-        let reading = [
-            "Noise fills the bar; numerics are too small to see.",
-            "The model fills the bar: better readings or finer steps would change nothing.",
-            "Improve the largest part: the model, then the readings; numerics above a tenth of the noise is a fault of the program.",
-        ];
-        Ok(drawing(self, (caption, alt), (svg, table.finish()), (notes.collect(), reading)))
+        Ok(Drawing::of(self, (caption, alt), (svg, table.finish()), notes.collect()))
     }
 }

@@ -3,16 +3,18 @@
 
 mod text;
 
-use super::columns::{Column, columns};
+pub use text::csv;
+
+use super::columns::{Column, Curve, columns};
 use super::limits::{Limits, Outside};
-use super::words::count;
-use super::{ComparisonFigure, drawing};
+use super::multiples::frequencies;
+
 use crate::compare::{Comparison, ContactPoint};
-use crate::figures::axes::{Axis, Panel, range};
+use crate::figures::axes::{Axis, Panel};
 use crate::figures::canvas::{Canvas, Point, Stroke, Type, document};
 use crate::figures::marks::Mark;
-use crate::figures::style::{Color, DASH_SLIP, DOTS, INK, Unit, WIDTH, significant, text_width};
-use crate::figures::{Drawing, FigureError};
+use crate::figures::style::{Color, DASH_SLIP, DOTS, INK, Unit, WIDTH, count, significant, text_width};
+use crate::figures::{Drawing, Figure, FigureError};
 
 const LEFT: f64 = 92.0;
 /// Right of the panels: names of the reference lines.
@@ -105,9 +107,7 @@ impl<'a> Data<'a> {
             let label = if self.columns.len() > 3 { "bωα [mm/s]" } else { "speed amplitude bωα [mm/s]" };
             return Axis::logarithmic(label, all, 0.05);
         }
-        let (low, high) = range(all);
-        let margin = if high > low { 0.02 * (high - low) } else { 0.0 };
-        Axis::linear("frequency f [Hz]", low - margin, high + margin)
+        frequencies("frequency f [Hz]", all)
     }
 
     fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
@@ -132,7 +132,7 @@ impl<'a> Data<'a> {
                     panel.frame(canvas, lower, index == 0);
                     self.references(canvas, &panel, row, index + 1 == self.columns.len());
                     if self.by_speed {
-                        speeds(canvas, &panel, column, !lower);
+                        canvas.within(&panel, |canvas| speeds(canvas, &panel, column, !lower));
                     }
                     self.panel(canvas, &panel, column, (row, limits));
                     y += height + 18.0;
@@ -145,9 +145,11 @@ impl<'a> Data<'a> {
         canvas.text((left, y), &column.heading, Type::default().bold());
         for (index, curve) in column.curves.iter().enumerate() {
             let y = y + LINE * (index + 1) as f64;
-            canvas.line((left, y - 4.5), (left + 24.0, y - 4.5), Stroke::solid(curve.color, 1.6));
-            canvas.mark(curve.mark, (left + 12.0, y - 4.5), 3.4, curve.color, Stroke::solid(curve.color, 0.4));
-            canvas.text((left + 30.0, y), &curve.label, Type { size: 13.0, ..Type::default() });
+            canvas.key(&curve.label, |canvas| {
+                canvas.line((left, y - 4.5), (left + 24.0, y - 4.5), Stroke::solid(curve.color, 1.6));
+                canvas.mark(curve.mark, (left + 12.0, y - 4.5), 3.4, curve.color, Stroke::solid(curve.color, 0.4));
+                canvas.text((left + 30.0, y), &curve.label, Type { size: 13.0, ..Type::default() });
+            });
         }
     }
 
@@ -155,14 +157,18 @@ impl<'a> Data<'a> {
     fn references(&self, canvas: &mut Canvas, panel: &Panel, row: &Row, named: bool) {
         let stuck = panel.py(row.unit.of(row.stuck));
         let slip = panel.py(0.0);
-        canvas.line((panel.left, stuck), (panel.right(), stuck), Stroke::dashed(INK, 1.4, DASH_SLIP));
-        canvas.line((panel.left, slip), (panel.right(), slip), Stroke::solid(INK, 1.1));
+        canvas.within(panel, |canvas| {
+            canvas.line((panel.left, stuck), (panel.right(), stuck), Stroke::dashed(INK, 1.4, DASH_SLIP));
+            canvas.line((panel.left, slip), (panel.right(), slip), Stroke::solid(INK, 1.1));
+        });
         if named {
-            // Names keep apart where the lines do not.
+            // Names keep apart where the lines do not; they have their place in the whole view only.
             let apart = (0.5 * (18.0 - (slip - stuck))).max(0.0);
             let at = |y: f64| (panel.right() + 8.0, y + 5.0);
-            canvas.text(at(stuck - apart), row.names.0, Type { size: 14.0, ..Type::default() });
-            canvas.text(at(slip + apart), row.names.1, Type { size: 14.0, ..Type::default() });
+            canvas.ticks(panel, (false, false), |canvas| {
+                canvas.text(at(stuck - apart), row.names.0, Type { size: 14.0, ..Type::default() });
+                canvas.text(at(slip + apart), row.names.1, Type { size: 14.0, ..Type::default() });
+            });
         }
     }
 
@@ -172,33 +178,41 @@ impl<'a> Data<'a> {
             let ((x, y), sd) = (place(p), row.unit.of((row.sd)(p)));
             panel.curve(canvas, &[(x, y - sd), (x, y + sd)], Stroke::solid(color, width));
         };
+        let of_curve = |canvas: &mut Canvas, curve: &Curve, draw: &dyn Fn(&mut Canvas)| {
+            canvas.series(&curve.label, |canvas| canvas.within(panel, draw));
+        };
         for curve in &column.curves {
-            for p in curve.measured.iter().filter(|p| limits.vague(p, row)) {
-                bar(canvas, p, curve.color.faded(), 0.9);
-                mark(canvas, panel, place(p), (curve.mark, curve.color.faded()));
-            }
+            of_curve(canvas, curve, &|canvas| {
+                for p in curve.measured.iter().filter(|p| limits.vague(p, row)) {
+                    bar(canvas, p, curve.color.faded(), 0.9);
+                    mark(canvas, panel, place(p), (curve.mark, curve.color.faded()));
+                }
+            });
         }
         for curve in &column.curves {
             let line: Vec<Point> = curve.model.iter().map(|p| place(p)).collect();
-            panel.curve(canvas, &line, Stroke::solid(curve.color, 1.5));
+            of_curve(canvas, curve, &|canvas| panel.curve(canvas, &line, Stroke::solid(curve.color, 1.5)));
         }
         for curve in &column.curves {
-            let clear = || curve.measured.iter().filter(|p| !limits.vague(p, row));
-            clear().for_each(|p| bar(canvas, p, curve.color, 1.1));
-            for p in clear() {
-                mark(canvas, panel, place(p), (curve.mark, curve.color));
-            }
+            of_curve(canvas, curve, &|canvas| {
+                let clear = || curve.measured.iter().filter(|p| !limits.vague(p, row));
+                clear().for_each(|p| bar(canvas, p, curve.color, 1.1));
+                for p in clear() {
+                    mark(canvas, panel, place(p), (curve.mark, curve.color));
+                }
+            });
         }
         for (curve, p) in column.curves.iter().flat_map(|curve| curve.measured.iter().map(move |p| (curve, p))) {
             let color = if limits.vague(p, row) { curve.color.faded() } else { curve.color };
             let x = panel.px(self.x(p));
             let tip =
                 |edge: f64, inwards: f64| [(x, edge), (x - 3.6, edge + 7.0 * inwards), (x + 3.6, edge + 7.0 * inwards)];
-            match limits.outside(p, row) {
-                Some(Outside::Above) => canvas.polygon(&tip(panel.top + 1.0, 1.0), color, None),
-                Some(Outside::Below) => canvas.polygon(&tip(panel.bottom() - 1.0, -1.0), color, None),
-                None => {}
-            }
+            let at = match limits.outside(p, row) {
+                Some(Outside::Above) => tip(panel.top + 1.0, 1.0),
+                Some(Outside::Below) => tip(panel.bottom() - 1.0, -1.0),
+                None => continue,
+            };
+            of_curve(canvas, curve, &|canvas| canvas.polygon(&at, color, None));
         }
     }
 }
@@ -248,7 +262,7 @@ fn speeds(canvas: &mut Canvas, panel: &Panel, column: &Column<'_>, named: bool) 
     }
 }
 
-impl ComparisonFigure for Contact {
+impl Figure<Comparison> for Contact {
     fn name(&self) -> &'static str {
         if self.by_speed { "contact-amplitude" } else { "contact-fingerprint" }
     }
@@ -257,19 +271,8 @@ impl ComparisonFigure for Contact {
         if self.by_speed { "What the contact did, against the arm's speed" } else { "What the contact must have done" }
     }
 
-    fn draw(&self, comparison: &Comparison) -> Result<Drawing, FigureError> {
-        if comparison.contact.is_empty() {
-            return Err(FigureError::missing(self.name(), "measured phases"));
-        }
-        let data = Data::of(comparison, self.by_speed);
-        let alt = format!(
-            "Two rows of panels, stiffness and damping of the contact {}, in {} by speed: marks with error bars for the \
-             measurements, lines for the model, and lines at full stick and full slip.",
-            if self.by_speed { "against the arm's speed amplitude" } else { "against frequency" },
-            count(data.columns.len(), "column")
-        );
-        let svg = data.draw(self.title(), &alt)?;
-        let reading = if self.by_speed {
+    fn reading(&self) -> [&'static str; 3] {
+        if self.by_speed {
             [
                 "Marks on the lines. At rest k is flat. A sliding contact stays at zero while bωα is below V, and rises where the \
                  arm begins to overtake the roller.",
@@ -286,7 +289,21 @@ impl ComparisonFigure for Contact {
                 "Find the conditions in which marks and lines part. At rest: the material or the rig. In slip: the law of \
                  friction. Then compare with the fingerprints in the atlas.",
             ]
-        };
-        Ok(drawing(self, (data.caption(), alt), (svg, data.csv()), (data.notes(), reading)))
+        }
+    }
+
+    fn draw(&self, comparison: &Comparison) -> Result<Drawing, FigureError> {
+        if comparison.contact.is_empty() {
+            return Err(FigureError::missing(self.name(), "measured phases"));
+        }
+        let data = Data::of(comparison, self.by_speed);
+        let alt = format!(
+            "Two rows of panels, stiffness and damping of the contact {}, in {} by speed: marks with error bars for the \
+             measurements, lines for the model, and lines at full stick and full slip.",
+            if self.by_speed { "against the arm's speed amplitude" } else { "against frequency" },
+            count(data.columns.len(), "column")
+        );
+        let svg = data.draw(self.title(), &alt)?;
+        Ok(Drawing::of(self, (data.caption(), alt), (svg, data.csv()), data.notes()))
     }
 }

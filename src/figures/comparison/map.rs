@@ -1,13 +1,13 @@
 //! Where the model fails: errors over condition and frequency, amplitude and phase side by side.
 
 use super::sigma::Sigma;
-use super::words::{self, count};
-use super::{ComparisonFigure, drawing};
+use super::words;
+
 use crate::compare::{Compared, Comparison};
-use crate::figures::axes::{Axis, Panel};
+use crate::figures::axes::{Axis, Panel, Scale};
 use crate::figures::canvas::{Anchor, Canvas, Stroke, Type, document};
-use crate::figures::style::{Color, GREY, INK, Table, WIDTH, cell, diverging, significant};
-use crate::figures::{Drawing, FigureError};
+use crate::figures::style::{Color, GREY, INK, Table, WIDTH, cell, count, diverging, significant};
+use crate::figures::{Drawing, Figure, FigureError};
 
 /// Shades of the colour scale on either side of zero.
 const SHADES: f64 = 24.0;
@@ -81,9 +81,11 @@ impl<'a> Data<'a> {
             for (index, (name, of)) in self.maps.iter().enumerate() {
                 let x = Axis::linear("frequency f [Hz]", low, high);
                 let y = Axis::linear("", rows as f64, 0.0);
-                let y = Axis { low: rows as f64, high: 0.0, ..y };
+                let y = Axis { low: rows as f64, high: 0.0, scale: Scale::Rows, ..y };
                 let panel = Panel { left: left + (width + GAP) * index as f64, top: TOP, width, height, x, y };
-                self.map(canvas, &panel, *of);
+                canvas.areas(&panel, |canvas| self.map(canvas, &panel, *of));
+                let frame = Panel { y: Axis::rows(), ..panel.clone() };
+                frame.border(canvas, 1.0);
                 panel.heading(canvas, name);
                 panel.labels(canvas, true, false);
             }
@@ -126,8 +128,6 @@ impl<'a> Data<'a> {
             let (t, b) = (y(region.condition) + 2.0, y(region.condition + 1) - 2.0);
             canvas.polyline(&[(l, t), (r, t), (r, b), (l, b), (l, t)], Stroke::solid(INK, 1.6));
         }
-        let frame = Panel { y: Axis::linear("", 0.2, 0.8).step(2.0), ..panel.clone() };
-        frame.border(canvas, 1.0);
     }
 
     fn bar(&self, canvas: &mut Canvas, left: f64, height: f64) {
@@ -178,13 +178,21 @@ impl<'a> Data<'a> {
     }
 }
 
-impl ComparisonFigure for MisfitMap {
+impl Figure<Comparison> for MisfitMap {
     fn name(&self) -> &'static str {
         "misfit-map"
     }
 
     fn title(&self) -> &'static str {
         "Where the model fails"
+    }
+
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "Pale cells without pattern.",
+            "Blocks of one colour, or blue beside red: a resonance at the wrong place. Rows that fail alike share a cause.",
+            "Note whether the failing rows share the speed, the load or the drive, and look for an effect that acts there.",
+        ]
     }
 
     fn draw(&self, comparison: &Comparison) -> Result<Drawing, FigureError> {
@@ -215,11 +223,6 @@ impl ComparisonFigure for MisfitMap {
             ("Ranges of misfit".to_string(), comparison.regions.len().to_string()),
             ("Largest error of an amplitude".to_string(), format!("{} σ", significant(largest, 3))),
         ];
-        let reading = [
-            "Pale cells without pattern.",
-            "Blocks of one colour, or blue beside red: a resonance at the wrong place. Rows that fail alike share a cause.",
-            "Note whether the failing rows share the speed, the load or the drive, and look for an effect that acts there.",
-        ];
-        Ok(drawing(self, (caption, alt), (svg, data.csv()), (notes, reading)))
+        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
     }
 }

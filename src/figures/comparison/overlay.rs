@@ -2,23 +2,27 @@
 
 mod text;
 
-use super::grid::{Cell, Grid, LEFT, Rows, heading};
+use super::multiples::{Multiples, frequencies};
 use super::sigma::{BAND, Sigma};
-use super::words::{self, Amplitude, count};
-use super::{ComparisonFigure, drawing};
+use super::words::{self, Amplitude};
+
 use crate::compare::{Compared, Comparison, Setting};
 use crate::figures::axes::{Axis, Panel, range};
-use crate::figures::canvas::{Anchor, Canvas, Point, Stroke, Type, document};
+use crate::figures::canvas::{Canvas, Point, Stroke};
 use crate::figures::legend::{Entry, Key};
 use crate::figures::marks::Mark;
 use crate::figures::resonance::{phase_axis, unbroken};
-use crate::figures::style::{Color, GREY, INK, LABEL_SIZE, SHADE, SLIP, STATIC, WIDTH, significant};
-use crate::figures::{Drawing, FigureError};
+use crate::figures::style::{Color, INK, SHADE, SLIP, STATIC, count};
+use crate::figures::{Drawing, Figure, FigureError};
 use std::f64::consts::PI;
 
 /// Standard deviations on either side of a point that its bar spans.
 pub const BAR: f64 = 1.96;
 const MODEL: Color = STATIC;
+/// Names of what is drawn.
+pub const MEASURED: &str = "measured, 95 % bars";
+const AMPLITUDES: &str = "error of amplitude";
+const PHASES: &str = "error of phase";
 
 /// Amplitudes, or their companion for phases.
 pub struct Overlay {
@@ -36,8 +40,7 @@ pub struct Data<'a> {
     phase: bool,
     /// Whether phases lie on the branch from -270° to 90°.
     pub wraps: bool,
-    /// How amplitudes are shown.
-    pub amplitude: Amplitude,
+    amplitude: Amplitude,
     scale: Sigma,
     shown: Vec<usize>,
 }
@@ -96,53 +99,55 @@ impl<'a> Data<'a> {
             .collect()
     }
 
-    fn axes(&self) -> (Axis, Axis) {
-        let (low, high) = range(self.c.points.iter().map(|p| p.point.frequency));
-        let margin = if high > low { 0.02 * (high - low) } else { 0.0 };
-        let x = Axis::linear("", low - margin, high + margin);
-        let bars = self.shown.iter().flat_map(|&i| self.measured(i)).flat_map(|(_, y, bar)| [y - bar, y + bar]);
-        let values = bars.chain(self.shown.iter().flat_map(|&i| self.curve(i)).map(|p| p.1));
-        (x, if self.phase { phase_axis(values) } else { Axis::around("", values) })
+    /// Name and unit of the values.
+    pub fn label(&self) -> String {
+        if self.phase { "phase φ [°]".into() } else { self.amplitude.label() }
+    }
+
+    /// An axis for values, and for the readings of the conditions shown.
+    pub fn axis(&self, shown: &[usize], values: impl IntoIterator<Item = f64>) -> Axis {
+        let bars = shown.iter().flat_map(|&i| self.measured(i)).flat_map(|(_, y, bar)| [y - bar, y + bar]);
+        let values = bars.chain(values);
+        if self.phase { phase_axis(values) } else { Axis::around("", values) }
+    }
+
+    /// Draws the readings of a condition with their bars.
+    pub fn readings(&self, canvas: &mut Canvas, panel: &Panel, condition: usize) {
+        let points = self.measured(condition);
+        canvas.series(MEASURED, |canvas| {
+            canvas.within(panel, |canvas| {
+                for &(f, y, bar) in &points {
+                    panel.curve(canvas, &[(f, y - bar), (f, y + bar)], Stroke::solid(INK, 1.2));
+                }
+                for &(f, y, _) in &points {
+                    canvas.dot((panel.px(f), panel.py(y)), 2.3, INK);
+                }
+            });
+        });
     }
 
     fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
-        let rows = Rows::of(self.legend());
-        let grid = Grid::of(self.shown.len(), rows.height());
-        let (x, y) = self.axes();
-        let y = Axis { label: String::new(), ..y };
-        document((WIDTH, grid.bottom()), (title, alt), |canvas| {
-            rows.draw(canvas);
-            let upright = Type { size: LABEL_SIZE, anchor: Anchor::Middle, upwards: true, ..Type::default() };
-            let label = if self.phase { "phase φ [°]".into() } else { self.amplitude.label() };
-            canvas.text((LEFT - 74.0, grid.middle()), &label, upright);
-            for (index, &condition) in self.shown.iter().enumerate() {
-                let at = grid.cell(index);
-                let Cell { left, top, width, .. } = at;
-                let main = Panel { left, top, width, height: grid.main, x: x.clone(), y: y.clone() };
-                self.main(canvas, &main, condition, at.first);
-                let strip = Panel { top: at.strip, height: grid.strip, y: Axis::linear("", -1.0, 1.0), ..main };
-                self.strip(canvas, &strip, condition, &at);
-            }
-        })
+        let curves = self.shown.iter().flat_map(|&i| self.curve(i)).map(|p| p.1);
+        let multiples = Multiples {
+            legend: self.legend(),
+            label: self.label(),
+            x: frequencies("frequency f [Hz]", self.c.points.iter().map(|p| p.point.frequency)),
+            y: self.axis(&self.shown, curves),
+            scale: &self.scale,
+            shown: self.shown.iter().map(|&i| (i, self.setting(i))).collect(),
+        };
+        let values = |canvas: &mut Canvas, panel: &Panel, condition| self.main(canvas, panel, condition);
+        multiples.draw((title, alt), values, |canvas, panel, condition| self.strip(canvas, panel, condition))
     }
 
-    fn main(&self, canvas: &mut Canvas, panel: &Panel, condition: usize, beside: bool) {
-        panel.frame(canvas, false, beside);
-        let setting = self.setting(condition);
-        heading(canvas, panel, (&words::speed(setting), &words::load_and_drive(setting)));
+    fn main(&self, canvas: &mut Canvas, panel: &Panel, condition: usize) {
         let curve = self.curve(condition);
-        for run in unbroken(&curve) {
-            panel.curve(canvas, run, Stroke::solid(MODEL, 2.2));
-        }
-        let points = self.measured(condition);
-        for &(f, y, bar) in &points {
-            panel.curve(canvas, &[(f, y - bar), (f, y + bar)], Stroke::solid(INK, 1.2));
-        }
-        for &(f, y, _) in &points {
-            canvas.dot((panel.px(f), panel.py(y)), 2.3, INK);
-        }
+        canvas.series("model", |canvas| {
+            unbroken(&curve).iter().for_each(|run| panel.curve(canvas, run, Stroke::solid(MODEL, 2.2)));
+        });
+        self.readings(canvas, panel, condition);
         let far: Vec<Point> = self.outliers(condition).collect();
-        panel.marks(canvas, &far, Mark::Diamond, 5.5, SLIP, true);
+        canvas.series("outlier", |canvas| panel.marks(canvas, &far, Mark::Diamond, 5.5, SLIP, true));
     }
 
     /// Places of the readings that stand out.
@@ -156,50 +161,38 @@ impl<'a> Data<'a> {
         })
     }
 
-    fn strip(&self, canvas: &mut Canvas, panel: &Panel, condition: usize, at: &Cell) {
-        let band = self.scale.place(BAND);
-        canvas.rectangle((panel.left, panel.py(band)), panel.width, panel.py(-band) - panel.py(band), SHADE, None);
-        canvas.line((panel.left, panel.py(0.0)), (panel.right(), panel.py(0.0)), Stroke::solid(GREY, 0.8));
+    fn strip(&self, canvas: &mut Canvas, panel: &Panel, condition: usize) {
         let residual = |p: &Compared| (p.point.frequency, self.scale.place(p.amplitude_residual));
         if !self.phase {
             let line: Vec<Point> = self.points(condition).map(residual).collect();
-            self.residuals(canvas, panel, &line, MODEL);
+            canvas.series(AMPLITUDES, |canvas| self.residuals(canvas, panel, &line, MODEL));
         }
         let place = |p: &Compared| Some((p.point.frequency, self.scale.place(p.phase_residual?)));
         let line: Vec<Point> = self.points(condition).filter_map(place).collect();
-        self.residuals(canvas, panel, &line, if self.phase { MODEL } else { SLIP });
-        panel.border(canvas, 0.0);
-        let foot = Panel { x: Axis { label: "frequency f [Hz]".into(), ..panel.x.clone() }, ..panel.clone() };
-        foot.labels(canvas, at.last, false);
-        if at.first {
-            let small = Type { size: 13.0, ..Type::at(Anchor::End) };
-            let top = self.scale.top();
-            for (tick, text) in [(top, significant(top, 3)), (0.0, "0".into()), (-top, significant(-top, 3))] {
-                canvas.text((panel.left - 6.0, panel.py(self.scale.place(tick)) + 4.5), &text, small);
-            }
-            let upright = Type { size: 13.0, anchor: Anchor::Middle, upwards: true, ..Type::default() };
-            canvas.text((panel.left - 52.0, panel.top + 0.5 * panel.height), "error [σ]", upright);
-        }
+        let color = if self.phase { MODEL } else { SLIP };
+        canvas.series(PHASES, |canvas| self.residuals(canvas, panel, &line, color));
     }
 
     fn residuals(&self, canvas: &mut Canvas, panel: &Panel, points: &[Point], color: Color) {
-        panel.curve(canvas, points, Stroke::solid(color, 0.9));
-        for &(f, y) in points {
-            canvas.dot((panel.px(f), panel.py(y)), 1.9, color);
-        }
+        canvas.within(panel, |canvas| {
+            panel.curve(canvas, points, Stroke::solid(color, 0.9));
+            for &(f, y) in points {
+                canvas.dot((panel.px(f), panel.py(y)), 1.9, color);
+            }
+        });
     }
 
     fn legend(&self) -> Vec<Entry> {
         let mut entries = vec![
-            (Key::Mark(Mark::Circle, INK, true), "measured, 95 % bars".into()),
+            (Key::Mark(Mark::Circle, INK, true), MEASURED.into()),
             (Key::Line(Stroke::solid(MODEL, 2.2)), "model".into()),
         ];
         if self.phase {
-            entries.push((Key::Mark(Mark::Circle, MODEL, true), "error of phase".into()));
+            entries.push((Key::Mark(Mark::Circle, MODEL, true), PHASES.into()));
         } else {
-            entries.push((Key::Mark(Mark::Circle, MODEL, true), "error of amplitude".into()));
+            entries.push((Key::Mark(Mark::Circle, MODEL, true), AMPLITUDES.into()));
             if self.c.points.iter().any(|p| p.phase_residual.is_some()) {
-                entries.push((Key::Mark(Mark::Circle, SLIP, true), "error of phase".into()));
+                entries.push((Key::Mark(Mark::Circle, SLIP, true), PHASES.into()));
             }
         }
         entries.push((Key::Patch(SHADE), format!("within ±{BAND} σ")));
@@ -210,13 +203,21 @@ impl<'a> Data<'a> {
     }
 }
 
-impl ComparisonFigure for Overlay {
+impl Figure<Comparison> for Overlay {
     fn name(&self) -> &'static str {
         if self.phase { "overlay-phase" } else { "overlay" }
     }
 
     fn title(&self) -> &'static str {
         if self.phase { "Measured and modelled phase" } else { "Measured and modelled amplitude" }
+    }
+
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "Errors scattered about zero inside the band, about one in twenty outside.",
+            "Errors that swing smoothly along the frequency: the model has the wrong shape there, however small they are.",
+            "See in which panels the swing grows, with speed, load or drive; then read the contact below.",
+        ]
     }
 
     fn draw(&self, comparison: &Comparison) -> Result<Drawing, FigureError> {
@@ -230,11 +231,6 @@ impl ComparisonFigure for Overlay {
             count(data.shown.len(), "panel")
         );
         let svg = data.draw(self.title(), &alt)?;
-        let reading = [
-            "Errors scattered about zero inside the band, about one in twenty outside.",
-            "Errors that swing smoothly along the frequency: the model has the wrong shape there, however small they are.",
-            "See in which panels the swing grows, with speed, load or drive; then read the contact below.",
-        ];
-        Ok(drawing(self, (data.caption(), alt), (svg, data.csv()), (data.notes(), reading)))
+        Ok(Drawing::of(self, (data.caption(), alt), (svg, data.csv()), data.notes()))
     }
 }

@@ -1,14 +1,14 @@
 //! Measured and modelled resonance peaks, one row per condition: where and how high.
 
-use super::words::{self, Amplitude, count};
-use super::{ComparisonFigure, drawing};
+use super::words::{self, Amplitude};
+
 use crate::compare::{Comparison, ConditionMetrics, Peak};
 use crate::figures::axes::{Axis, Panel};
 use crate::figures::canvas::{Anchor, Canvas, Stroke, Type, document};
 use crate::figures::legend::Key;
 use crate::figures::marks::Mark;
-use crate::figures::style::{GREY, GRID, INK, STATIC, Table, WIDTH, cell, significant, text_width};
-use crate::figures::{Drawing, FigureError};
+use crate::figures::style::{GREY, GRID, INK, STATIC, Table, WHITE, WIDTH, cell, count, significant, text_width};
+use crate::figures::{Drawing, Figure, FigureError};
 
 const TOP: f64 = 48.0;
 const GAP: f64 = 34.0;
@@ -60,7 +60,7 @@ impl<'a> Data<'a> {
             for (side, name) in names.iter().enumerate() {
                 let (low, high) = ends(side);
                 let x = Axis::linear(name.clone(), low, high);
-                let y = Axis::linear("", 0.2, 0.8).step(2.0);
+                let y = Axis::rows();
                 let panel = Panel { left: left + (width + GAP) * side as f64, top: TOP, width, height, x, y };
                 self.panel(canvas, &panel, side);
             }
@@ -73,6 +73,26 @@ impl<'a> Data<'a> {
 
     fn panel(&self, canvas: &mut Canvas, panel: &Panel, side: usize) {
         panel.frame(canvas, true, false);
+        canvas.within(panel, |canvas| self.joins(canvas, panel, side));
+        for (shown, name) in [(1, "model"), (0, "measured")] {
+            canvas.series(name, |canvas| canvas.within(panel, |canvas| self.marks(canvas, panel, side, shown)));
+        }
+    }
+
+    /// Marks of the measured (0) or the modelled (1) peaks.
+    fn marks(&self, canvas: &mut Canvas, panel: &Panel, side: usize, shown: usize) {
+        for (index, condition) in self.shown.iter().enumerate() {
+            let Some(value) = self.values(condition)[shown] else { continue };
+            let at = (panel.px(value[side]), TOP + self.row * (index as f64 + 0.5));
+            match shown {
+                0 => canvas.dot(at, 4.2, INK),
+                _ => canvas.mark(Mark::Diamond, at, 6.0, WHITE, Stroke::solid(STATIC, 2.0)),
+            }
+        }
+    }
+
+    /// Lines along the rows, and between the two marks of each.
+    fn joins(&self, canvas: &mut Canvas, panel: &Panel, side: usize) {
         for (index, condition) in self.shown.iter().enumerate() {
             let y = TOP + self.row * (index as f64 + 0.5);
             canvas.line((panel.left, y), (panel.right(), y), Stroke::solid(GRID, 1.0));
@@ -80,13 +100,6 @@ impl<'a> Data<'a> {
             let [measured, model] = values.map(|value| value.map(|value| panel.px(value[side])));
             if let (Some(a), Some(b)) = (measured, model) {
                 canvas.line((a, y), (b, y), Stroke::solid(GREY, 2.4));
-            }
-            if let Some(x) = model {
-                let white = crate::figures::style::WHITE;
-                canvas.mark(Mark::Diamond, (x, y), 6.0, white, Stroke::solid(STATIC, 2.0));
-            }
-            if let Some(x) = measured {
-                canvas.dot((x, y), 4.2, INK);
             }
             if measured.is_none() && model.is_none() {
                 let words = Type { size: 13.0, color: GREY, ..Type::at(Anchor::Middle) };
@@ -137,13 +150,22 @@ impl<'a> Data<'a> {
     }
 }
 
-impl ComparisonFigure for Peaks {
+impl Figure<Comparison> for Peaks {
     fn name(&self) -> &'static str {
         "peaks"
     }
 
     fn title(&self) -> &'static str {
         "Resonance peaks, measured and modelled"
+    }
+
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "Open marks around filled ones in every row.",
+            "Lines between the marks of one row: the length is the error. The same shift in all rows is a stiffness or an \
+             inertia of the rig; one that changes from row to row is the contact.",
+            "A common shift: free a parameter of the rig in [fit]. Otherwise see which of V, W and u₀ the shift follows.",
+        ]
     }
 
     fn draw(&self, comparison: &Comparison) -> Result<Drawing, FigureError> {
@@ -162,12 +184,6 @@ impl ComparisonFigure for Peaks {
             count(data.shown.len(), "row")
         );
         let svg = data.draw(self.title(), &alt)?;
-        let reading = [
-            "Open marks around filled ones in every row.",
-            "Lines between the marks of one row: the length is the error. The same shift in all rows is a stiffness or an \
-             inertia of the rig; one that changes from row to row is the contact.",
-            "A common shift: free a parameter of the rig in [fit]. Otherwise see which of V, W and u₀ the shift follows.",
-        ];
-        Ok(drawing(self, (caption, alt), (svg, data.csv()), (data.notes(), reading)))
+        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), data.notes()))
     }
 }

@@ -1,6 +1,7 @@
 //! The scale of residuals: linear below two standard deviations, logarithmic far above, so that noise and a misfit of a
 //! hundred sigma show in one drawing.
 
+use crate::figures::axes::Axis;
 use crate::figures::style::significant;
 
 /// Residuals within this band are no surprise.
@@ -25,6 +26,11 @@ impl Sigma {
     /// Place of a residual, -1 to 1.
     pub fn place(self, residual: f64) -> f64 {
         ((residual / BAND).asinh() / (self.limit / BAND).asinh()).clamp(-1.0, 1.0)
+    }
+
+    /// An axis of places that names its residuals.
+    pub fn axis(self, label: &str) -> Axis {
+        Axis::linear(label, -1.0, 1.0).sinh(BAND, (self.limit / BAND).asinh())
     }
 
     /// Positive round values up to the end of the scale, not crowded.

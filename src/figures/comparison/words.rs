@@ -86,8 +86,3 @@ impl Amplitude {
         }
     }
 }
-
-/// `1 point`, `2 points`.
-pub fn count(number: usize, word: &str) -> String {
-    if number == 1 { format!("1 {word}") } else { format!("{number} {word}s") }
-}

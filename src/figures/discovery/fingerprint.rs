@@ -1,17 +1,18 @@
 //! What the contact did before and after: measured stiffness and damping beside those of base and explanation.
 
-use super::{DiscoveryFigure, color, dash, drawing, ladder_of, name};
+use super::{color, dash, ladder_of, name};
 use crate::compare::ContactPoint;
 use crate::discover::{Discovery, Step};
-use crate::figures::axes::{Axis, Panel, range};
+use crate::figures::axes::{Axis, Panel};
 use crate::figures::canvas::{Canvas, Point, Stroke, Type, document};
-use crate::figures::comparison::contact::Row;
+use crate::figures::comparison::contact::{self, Row};
 use crate::figures::comparison::limits::Limits;
-use crate::figures::comparison::words::{self, count};
+use crate::figures::comparison::multiples::frequencies;
+use crate::figures::comparison::words;
 use crate::figures::legend::{Entry, Key, legend};
 use crate::figures::marks::Mark;
-use crate::figures::style::{INK, Table, WIDTH, cell, significant, text_width};
-use crate::figures::{Drawing, FigureError};
+use crate::figures::style::{INK, WIDTH, count, significant, text_width};
+use crate::figures::{Drawing, Figure, FigureError};
 
 const LEFT: f64 = 92.0;
 const RIGHT: f64 = 20.0;
@@ -21,6 +22,10 @@ const MOST: usize = 4;
 const HEIGHT: f64 = 210.0;
 const TOP: f64 = 92.0;
 const BETWEEN: f64 = 18.0;
+
+/// Names of what is drawn.
+const MEASURED: &str = "measured, ± one standard deviation";
+const EXPLANATION: &str = "explanation";
 
 /// The figure.
 pub struct Fingerprint;
@@ -77,10 +82,9 @@ impl<'a> Data<'a> {
         let n = self.shown.len() as f64;
         let width = (WIDTH - LEFT - RIGHT - GAP * (n - 1.0)) / n;
         let measured = &self.end.comparison.contact;
-        let (low, high) = range(measured.iter().filter(|p| self.shown.contains(&p.condition)).map(|p| p.frequency_hz));
-        let margin = if high > low { 0.02 * (high - low) } else { 0.0 };
         let label = if n > 3.0 { "f [Hz]" } else { "frequency f [Hz]" };
-        let axis = Axis::linear(label, low - margin, high + margin);
+        let points = measured.iter().filter(|p| self.shown.contains(&p.condition));
+        let axis = frequencies(label, points.map(|p| p.frequency_hz));
         document((WIDTH, TOP + 2.0 * HEIGHT + BETWEEN + 62.0), (title, alt), |canvas| {
             self.legend(canvas);
             for (index, &condition) in self.shown.iter().enumerate() {
@@ -102,26 +106,30 @@ impl<'a> Data<'a> {
 
     fn panel(&self, canvas: &mut Canvas, panel: &Panel, condition: usize, (row, limits): (&Row, &Limits)) {
         let place = |p: &ContactPoint| (p.frequency_hz, row.unit.of((row.value)(p)));
-        for p in self.end.comparison.contact.iter().filter(|p| p.condition == condition) {
+        let reading = |canvas: &mut Canvas, p: &ContactPoint| {
             let ((x, y), sd) = (place(p), row.unit.of((row.sd)(p)));
             let ink = if limits.vague(p, row) { INK.faded() } else { INK };
             panel.curve(canvas, &[(x, y - sd), (x, y + sd)], Stroke::solid(ink, 1.1));
             if (limits.low..=limits.high).contains(&y) {
                 canvas.dot((panel.px(x), panel.py(y)), 2.4, ink);
             }
-        }
-        for (points, stroke) in self.models() {
+        };
+        let readings = self.end.comparison.contact.iter().filter(|p| p.condition == condition);
+        canvas.series(MEASURED, |canvas| {
+            canvas.within(panel, |canvas| readings.for_each(|p| reading(canvas, p)));
+        });
+        for ((points, stroke), name) in self.models().into_iter().zip([&name(self.base), EXPLANATION]) {
             let line: Vec<Point> = points.iter().filter(|p| p.condition == condition).map(place).collect();
-            panel.curve(canvas, &line, stroke);
+            canvas.series(name, |canvas| panel.curve(canvas, &line, stroke));
         }
     }
 
     fn legend(&self, canvas: &mut Canvas) {
         let [(_, base), (_, end)] = self.models();
         let entries: [Entry; 3] = [
-            (Key::Mark(Mark::Circle, INK, true), "measured, ± one standard deviation".into()),
+            (Key::Mark(Mark::Circle, INK, true), MEASURED.into()),
             (Key::Line(base), name(self.base)),
-            (Key::Line(end), "explanation".into()),
+            (Key::Line(end), EXPLANATION.into()),
         ];
         let mut x = LEFT;
         for entry in &entries {
@@ -131,31 +139,9 @@ impl<'a> Data<'a> {
     }
 
     fn csv(&self) -> String {
-        let header = [
-            "source",
-            "speed [m/s]",
-            "load [N]",
-            "drive [m]",
-            "row",
-            "frequency [Hz]",
-            "stiffness [N/m]",
-            "sd of stiffness [N/m]",
-            "damping [N s/m]",
-            "sd of damping [N s/m]",
-        ];
-        let mut table = Table::new(&header);
-        let sources: [(&str, &[ContactPoint]); 3] = [
-            ("measured", &self.end.comparison.contact),
-            ("base", &self.base.comparison.contact_model),
-            ("explanation", &self.end.comparison.contact_model),
-        ];
-        for (source, p) in sources.iter().flat_map(|(source, points)| points.iter().map(move |p| (source, p))) {
-            let s = self.end.comparison.conditions[p.condition].setting;
-            let numbers = [p.frequency_hz, p.stiffness_n_m, p.stiffness_sd_n_m, p.damping_n_s_m, p.damping_sd_n_s_m];
-            let cells = std::iter::once(source.to_string()).chain([s.speed, s.load, s.drive].map(cell));
-            table.row(cells.chain([p.row.to_string()]).chain(numbers.map(cell)));
-        }
-        table.finish()
+        let end = &self.end.comparison;
+        let models = [("base", &*self.base.comparison.contact_model), ("explanation", &end.contact_model)];
+        contact::csv(&end.conditions, &[("measured", &end.contact), models[0], models[1]])
     }
 
     fn notes(&self) -> Vec<(String, String)> {
@@ -168,13 +154,21 @@ impl<'a> Data<'a> {
     }
 }
 
-impl DiscoveryFigure for Fingerprint {
+impl Figure<Discovery> for Fingerprint {
     fn name(&self) -> &'static str {
         "fingerprint-before-after"
     }
 
     fn title(&self) -> &'static str {
         "What the contact did, before and after"
+    }
+
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "The solid line follows the measured points where the dashed one does not, in stiffness and in damping.",
+            "A solid line that follows one of the two only, or runs between the points: the law has the wrong form.",
+            "Where it fails, compare the measured shape with the fingerprints in the atlas.",
+        ]
     }
 
     fn draw(&self, discovery: &Discovery) -> Result<Drawing, FigureError> {
@@ -200,11 +194,6 @@ impl DiscoveryFigure for Fingerprint {
              that tell most; dashed, what the contact of the calibrated base does there; solid, that of the explanation, with {added}.{rig} \
              Faded: readings that say little; some may lie beyond the axes."
         );
-        let reading = [
-            "The solid line follows the measured points where the dashed one does not, in stiffness and in damping.",
-            "A solid line that follows one of the two only, or runs between the points: the law has the wrong form.",
-            "Where it fails, compare the measured shape with the fingerprints in the atlas.",
-        ];
-        Ok(drawing(self, (caption, alt), (svg, data.csv()), (data.notes(), reading)))
+        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), data.notes()))
     }
 }

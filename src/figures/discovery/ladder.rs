@@ -1,18 +1,23 @@
 //! The error falling step by step: chi2 per reading, and the error of the amplitude beside the noise.
 
 use super::rows::Rows;
-use super::{DiscoveryFigure, drawing, ladder_of, name};
+use super::{ladder_of, name};
 use crate::discover::{Discovery, Step};
 use crate::figures::axes::{Axis, Panel};
 use crate::figures::canvas::{Canvas, Point, Stroke, Type, document};
 use crate::figures::legend::{Entry, Key, legend};
 use crate::figures::marks::Mark;
 use crate::figures::style::{DASH_SLIP, GREY, INK, SLIP, STATIC, Table, WHITE, WIDTH, cell, significant};
-use crate::figures::{Drawing, FigureError};
+use crate::figures::{Drawing, Figure, FigureError};
 
 const TOP: f64 = 48.0;
 const GAP: f64 = 40.0;
 const RIGHT: f64 = 30.0;
+
+/// Names of what is drawn.
+const ALL: &str = "all readings";
+const NOISE: &str = "noise alone";
+const LEFT_OUT: &str = "conditions left out of the fit, predicted";
 
 /// The figure.
 pub struct Ladder;
@@ -41,12 +46,16 @@ fn draw(steps: &[Step], title: &str, alt: &str) -> Result<String, FigureError> {
         rows.draw(canvas, &[&first, &second]);
         for (panel, level) in [(&first, 1.0), (&second, noise)] {
             let x = panel.px(level);
-            canvas.line((x, panel.top), (x, panel.bottom()), Stroke::dashed(SLIP, 1.8, DASH_SLIP));
+            let line = |canvas: &mut Canvas| {
+                canvas.line((x, panel.top), (x, panel.bottom()), Stroke::dashed(SLIP, 1.8, DASH_SLIP));
+            };
+            canvas.series(NOISE, |canvas| canvas.within(panel, line));
         }
         steps_of(canvas, &rows, &first, &chi2, |value| significant(value, 3));
         for (index, &value) in left_out.iter().enumerate().filter(|(_, value)| value.is_finite()) {
             let at = (second.px(value), rows.y(index));
-            canvas.mark(Mark::Diamond, at, 8.0, WHITE, Stroke::solid(INK, 1.8));
+            let mark = |canvas: &mut Canvas| canvas.mark(Mark::Diamond, at, 8.0, WHITE, Stroke::solid(INK, 1.8));
+            canvas.series(LEFT_OUT, |canvas| canvas.within(&second, mark));
         }
         steps_of(canvas, &rows, &second, &error, |value| format!("{} %", significant(value, 3)));
     })
@@ -54,11 +63,11 @@ fn draw(steps: &[Step], title: &str, alt: &str) -> Result<String, FigureError> {
 
 fn entries(canvas: &mut Canvas, left: f64, left_out: &[f64]) {
     let mut entries: Vec<Entry> = vec![
-        (Key::Mark(Mark::Circle, STATIC, true), "all readings".into()),
-        (Key::Line(Stroke::dashed(SLIP, 1.8, DASH_SLIP)), "noise alone".into()),
+        (Key::Mark(Mark::Circle, STATIC, true), ALL.into()),
+        (Key::Line(Stroke::dashed(SLIP, 1.8, DASH_SLIP)), NOISE.into()),
     ];
     if left_out.iter().any(|value| value.is_finite()) {
-        entries.push((Key::Mark(Mark::Diamond, INK, false), "conditions left out of the fit, predicted".into()));
+        entries.push((Key::Mark(Mark::Diamond, INK, false), LEFT_OUT.into()));
     }
     for (index, entry) in entries.iter().enumerate() {
         legend(canvas, left + 170.0 * index as f64, 2.0, std::slice::from_ref(entry));
@@ -68,14 +77,14 @@ fn entries(canvas: &mut Canvas, left: f64, left_out: &[f64]) {
 /// Marks from row to row, joined, with their numbers.
 fn steps_of(canvas: &mut Canvas, rows: &Rows, panel: &Panel, values: &[f64], show: impl Fn(f64) -> String) {
     let line: Vec<Point> = values.iter().enumerate().map(|(i, &value)| (panel.px(value), rows.y(i))).collect();
-    canvas.polyline(&line, Stroke::solid(STATIC, 1.6));
+    canvas.series(ALL, |canvas| canvas.within(panel, |canvas| canvas.polyline(&line, Stroke::solid(STATIC, 1.6))));
     for (&(x, y), &value) in line.iter().zip(values) {
-        canvas.dot((x, y), 5.0, STATIC);
+        canvas.series(ALL, |canvas| canvas.within(panel, |canvas| canvas.dot((x, y), 5.0, STATIC)));
         let text = show(value);
         let small = Type { size: 13.0, color: GREY.mix(INK, 0.6), ..Type::default() };
         let width = crate::figures::style::text_width(&text, 13.0, false);
         let left = (x + 10.0).min(panel.right() - width - 4.0);
-        canvas.text((left, y - 9.0), &text, small);
+        canvas.within(panel, |canvas| canvas.text((left, y - 9.0), &text, small));
     }
 }
 
@@ -102,13 +111,22 @@ fn csv(steps: &[Step]) -> String {
     table.finish()
 }
 
-impl DiscoveryFigure for Ladder {
+impl Figure<Discovery> for Ladder {
     fn name(&self) -> &'static str {
         "ladder"
     }
 
     fn title(&self) -> &'static str {
         "The error, step by step"
+    }
+
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "The last row lies on the dashed lines, diamonds and points together: nothing but noise is left, and it predicts.",
+            "The last row stays right of the dashed lines: something is left. Diamonds right of the points: the step bends to the \
+             data rather than explaining them.",
+            "Trust the steps that bring a large fall; doubt those that bring a small one, and see the ranking.",
+        ]
     }
 
     fn draw(&self, discovery: &Discovery) -> Result<Drawing, FigureError> {
@@ -133,12 +151,6 @@ impl DiscoveryFigure for Ladder {
             ("χ² per reading".to_string(), chi2),
             ("Error of the amplitude".to_string(), format!("{error} % (noise {noise} %)")),
         ];
-        let reading = [
-            "The last row lies on the dashed lines, diamonds and points together: nothing but noise is left, and it predicts.",
-            "The last row stays right of the dashed lines: something is left. Diamonds right of the points: the step bends to the \
-             data rather than explaining them.",
-            "Trust the steps that bring a large fall; doubt those that bring a small one, and see the ranking.",
-        ];
-        Ok(drawing(self, (caption, alt), (svg, csv(steps)), (notes, reading)))
+        Ok(Drawing::of(self, (caption, alt), (svg, csv(steps)), notes))
     }
 }

@@ -1,19 +1,19 @@
 //! One curve per step over the measured points, at the conditions with the largest misfit of the base; the errors beneath.
 
-use super::{DiscoveryFigure, color, dash, drawing, ladder_of, name};
+use super::{color, dash, ladder_of, name};
 use crate::compare::Compared;
 use crate::discover::{Discovery, Step};
-use crate::figures::axes::{Axis, Panel, range};
-use crate::figures::canvas::{Anchor, Canvas, Point, Stroke, Type, document};
-use crate::figures::comparison::grid::{Cell, Grid, LEFT, Rows, heading};
-use crate::figures::comparison::overlay::{BAR, Data};
+use crate::figures::axes::Panel;
+use crate::figures::canvas::{Canvas, Point, Stroke};
+use crate::figures::comparison::multiples::{Multiples, frequencies};
+use crate::figures::comparison::overlay::{BAR, Data, MEASURED};
 use crate::figures::comparison::sigma::{BAND, Sigma};
 use crate::figures::comparison::words;
 use crate::figures::legend::{Entry, Key};
 use crate::figures::marks::Mark;
-use crate::figures::resonance::{phase_axis, unbroken};
-use crate::figures::style::{GREY, INK, LABEL_SIZE, SHADE, Table, WIDTH, cell, significant};
-use crate::figures::{Drawing, FigureError};
+use crate::figures::resonance::unbroken;
+use crate::figures::style::{INK, SHADE, Table, cell, count, significant};
+use crate::figures::{Drawing, Figure, FigureError};
 
 /// Panels at most.
 const MOST: usize = 6;
@@ -61,81 +61,42 @@ impl<'a> Steps<'a> {
         Stroke::dashed(color(index, count), width, dash(index, count))
     }
 
-    fn axes(&self) -> (Axis, Axis) {
-        let points = || self.steps[0].comparison.points.iter().filter(|p| self.shown.contains(&p.condition));
-        let (low, high) = range(points().map(|p| p.point.frequency));
-        let margin = if high > low { 0.02 * (high - low) } else { 0.0 };
-        let bars = self.shown.iter().flat_map(|&i| self.data[0].measured(i)).flat_map(|(_, y, bar)| [y - bar, y + bar]);
-        let curves = self.data.iter().flat_map(|d| self.shown.iter().flat_map(|&i| d.curve(i))).map(|p| p.1);
-        let values = bars.chain(curves);
-        let y = if self.phase { phase_axis(values) } else { Axis::around("", values) };
-        (Axis::linear("", low - margin, high + margin), Axis { label: String::new(), ..y })
-    }
-
     fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
-        let rows = Rows::of(self.legend());
-        let grid = Grid::of(self.shown.len(), rows.height());
-        let (x, y) = self.axes();
-        document((WIDTH, grid.bottom()), (title, alt), |canvas| {
-            rows.draw(canvas);
-            let upright = Type { size: LABEL_SIZE, anchor: Anchor::Middle, upwards: true, ..Type::default() };
-            let label = if self.phase { "phase φ [°]".into() } else { self.data[0].amplitude.label() };
-            canvas.text((LEFT - 74.0, grid.middle()), &label, upright);
-            for (index, &condition) in self.shown.iter().enumerate() {
-                let at = grid.cell(index);
-                let Cell { left, top, width, .. } = at;
-                let main = Panel { left, top, width, height: grid.main, x: x.clone(), y: y.clone() };
-                self.main(canvas, &main, condition, at.first);
-                let strip = Panel { top: at.strip, height: grid.strip, y: Axis::linear("", -1.0, 1.0), ..main };
-                self.strip(canvas, &strip, condition, &at);
-            }
-        })
+        let curves = self.data.iter().flat_map(|d| self.shown.iter().flat_map(|&i| d.curve(i))).map(|p| p.1);
+        let points = self.steps[0].comparison.points.iter().filter(|p| self.shown.contains(&p.condition));
+        let multiples = Multiples {
+            legend: self.legend(),
+            label: self.data[0].label(),
+            x: frequencies("frequency f [Hz]", points.map(|p| p.point.frequency)),
+            y: self.data[0].axis(&self.shown, curves),
+            scale: &self.scale,
+            shown: self.shown.iter().map(|&i| (i, self.data[0].setting(i))).collect(),
+        };
+        let values = |canvas: &mut Canvas, panel: &Panel, condition| self.main(canvas, panel, condition);
+        multiples.draw((title, alt), values, |canvas, panel, condition| self.strip(canvas, panel, condition))
     }
 
-    fn main(&self, canvas: &mut Canvas, panel: &Panel, condition: usize, beside: bool) {
-        panel.frame(canvas, false, beside);
-        let setting = self.data[0].setting(condition);
-        heading(canvas, panel, (&words::speed(setting), &words::load_and_drive(setting)));
-        let points = self.data[0].measured(condition);
-        for &(f, y, bar) in &points {
-            panel.curve(canvas, &[(f, y - bar), (f, y + bar)], Stroke::solid(INK, 1.0));
-        }
-        for &(f, y, _) in &points {
-            canvas.dot((panel.px(f), panel.py(y)), 2.0, INK);
-        }
+    fn main(&self, canvas: &mut Canvas, panel: &Panel, condition: usize) {
+        self.data[0].readings(canvas, panel, condition);
         for (index, data) in self.data.iter().enumerate() {
             let curve = data.curve(condition);
-            for run in unbroken(&curve) {
-                panel.curve(canvas, run, self.stroke(index, 2.2));
-            }
+            canvas.series(&name(&self.steps[index]), |canvas| {
+                unbroken(&curve).iter().for_each(|run| panel.curve(canvas, run, self.stroke(index, 2.2)));
+            });
         }
     }
 
-    fn strip(&self, canvas: &mut Canvas, panel: &Panel, condition: usize, at: &Cell) {
-        let band = self.scale.place(BAND);
-        canvas.rectangle((panel.left, panel.py(band)), panel.width, panel.py(-band) - panel.py(band), SHADE, None);
-        canvas.line((panel.left, panel.py(0.0)), (panel.right(), panel.py(0.0)), Stroke::solid(GREY, 0.8));
+    fn strip(&self, canvas: &mut Canvas, panel: &Panel, condition: usize) {
         for (index, data) in self.data.iter().enumerate() {
             let place = |p: &Compared| Some((p.point.frequency, self.scale.place(residual(p, self.phase)?)));
             let line: Vec<Point> = data.points(condition).filter_map(place).collect();
-            panel.curve(canvas, &line, Stroke::solid(color(index, self.steps.len()), 1.5));
-        }
-        panel.border(canvas, 0.0);
-        let foot = Panel { x: Axis { label: "frequency f [Hz]".into(), ..panel.x.clone() }, ..panel.clone() };
-        foot.labels(canvas, at.last, false);
-        if at.first {
-            let small = Type { size: 13.0, ..Type::at(Anchor::End) };
-            let top = self.scale.top();
-            for (tick, text) in [(top, significant(top, 3)), (0.0, "0".into()), (-top, significant(-top, 3))] {
-                canvas.text((panel.left - 6.0, panel.py(self.scale.place(tick)) + 4.5), &text, small);
-            }
-            let upright = Type { size: 13.0, anchor: Anchor::Middle, upwards: true, ..Type::default() };
-            canvas.text((panel.left - 52.0, panel.top + 0.5 * panel.height), "error [σ]", upright);
+            let stroke = Stroke::solid(color(index, self.steps.len()), 1.5);
+            canvas.series(&name(&self.steps[index]), |canvas| panel.curve(canvas, &line, stroke));
         }
     }
 
     fn legend(&self) -> Vec<Entry> {
-        let mut entries = vec![(Key::Mark(Mark::Circle, INK, true), "measured, 95 % bars".to_string())];
+        let mut entries = vec![(Key::Mark(Mark::Circle, INK, true), MEASURED.to_string())];
         let line = |(index, step): (usize, &Step)| (Key::Line(self.stroke(index, 2.2)), name(step));
         entries.extend(self.steps.iter().enumerate().map(line));
         entries.push((Key::Patch(SHADE), format!("error within ±{BAND} σ")));
@@ -144,7 +105,7 @@ impl<'a> Steps<'a> {
 
     /// Every condition, also those without a panel.
     fn csv(&self) -> String {
-        let value = if self.phase { "phase [deg]".into() } else { self.data[0].amplitude.label() };
+        let value = self.data[0].label();
         let header = ["kind", "step", "condition", "row", "frequency [Hz]", &value, "sd", "error [sigma]"];
         let mut table = Table::new(&header);
         for condition in 0..self.steps[0].comparison.conditions.len() {
@@ -177,7 +138,7 @@ impl<'a> Steps<'a> {
     }
 }
 
-impl DiscoveryFigure for Overlay {
+impl Figure<Discovery> for Overlay {
     fn name(&self) -> &'static str {
         "ladder-overlay"
     }
@@ -186,10 +147,18 @@ impl DiscoveryFigure for Overlay {
         "How each step moves the curve"
     }
 
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "The last curve runs through the points in every panel, and its errors stay in the band.",
+            "A last curve that is right in some panels and wrong in others: the step is a compromise, not the cause.",
+            "Compare the panels in which the base fails most with those in which it does not: speed, load or drive tells.",
+        ]
+    }
+
     fn draw(&self, discovery: &Discovery) -> Result<Drawing, FigureError> {
         let data = Steps::of(ladder_of(self, discovery)?);
         let what = if data.phase { "phase" } else { "amplitude" };
-        let panels = words::count(data.shown.len(), "panel");
+        let panels = count(data.shown.len(), "panel");
         let alt = format!(
             "Small multiples, {panels}: measured {what} against frequency as points with error bars, one line per step of the \
              ladder, and below each panel a strip with the errors of every step."
@@ -209,11 +178,6 @@ impl DiscoveryFigure for Overlay {
         let notes = data.steps.iter().map(|step| {
             (format!("Largest error, {}", name(step)), format!("{} σ", significant(data.largest(step), 3)))
         });
-        let reading = [
-            "The last curve runs through the points in every panel, and its errors stay in the band.",
-            "A last curve that is right in some panels and wrong in others: the step is a compromise, not the cause.",
-            "Compare the panels in which the base fails most with those in which it does not: speed, load or drive tells.",
-        ];
-        Ok(drawing(self, (caption, alt), (svg, data.csv()), (notes.collect(), reading)))
+        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes.collect()))
     }
 }

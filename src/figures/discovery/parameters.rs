@@ -1,15 +1,14 @@
 //! The parameters of the explanation with their intervals, relative to their estimates.
 
 use super::rows::Rows;
-use super::{DiscoveryFigure, drawing};
+
 use crate::discover::{Discovery, Step, identified, open_ends};
 use crate::figures::axes::{Axis, Panel};
 use crate::figures::canvas::{Anchor, Canvas, Stroke, Type, document};
-use crate::figures::comparison::words::count;
 use crate::figures::legend::{Entry, Key, legend};
 use crate::figures::marks::Mark;
-use crate::figures::style::{GREY, GRID, INK, SLIP, STATIC, Table, WIDTH, cell, significant, text_width};
-use crate::figures::{Drawing, FigureError};
+use crate::figures::style::{GREY, GRID, INK, SLIP, STATIC, Table, WIDTH, cell, count, significant, text_width};
+use crate::figures::{Drawing, Figure, FigureError};
 use crate::fit::{Interval, Parameter};
 use crate::report::format::quantity;
 
@@ -21,6 +20,11 @@ const LINEAR: f64 = 1.0;
 /// The scale ends here, whatever the intervals.
 const LARGEST: f64 = 1000.0;
 const TICKS: [f64; 5] = [1.0, 5.0, 20.0, 100.0, 1000.0];
+
+/// Names of what is drawn.
+const CLOSED: &str = "estimate, 95 % interval";
+const OPEN: &str = "open: the data give no end on this side";
+const DEVIATION: &str = "deviation from the estimate [%]";
 
 /// The figure.
 pub struct Parameters;
@@ -47,12 +51,12 @@ fn draw(step: &Step, title: &str, alt: &str) -> Result<String, FigureError> {
         [(low, i.low), (high, i.high)].map(|(open, end)| if open { 0.0 } else { deviation(end, i).abs() })
     });
     let end = 1.25 * closed.filter(|d| d.is_finite()).fold(3.0, f64::max).min(LARGEST);
-    let axis = Axis::linear("", -place(end), place(end)).step(1e9);
+    let axis = Axis::linear(DEVIATION, -place(end), place(end)).step(1e9).sinh(LINEAR, 1.0);
     let panel = rows.panel(rows.left, width, axis);
     document((WIDTH, rows.bottom() + 62.0), (title, alt), |canvas| {
         let entries: [Entry; 2] = [
-            (Key::Mark(Mark::Circle, STATIC, true), "estimate, 95 % interval".into()),
-            (Key::Line(Stroke::solid(SLIP, 2.4)), "open: the data give no end on this side".into()),
+            (Key::Mark(Mark::Circle, STATIC, true), CLOSED.into()),
+            (Key::Line(Stroke::solid(SLIP, 2.4)), OPEN.into()),
         ];
         for (index, entry) in entries.iter().enumerate() {
             legend(canvas, rows.left.min(200.0) + 260.0 * index as f64, 2.0, std::slice::from_ref(entry));
@@ -61,11 +65,14 @@ fn draw(step: &Step, title: &str, alt: &str) -> Result<String, FigureError> {
         rows.draw(canvas, &[&panel]);
         panel.border(canvas, 0.0);
         for (index, (p, i)) in pairs(step).enumerate() {
-            interval(canvas, &panel, rows.y(index), p, i);
+            let (low, high) = open_ends(p, i);
+            let name = if low && high { OPEN } else { CLOSED };
+            canvas.series(name, |canvas| canvas.within(&panel, |canvas| interval(canvas, &panel, rows.y(index), p, i)));
+            beside(canvas, &panel, rows.y(index), p, i);
         }
         let label = Type { size: 16.0, ..Type::at(Anchor::Middle) };
         let at = (panel.left + 0.5 * panel.width, panel.bottom() + 46.0);
-        canvas.text(at, "deviation from the estimate [%]", label);
+        canvas.text(at, DEVIATION, label);
     })
 }
 
@@ -85,6 +92,10 @@ fn interval(canvas: &mut Canvas, panel: &Panel, y: f64, p: &Parameter, i: &Inter
         }
     }
     canvas.dot((centre, y), 4.6, if open_low && open_high { SLIP } else { STATIC });
+}
+
+/// Estimate, interval and verdict in words.
+fn beside(canvas: &mut Canvas, panel: &Panel, y: f64, p: &Parameter, i: &Interval) {
     let text = Type { size: 13.0, ..Type::default() };
     canvas.text((panel.right() + 14.0, y - 2.0), &numbers(p, i), text);
     canvas.text((panel.right() + 14.0, y + 14.0), identified(p, i), Type { color: GREY.mix(INK, 0.5), ..text });
@@ -102,6 +113,10 @@ fn numbers(p: &Parameter, i: &Interval) -> String {
 }
 
 fn ticks(canvas: &mut Canvas, panel: &Panel, end: f64) {
+    canvas.ticks(panel, (true, false), |canvas| named_ticks(canvas, panel, end));
+}
+
+fn named_ticks(canvas: &mut Canvas, panel: &Panel, end: f64) {
     let mut right = f64::NEG_INFINITY;
     let positive = TICKS.iter().filter(|tick| **tick <= end);
     let all: Vec<f64> = positive.clone().rev().map(|tick| -tick).chain([0.0]).chain(positive.copied()).collect();
@@ -129,13 +144,21 @@ fn csv(step: &Step) -> String {
     table.finish()
 }
 
-impl DiscoveryFigure for Parameters {
+impl Figure<Discovery> for Parameters {
     fn name(&self) -> &'static str {
         "parameters"
     }
 
     fn title(&self) -> &'static str {
         "What the data determine"
+    }
+
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "Short intervals: the readings fix the number, and a second set should give it again.",
+            "Arrows: these readings leave the number open, however well the curve fits.",
+            "Do not use an open number outside the range of these readings; measure where it matters.",
+        ]
     }
 
     fn draw(&self, discovery: &Discovery) -> Result<Drawing, FigureError> {
@@ -156,11 +179,6 @@ impl DiscoveryFigure for Parameters {
         );
         let svg = draw(step, self.title(), &alt)?;
         let notes = vec![("Bounded on both sides".to_string(), format!("{bounded} of {all}"))];
-        let reading = [
-            "Short intervals: the readings fix the number, and a second set should give it again.",
-            "Arrows: these readings leave the number open, however well the curve fits.",
-            "Do not use an open number outside the range of these readings; measure where it matters.",
-        ];
-        Ok(drawing(self, (caption, alt), (svg, csv(step)), (notes, reading)))
+        Ok(Drawing::of(self, (caption, alt), (svg, csv(step)), notes))
     }
 }

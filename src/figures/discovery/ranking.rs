@@ -1,17 +1,16 @@
 //! The candidates by Schwarz's criterion: how far each is behind the best one.
 
 use super::rows::Rows;
-use super::{DiscoveryFigure, drawing};
+
 use crate::discover::{Candidate, Discovery, MARGIN};
 use crate::figures::axes::Axis;
 use crate::figures::canvas::{Anchor, Canvas, Stroke, Type, document};
-use crate::figures::comparison::words::count;
 use crate::figures::legend::{Entry, Key, legend};
 use crate::figures::marks::Mark;
 use crate::figures::style::{
-    Color, GREY, GRID, INK, ROLLER, SHADE, SLIP, STATIC, Table, WHITE, WIDTH, cell, significant,
+    Color, GREY, GRID, INK, ROLLER, SHADE, SLIP, STATIC, Table, WHITE, WIDTH, cell, count, significant,
 };
-use crate::figures::{Drawing, FigureError};
+use crate::figures::{Drawing, Figure, FigureError};
 
 const TOP: f64 = 52.0;
 /// Room for the numbers at the right.
@@ -59,12 +58,12 @@ fn draw(shown: &[&Candidate], title: &str, alt: &str) -> Result<String, FigureEr
         shown.iter().map(|c| place(c.delta_bic)).filter(|p| p.is_finite()).fold(place(4.0 * MARGIN), f64::max);
     let high = 1.06 * largest;
     // The panel names its own ticks: its axis is in places.
-    let panel = rows.panel(rows.left, width, Axis::linear("", -0.04 * high, high).step(1e9));
+    let panel = rows.panel(rows.left, width, Axis::linear("ΔBIC", -0.04 * high, high).step(1e9).sinh(MARGIN, 1.0));
     document((WIDTH, rows.bottom() + 62.0), (title, alt), |canvas| {
         entries(canvas, rows.left, shown);
         let tied = panel.px(place(MARGIN)) - panel.left;
-        canvas.rectangle((panel.left, panel.top), tied, panel.height, SHADE, None);
-        ticks(canvas, &panel, high);
+        canvas.areas(&panel, |canvas| canvas.rectangle((panel.left, panel.top), tied, panel.height, SHADE, None));
+        canvas.ticks(&panel, (true, false), |canvas| ticks(canvas, &panel, high));
         rows.draw(canvas, &[&panel]);
         panel.border(canvas, 0.0);
         let head = |x: f64, text: &str, canvas: &mut Canvas| {
@@ -75,9 +74,14 @@ fn draw(shown: &[&Candidate], title: &str, alt: &str) -> Result<String, FigureEr
         for (index, c) in shown.iter().enumerate() {
             let (_, mark, color) = kind(c);
             let (x, y) = (panel.px(place(c.delta_bic)), rows.y(index));
-            canvas.line((panel.px(0.0), y), (x, y), Stroke::solid(color.faded(), 5.0));
-            let outline = Stroke::solid(color, 1.6);
-            canvas.mark(mark, (x, y), 5.5, if c.testable { color } else { WHITE }, outline);
+            let draw = |canvas: &mut Canvas| {
+                canvas.areas(&panel, |canvas| {
+                    canvas.line((panel.px(0.0), y), (x, y), Stroke::solid(color.faded(), 5.0));
+                });
+                let inner = if c.testable { color } else { WHITE };
+                canvas.within(&panel, |canvas| canvas.mark(mark, (x, y), 5.5, inner, Stroke::solid(color, 1.6)));
+            };
+            canvas.series(kind(c).0, draw);
             let number = Type { size: 13.0, ..Type::at(Anchor::End) };
             let weight = if c.weight < 1e-3 { "< 0.001".into() } else { format!("{:.3}", c.weight) };
             canvas.text((WIDTH - 100.0, y + 4.5), &weight, number);
@@ -137,13 +141,21 @@ fn csv(d: &Discovery) -> String {
     table.finish()
 }
 
-impl DiscoveryFigure for Ranking {
+impl Figure<Discovery> for Ranking {
     fn name(&self) -> &'static str {
         "ranking"
     }
 
     fn title(&self) -> &'static str {
         "The candidates, ranked"
+    }
+
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "One cause (or the base) alone in the band, or with companions that contain it and add a number that gains nothing.",
+            "Different causes together in the band: these data cannot tell them apart, whatever the best one is called.",
+            "Measure next where the rivals in the band differ most; the discovery names the place.",
+        ]
     }
 
     fn draw(&self, discovery: &Discovery) -> Result<Drawing, FigureError> {
@@ -171,11 +183,6 @@ impl DiscoveryFigure for Ranking {
         if let Some(second) = second {
             notes.push(("First one outside the band".into(), format!("{} behind", significant(second, 3))));
         }
-        let reading = [
-            "One cause (or the base) alone in the band, or with companions that contain it and add a number that gains nothing.",
-            "Different causes together in the band: these data cannot tell them apart, whatever the best one is called.",
-            "Measure next where the rivals in the band differ most; the discovery names the place.",
-        ];
-        Ok(drawing(self, (caption, alt), (svg, csv(discovery)), (notes, reading)))
+        Ok(Drawing::of(self, (caption, alt), (svg, csv(discovery)), notes))
     }
 }

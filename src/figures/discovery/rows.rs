@@ -46,8 +46,7 @@ impl Rows {
 
     /// A panel over all rows without an axis of its own for them.
     pub fn panel(&self, left: f64, width: f64, x: Axis) -> Panel {
-        let y = Axis::linear("", 0.2, 0.8).step(2.0);
-        Panel { left, top: self.top, width, height: self.height(), x, y }
+        Panel { left, top: self.top, width, height: self.height(), x, y: Axis::rows() }
     }
 
     /// The names, and a line along every row of the panels.

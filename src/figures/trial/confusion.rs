@@ -1,9 +1,8 @@
 //! What was planted against what was named, with counts.
 
-use super::{TrialFigure, count, drawing};
 use crate::figures::canvas::{Anchor, Canvas, Stroke, Type, document};
-use crate::figures::style::{Color, GREY, GRID, INK, ROLLER, SLIP, Table, WHITE, WIDTH, text_width};
-use crate::figures::{Drawing, FigureError};
+use crate::figures::style::{Color, GREY, GRID, INK, ROLLER, SLIP, Table, WHITE, WIDTH, count, text_width};
+use crate::figures::{Drawing, Figure, FigureError};
 use crate::trial::{Confusion, Summary};
 
 const SIZE: f64 = 13.0;
@@ -94,13 +93,22 @@ impl<'a> Shown<'a> {
     }
 }
 
-impl TrialFigure for ConfusionMatrix {
+impl Figure<Summary> for ConfusionMatrix {
     fn name(&self) -> &'static str {
         "confusion"
     }
 
     fn title(&self) -> &'static str {
         "What was planted, and what was named"
+    }
+
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "Green only.",
+            "Red cells that repeat in one column: an answer that the search prefers without grounds.",
+            "See in the trial's JSON whether the two stand in one group of “indistinguishable”: then the table cannot tell, and \
+             other conditions are needed.",
+        ]
     }
 
     fn draw(&self, summary: &Summary) -> Result<Drawing, FigureError> {
@@ -127,12 +135,6 @@ impl TrialFigure for ConfusionMatrix {
             table.row(std::iter::once(name.clone()).chain(row.iter().map(usize::to_string)));
         }
         let svg = shown.draw(self.title(), &alt)?;
-        let reading = [
-            "Green only.",
-            "Red cells that repeat in one column: an answer that the search prefers without grounds.",
-            "See in the trial's JSON whether the two stand in one group of “indistinguishable”: then the table cannot tell, and \
-             other conditions are needed.",
-        ];
-        Ok(drawing(self, (caption, alt), (svg, table.finish()), reading))
+        Ok(Drawing::of(self, (caption, alt), (svg, table.finish()), Vec::new()))
     }
 }

@@ -1,10 +1,9 @@
 //! How often 95 % intervals hold the truth, by parameter.
 
-use super::{TrialFigure, count, drawing};
 use crate::figures::axes::{Axis, Panel};
 use crate::figures::canvas::{Anchor, Stroke, Type, document};
-use crate::figures::style::{DOTS, GREY, INK, SLIP, STATIC, Table, WIDTH, cell, text_width};
-use crate::figures::{Drawing, FigureError};
+use crate::figures::style::{DOTS, GREY, INK, SLIP, STATIC, Table, WIDTH, cell, count, text_width};
+use crate::figures::{Drawing, Figure, FigureError};
 use crate::trial::{Coverage, Proportion, Summary};
 
 const SIZE: f64 = 13.0;
@@ -40,13 +39,21 @@ fn draw(rows: &[(String, Proportion)], title: &str, alt: &str) -> Result<String,
     })
 }
 
-impl TrialFigure for Intervals {
+impl Figure<Summary> for Intervals {
     fn name(&self) -> &'static str {
         "coverage"
     }
 
     fn title(&self) -> &'static str {
         "How often the intervals hold the truth"
+    }
+
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "Every bar reaches over the dotted line.",
+            "Bars that end left of it: intervals that promise too much.",
+            "Look for parameters tied together, and for a solver whose errors are not small against the noise.",
+        ]
     }
 
     fn draw(&self, summary: &Summary) -> Result<Drawing, FigureError> {
@@ -71,11 +78,6 @@ impl TrialFigure for Intervals {
             table.row(std::iter::once(c.key.clone()).chain(cells));
         }
         let svg = draw(&rows, self.title(), &alt)?;
-        let reading = [
-            "Every bar reaches over the dotted line.",
-            "Bars that end left of it: intervals that promise too much.",
-            "Look for parameters tied together, and for a solver whose errors are not small against the noise.",
-        ];
-        Ok(drawing(self, (caption, alt), (svg, table.finish()), reading))
+        Ok(Drawing::of(self, (caption, alt), (svg, table.finish()), Vec::new()))
     }
 }

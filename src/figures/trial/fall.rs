@@ -1,12 +1,11 @@
 //! From the calibrated base to the explanation: the error over the noise, one line per trial.
 
-use super::{TrialFigure, count, drawing};
 use crate::figures::axes::{Axis, Panel};
 use crate::figures::canvas::{Anchor, Stroke, Type, document};
 use crate::figures::legend::{Key, legend};
 use crate::figures::marks::Mark;
-use crate::figures::style::{DOTS, GREY, GRID, SLIP, STATIC, Table, WHITE, WIDTH, cell, text_width};
-use crate::figures::{Drawing, FigureError};
+use crate::figures::style::{DOTS, GREY, GRID, SLIP, STATIC, Table, WHITE, WIDTH, cell, count, text_width};
+use crate::figures::{Drawing, Figure, FigureError};
 use crate::trial::{Record, Score, Summary};
 
 const SIZE: f64 = 13.0;
@@ -55,13 +54,21 @@ fn draw(names: &[&str], trials: &[Trial], title: &str, alt: &str) -> Result<Stri
     })
 }
 
-impl TrialFigure for ErrorFall {
+impl Figure<Summary> for ErrorFall {
     fn name(&self) -> &'static str {
         "error-fall"
     }
 
     fn title(&self) -> &'static str {
         "From the calibrated base to the noise"
+    }
+
+    fn reading(&self) -> [&'static str; 3] {
+        [
+            "Blue dots on the dotted line.",
+            "Dots right of it: the explanation leaves misfit. Red dots on it: another cause explains the table as well.",
+            "Right of the line more effects or a better search; on it, other conditions that tell the causes apart.",
+        ]
     }
 
     fn draw(&self, summary: &Summary) -> Result<Drawing, FigureError> {
@@ -86,11 +93,6 @@ impl TrialFigure for ErrorFall {
             table.row([r.id.clone(), r.answer.cause.clone(), noise, base, end, verdict]);
         }
         let svg = draw(&names, &trials, self.title(), &alt)?;
-        let reading = [
-            "Blue dots on the dotted line.",
-            "Dots right of it: the explanation leaves misfit. Red dots on it: another cause explains the table as well.",
-            "Right of the line more effects or a better search; on it, other conditions that tell the causes apart.",
-        ];
-        Ok(drawing(self, (caption, alt), (svg, table.finish()), reading))
+        Ok(Drawing::of(self, (caption, alt), (svg, table.finish()), Vec::new()))
     }
 }

@@ -1,45 +1,41 @@
 //! What is said of the contact in words and numbers.
 
 use super::super::limits::VAGUE;
-use super::super::words::{self, count};
+use super::super::words;
 use super::{Data, Row};
-use crate::compare::ContactPoint;
-use crate::figures::style::{Table, cell, significant};
+use crate::compare::{ConditionMetrics, ContactPoint};
+use crate::figures::style::{Table, cell, count, significant};
+
+/// The contact under the conditions of a comparison, from several sources, as CSV.
+pub fn csv(conditions: &[ConditionMetrics], sources: &[(&str, &[ContactPoint])]) -> String {
+    let header = [
+        "source",
+        "speed [m/s]",
+        "load [N]",
+        "drive [m]",
+        "row",
+        "frequency [Hz]",
+        "speed amplitude [m/s]",
+        "stiffness [N/m]",
+        "sd of stiffness [N/m]",
+        "damping [N s/m]",
+        "sd of damping [N s/m]",
+    ];
+    let mut table = Table::new(&header);
+    for (source, p) in sources.iter().flat_map(|(source, points)| points.iter().map(move |p| (source, p))) {
+        let s = conditions[p.condition].setting;
+        let at = [p.frequency_hz, p.speed_amplitude_m_s];
+        let values = [p.stiffness_n_m, p.stiffness_sd_n_m, p.damping_n_s_m, p.damping_sd_n_s_m];
+        let cells = std::iter::once(source.to_string()).chain([s.speed, s.load, s.drive].map(cell));
+        table.row(cells.chain([p.row.to_string()]).chain(at.into_iter().chain(values).map(cell)));
+    }
+    table.finish()
+}
 
 impl Data<'_> {
     /// Everything shown, as CSV.
     pub(super) fn csv(&self) -> String {
-        let header = [
-            "source",
-            "speed [m/s]",
-            "load [N]",
-            "drive [m]",
-            "row",
-            "frequency [Hz]",
-            "speed amplitude [m/s]",
-            "stiffness [N/m]",
-            "sd of stiffness [N/m]",
-            "damping [N s/m]",
-            "sd of damping [N s/m]",
-        ];
-        let mut table = Table::new(&header);
-        for (source, points) in [("measured", &self.c.contact), ("model", &self.c.contact_model)] {
-            for p in points {
-                let s = self.c.conditions[p.condition].setting;
-                let before = [s.speed, s.load, s.drive].map(cell);
-                let after = [
-                    p.frequency_hz,
-                    p.speed_amplitude_m_s,
-                    p.stiffness_n_m,
-                    p.stiffness_sd_n_m,
-                    p.damping_n_s_m,
-                    p.damping_sd_n_s_m,
-                ];
-                let cells = std::iter::once(source.to_string()).chain(before);
-                table.row(cells.chain([p.row.to_string()]).chain(after.map(cell)));
-            }
-        }
-        table.finish()
+        csv(&self.c.conditions, &[("measured", &self.c.contact), ("model", &self.c.contact_model)])
     }
 
     /// What it shows.

@@ -1,16 +1,16 @@
 //! What is said of the overlay in words and numbers.
 
 use super::super::sigma::BAND;
-use super::super::words::{self, count};
+use super::super::words;
 use super::{BAR, Data};
 use crate::compare::Compared;
-use crate::figures::style::{Table, cell, significant};
+use crate::figures::style::{Table, cell, count, significant};
 use crate::solver::Status;
 
 impl Data<'_> {
     /// Everything shown, as CSV.
     pub(super) fn csv(&self) -> String {
-        let value = if self.phase { "phase [deg]".into() } else { self.amplitude.label() };
+        let value = self.label();
         let (sd, model) = (format!("sd of {value}"), format!("model {value}"));
         let header =
             ["kind", "condition", "row", "frequency [Hz]", &value, &sd, &model, "error [sigma]", "phase error [sigma]"];

@@ -1,0 +1,30 @@
+//! Robust averages, used wherever a few values may be far off.
+
+/// Standard deviation of a normal distribution over its median absolute deviation.
+const MAD: f64 = 1.4826;
+
+/// The median, 0 of nothing.
+pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.into_iter().collect();
+    values.sort_by(f64::total_cmp);
+    match values.len() {
+        0 => 0.0,
+        n => 0.5 * (values[(n - 1) / 2] + values[n / 2]),
+    }
+}
+
+/// Robust standard deviation about `center`: 0 of nothing.
+pub fn spread(values: impl IntoIterator<Item = f64>, center: f64) -> f64 {
+    MAD * median(values.into_iter().map(|value| (value - center).abs()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_value_far_off_changes_nothing() {
+        assert_eq!([median([]), median([3.0]), median([1.0, 2.0]), median([9e9, 1.0, 2.0])], [0.0, 3.0, 1.5, 2.0]);
+        assert_eq!(spread([1.0, 2.0, 3.0, 4.0, 9e9], 3.0), MAD);
+    }
+}

@@ -1,0 +1,289 @@
+// The report in a real browser: node tests/browser/run.mjs REPORT_FOLDER HOSTILE_FOLDER [SCREENSHOT_FOLDER]
+// Every interaction, no error, no request, no sideways scroll, nothing that axe objects to, nothing that a title can run.
+import assert from "node:assert/strict";
+import { readFileSync, mkdirSync } from "node:fs";
+import { createRequire } from "node:module";
+import { join, resolve } from "node:path";
+import { pathToFileURL } from "node:url";
+import { chromium } from "playwright-core";
+
+const [folder, hostile, pictures] = process.argv.slice(2).map((path) => resolve(path));
+const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+const browser = await chromium.launch({
+  executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+  args: ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
+    "--disable-component-update", "--disable-sync"],
+});
+const DESKTOP = { width: 1280, height: 900 };
+const PHONE = { width: 390, height: 844 };
+let checks = 0;
+const check = (condition, words) => { checks += 1; assert.ok(condition, words); };
+
+// A page that fails the run for any error, and for any request beyond the file itself.
+const open = async (path, options = {}) => {
+  const context = await browser.newContext({ viewport: DESKTOP, acceptDownloads: true, ...options });
+  const page = await context.newPage();
+  const bad = [];
+  const address = pathToFileURL(join(path, "report.html")).href;
+  page.on("console", (message) => { if (["error", "warning"].includes(message.type())) bad.push(message.text()); });
+  page.on("pageerror", (error) => bad.push(String(error)));
+  page.on("dialog", (dialog) => { bad.push(`dialog: ${dialog.message()}`); dialog.dismiss(); });
+  page.on("request", (request) => {
+    const url = request.url();
+    if (!url.startsWith(address) && !/^(data|blob):/.test(url)) bad.push(`request: ${url}`);
+  });
+  const start = performance.now();
+  await page.goto(address, { waitUntil: "load" });
+  page.took = performance.now() - start;
+  page.finish = async () => {
+    assert.deepEqual(bad, []);
+    checks += 1;
+    await context.close();
+  };
+  return page;
+};
+const step = async (name, run) => {
+  const start = performance.now();
+  await run();
+  console.log(`  ${name}: ${((performance.now() - start) / 1000).toFixed(1)} s`);
+};
+const narrow = async (page, words) => {
+  const [scroll, client] = await page.evaluate(() => [document.documentElement.scrollWidth, innerWidth]);
+  check(scroll <= client, `${words}: ${scroll} px on a screen of ${client} px`);
+};
+const violations = async (page) => {
+  await page.evaluate(axe);
+  // What a drawing holds is one image with a text alternative.
+  const found = await page.evaluate(() => globalThis.axe.run({ exclude: ["svg"] }, { resultTypes: ["violations"] }));
+  const words = found.violations.map(({ id, nodes }) => `${id}: ${nodes.length}, e.g. ${nodes[0].html.slice(0, 200)}`);
+  assert.deepEqual(words, []);
+  checks += 1;
+};
+const picture = async (page, name, options = {}) => {
+  if (!pictures) return;
+  mkdirSync(pictures, { recursive: true });
+  await page.screenshot({ path: join(pictures, `${name}.png`), ...options });
+};
+const text = (page, selector) => page.locator(selector).first().innerText();
+
+// The first figure whose curves have names, scrolled into view.
+const figure = async (page) => {
+  const id = await page.evaluate(() => {
+    const named = (one) => one.querySelectorAll("[data-key]").length > 2 && one.querySelectorAll("[data-s]").length > 2;
+    const found = [...document.querySelectorAll("figure")].find((one) => named(one) && !one.closest("details"));
+    found.querySelector(".canvas").scrollIntoView({ block: "center" });
+    return found.id;
+  });
+  const root = page.locator(`[id="${id}"]`);
+  await root.locator(".tools").waitFor();
+  return root;
+};
+// Where a point of a series is on the screen.
+const place = (root, share = 0.5) => root.evaluate((one, part) => {
+  const svg = one.querySelector("svg");
+  const line = [...svg.querySelectorAll("[data-s] polyline")].find((l) => l.points.numberOfItems > 20);
+  const { x, y } = line.points.getItem(Math.floor(line.points.numberOfItems * part));
+  const at = new DOMPoint(x, y).matrixTransform(svg.getScreenCTM());
+  return { x: at.x, y: at.y, name: line.closest("[data-s]").dataset.s };
+}, share);
+const zoomed = (root) => root.locator(".reset").isVisible();
+
+try {
+  await step("loads fast, in both themes and at both widths, without sideways scroll", async () => {
+    const colours = [];
+    for (const colorScheme of ["light", "dark"]) {
+      for (const [name, viewport] of [["desktop", DESKTOP], ["phone", PHONE]]) {
+        const page = await open(folder, { colorScheme, viewport });
+        const { load } = await page.evaluate(() => ({ load: performance.getEntriesByType("navigation")[0].loadEventEnd }));
+        check(load < 3000, `the page takes ${load} ms to open`);
+        console.log(`    ${colorScheme}, ${name}: ${Math.round(load)} ms`);
+        colours.push(await page.evaluate(() => getComputedStyle(document.body).backgroundColor));
+        await narrow(page, `${colorScheme}, ${name}`);
+        await picture(page, `${colorScheme}-${name}`);
+        await page.evaluate(() => document.querySelectorAll("details").forEach((one) => { one.open = true; }));
+        await narrow(page, `${colorScheme}, ${name}, unfolded`);
+        await page.finish();
+      }
+    }
+    check(new Set(colours).size === 2, "the themes look alike");
+  });
+
+  await step("values under the pointer, curves on and off, zoom", async () => {
+    const page = await open(folder);
+    const root = await figure(page);
+    const at = await place(root);
+    await page.mouse.move(at.x, at.y);
+    const tip = await root.locator(".tip").innerText();
+    check(/\d/.test(tip) && /Hz|mm\/s|rad/.test(tip), `the tip says: ${tip}`);
+    await picture(page, "hover");
+    const key = root.locator("[data-key].key").first();
+    const name = await key.getAttribute("data-key");
+    const shown = () => root.evaluate((one, wanted) => [...one.querySelectorAll("[data-s]")]
+      .filter((group) => group.dataset.s === wanted).every((group) => group.style.display !== "none"), name);
+    await key.click();
+    check(!(await shown()), "a click on the legend hides the curve");
+    await key.click();
+    check(await shown(), "a second click shows it again");
+    await root.locator(".series summary").click();
+    await root.locator(".series button", { hasText: name }).first().press("Enter");
+    check(!(await shown()), "so does its button under the keyboard");
+    await root.locator(".series button", { hasText: name }).first().press("Enter");
+    const before = await root.evaluate((one) => one.querySelector("[data-s] polyline").getAttribute("points"));
+    const drag = async (dx, dy) => {
+      await page.mouse.move(at.x - dx, at.y - dy);
+      await page.mouse.down();
+      await page.mouse.move(at.x, at.y, { steps: 3 });
+      await page.mouse.move(at.x + dx, at.y + dy, { steps: 3 });
+      await page.mouse.up();
+    };
+    await root.locator(".canvas").evaluate((one) => one.scrollIntoView({ block: "center" }));
+    Object.assign(at, await place(root));
+    await drag(60, 40);
+    check(await zoomed(root), "dragging zooms");
+    check((await root.locator("[data-overlay] text").count()) >= 3, "a zoomed panel has its ticks");
+    await picture(page, "zoom");
+    const box = await root.locator("svg").boundingBox();
+    await page.mouse.dblclick(box.x + box.width / 3, box.y + box.height / 4);
+    check(!(await zoomed(root)), "a double click shows the whole view");
+    const after = await root.evaluate((one) => one.querySelector("[data-s] polyline").getAttribute("points"));
+    assert.equal(after, before, "the whole view is as it was");
+    await drag(60, 2);
+    check(await zoomed(root), "dragging sideways zooms");
+    await page.keyboard.press("Escape");
+    check(!(await zoomed(root)), "Escape shows the whole view");
+    await page.finish();
+  });
+
+  await step("the same with the keyboard alone", async () => {
+    const page = await open(folder);
+    const root = await figure(page);
+    await root.locator(".canvas").focus();
+    const said = [];
+    for (const key of ["ArrowRight", "ArrowRight", "ArrowDown"]) {
+      await page.keyboard.press(key);
+      said.push(await page.evaluate(() => [...document.querySelectorAll("[role=status]")].map((one) => one.textContent).join("")));
+    }
+    check(new Set(said).size === 3 && said.every((words) => /\d/.test(words)), `arrow keys say: ${said}`);
+    await page.keyboard.press("+");
+    check(await zoomed(root), "plus zooms");
+    await page.keyboard.press("Escape");
+    check(!(await zoomed(root)), "Escape shows the whole view");
+    await page.finish();
+  });
+
+  await step("a finger reads values too", async () => {
+    const page = await open(folder, { viewport: PHONE, hasTouch: true, isMobile: true });
+    const root = await figure(page);
+    const at = await place(root, 0.2);
+    await page.touchscreen.tap(at.x, at.y);
+    check(/\d/.test(await root.locator(".tip").innerText()), "a tap reads a value");
+    await picture(page, "tap");
+    await page.finish();
+  });
+
+  await step("files out of the page alone", async () => {
+    const page = await open(folder);
+    const root = await figure(page);
+    for (const [kind, begins] of [["SVG", "<svg"], ["PNG", "\x89PNG"], ["CSV", ""]]) {
+      const link = root.locator(`a[data-save=${kind}]`);
+      const [download] = await Promise.all([page.waitForEvent("download"), link.click()]);
+      const bytes = readFileSync(await download.path());
+      check(bytes.toString("latin1").startsWith(begins) && bytes.length > 500, `${kind} of ${bytes.length} bytes`);
+      check(download.suggestedFilename().endsWith(`.${kind.toLowerCase()}`), download.suggestedFilename());
+      if (kind === "CSV") {
+        const beside = join(folder, decodeURI(await link.getAttribute("href")));
+        assert.equal(bytes.toString(), readFileSync(beside, "utf8"), "the packed table is the file beside the report");
+      }
+    }
+    await page.finish();
+  });
+
+  await step("tables sort, symbols explain themselves, links lead and are copied", async () => {
+    const page = await open(folder);
+    await page.context().grantPermissions(["clipboard-read", "clipboard-write"]).catch(() => {});
+    await page.evaluate(() => document.querySelectorAll("details").forEach((one) => { one.open = true; }));
+    const table = page.locator("table.numbers").filter({ has: page.locator("tbody tr:nth-child(4) td data") }).first();
+    const column = table.locator("thead th").last();
+    const index = await column.evaluate((head) => head.cellIndex);
+    const values = () => table.evaluate((one, i) => [...one.tBodies[0].rows].filter((row) => !row.className.includes("total"))
+      .map((row) => +(row.cells[i]?.querySelector("data")?.value ?? NaN)).filter(Number.isFinite), index);
+    await column.locator("button").press("Enter");
+    const up = await values();
+    assert.deepEqual(up, [...up].sort((a, b) => a - b));
+    check((await column.getAttribute("aria-sort")) === "ascending", "the sort is announced");
+    await column.click({ position: { x: 4, y: 4 } });
+    assert.deepEqual(await values(), [...up].sort((a, b) => b - a));
+    const term = page.locator("a.term:visible").first();
+    await term.focus();
+    check(await page.locator(".hint").isVisible(), "focus explains a symbol");
+    await page.keyboard.press("Escape");
+    check(!(await page.locator(".hint").isVisible()), "Escape takes the hint away");
+    await term.hover();
+    check((await text(page, ".hint")).length > 5, "so does the pointer");
+    const link = page.locator("section .permalink").nth(1);
+    check(await link.isVisible(), "links of sections are visible");
+    await link.click();
+    const copied = await page.evaluate(() => navigator.clipboard.readText().catch(() => location.href));
+    check(copied === page.url() && copied.includes("#"), `copied: ${copied}`);
+    await page.finish();
+  });
+
+  await step("a link into a folded part opens it; paper has everything", async () => {
+    const page = await open(folder);
+    const id = await page.evaluate(() => document.querySelector("main details:not([open]) [id]").id);
+    await page.evaluate((hash) => { location.hash = hash; }, id);
+    await page.locator(`[id="${id}"]`).waitFor({ state: "visible" });
+    await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
+    check((await page.locator("main details:not([open])").count()) === 0, "everything is printed");
+    await page.emulateMedia({ media: "print" });
+    check(await page.locator("nav.contents").isHidden(), "contents are for the screen");
+    await page.finish();
+  });
+
+  await step("readable without script", async () => {
+    const page = await open(folder, { javaScriptEnabled: false });
+    check((await text(page, "#summary")).length > 100, "the summary");
+    check((await page.locator("figure svg").count()) > 3 && (await page.locator("math").count()) >= 0, "the drawings");
+    check((await page.locator(".sort, .tools").count()) === 0, "no dead controls");
+    await page.finish();
+  });
+
+  await step("nothing a scenario says can run", async () => {
+    const page = await open(hostile);
+    check(/<script>/.test(await page.title()) || /<script>/.test(await text(page, "main")), "the title is shown as text");
+    check((await page.evaluate(() => globalThis.hacked)) === undefined, "something ran");
+    check((await page.locator("main img, main script, main iframe").count()) === 0, "an element came through");
+    const ran = await page.evaluate(() => {
+      const script = document.body.appendChild(document.createElement("script"));
+      script.textContent = "globalThis.hacked = 1";
+      return globalThis.hacked;
+    });
+    check(ran === undefined, "the policy lets a foreign script run");
+    await narrow(page, "hostile");
+    await page.context().close();
+    const phone = await open(hostile, { viewport: PHONE });
+    await narrow(phone, "hostile, phone");
+    await phone.finish();
+  });
+
+  await step("axe", async () => {
+    for (const [colorScheme, viewport] of [["light", DESKTOP], ["dark", PHONE]]) {
+      const page = await open(folder, { colorScheme, viewport });
+      // One section of each kind, unfolded: the others come from the same templates.
+      await page.evaluate(() => {
+        const compared = [...document.querySelectorAll("section.scenario")].filter((one) => one.querySelector(".discovery"));
+        const plain = [...document.querySelectorAll("section.scenario")].filter((one) => !one.querySelector(".comparison"));
+        for (const list of [compared, plain, [...document.querySelectorAll("details.effect")]]) {
+          list.slice(1).forEach((one) => one.remove());
+        }
+        document.querySelectorAll("main details").forEach((one) => { one.open = true; });
+      });
+      await figure(page);
+      await violations(page);
+      await page.finish();
+    }
+  });
+  console.log(`${checks} checks hold`);
+} finally {
+  await browser.close();
+}
