@@ -25,6 +25,9 @@ pub enum Error {
     /// The work could not be finished (no convergence, out of time).
     #[error("error: {0}")]
     Unfinished(String),
+    /// Everything was done and written, and a gate failed; the text lists which.
+    #[error("{0}")]
+    Gate(String),
     /// The user interrupted the work.
     #[error("error: interrupted; files written before are whole")]
     Interrupted,
@@ -37,9 +40,10 @@ impl Error {
         move |source| Self::Io { action, path, source }
     }
 
-    /// Exit status: 2 for bad usage or input (a file that cannot be read included), 3 where the work could not be finished.
+    /// Exit status: 1 for a gate that failed, 2 for bad usage or input (a file that cannot be read included), 3 where the work could not be finished.
     pub fn exit_code(&self) -> u8 {
         match self {
+            Self::Gate(_) => 1,
             Self::Input(_) => 2,
             Self::Io { action, .. } if action.starts_with("read") => 2,
             Self::Io { .. } | Self::Unfinished(_) | Self::Interrupted => 3,
@@ -71,5 +75,6 @@ mod tests {
         assert_eq!(io("write").exit_code(), 3);
         assert_eq!(Error::Unfinished(String::new()).exit_code(), 3);
         assert_eq!(Error::Interrupted.exit_code(), 3);
+        assert_eq!(Error::Gate(String::new()).exit_code(), 1);
     }
 }

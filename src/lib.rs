@@ -13,6 +13,7 @@
 //! * [`atlas`] - what each effect of the registry does to resonance curves, by strength.
 //! * [`verification`] - numbers that prove the solvers in every run.
 //! * [`claims`] - the ledger of published statements, each computed and judged.
+//! * [`gate`] - what a scenario or the command line demands, judged.
 //! * [`trial`] - blind trials of the discovery: planted causes, sealed answers, scores.
 //! * [`figures`] - outcome or comparison in, SVG, PNG and CSV out; never simulates.
 //! * [`report`] - serialisable views, rendered as HTML and written as JSON.
@@ -26,6 +27,7 @@ pub mod error;
 pub mod figures;
 pub mod files;
 pub mod fit;
+pub mod gate;
 pub mod measurement;
 pub mod model;
 pub mod report;

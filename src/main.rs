@@ -1,10 +1,9 @@
 //! The `stickslip` command.
 
-use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    match stickslip::cli::run(stickslip::cli::Cli::parse()) {
+    match stickslip::cli::run(stickslip::cli::Cli::of_process()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("{error}");

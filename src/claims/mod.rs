@@ -157,7 +157,7 @@ impl Number {
 /// # Errors
 /// [`Error::Input`] where the ledger cannot be read or names something unknown.
 pub fn judge(text: &str, file: &str, scenario: &Scenario) -> Result<Vec<Judged>> {
-    let ledger: Ledger = toml::from_str(text).map_err(|why| Error::Input(format!("error: {file}: {why}")))?;
+    let ledger = read(text, file)?;
     let context = Context::new(scenario);
     ledger
         .claim
@@ -168,6 +168,18 @@ pub fn judge(text: &str, file: &str, scenario: &Scenario) -> Result<Vec<Judged>>
             })
         })
         .collect()
+}
+
+/// The ids of the ledger `text` (named `file` in messages).
+///
+/// # Errors
+/// [`Error::Input`] where the ledger cannot be read.
+pub fn ids(text: &str, file: &str) -> Result<Vec<String>> {
+    Ok(read(text, file)?.claim.into_iter().map(|claim| claim.id).collect())
+}
+
+fn read(text: &str, file: &str) -> Result<Ledger> {
+    toml::from_str(text).map_err(|why| Error::Input(format!("error: {file}: {why}\n  = help: correct the ledger")))
 }
 
 fn judge_one(claim: &Claim, context: &Context) -> std::result::Result<Judged, String> {

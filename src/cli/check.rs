@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 use crate::measurement::{self, Table};
 use crate::scenario::Scenario;
 
+use super::ledger::Ledger;
 use super::select::outcomes;
 
 /// Checks files, and the scenarios below folders; without any, those below `scenarios/`, or where there is no such
@@ -14,7 +15,10 @@ use super::select::outcomes;
 pub fn execute(paths: &[PathBuf]) -> Result<()> {
     let mut problems = Vec::new();
     for outcome in outcomes(paths) {
-        let read = outcome.and_then(|scenario| Ok((measurement::load(&scenario)?, scenario)));
+        let read = outcome.and_then(|scenario| {
+            Ledger::find(std::slice::from_ref(&scenario))?;
+            Ok((measurement::load(&scenario)?, scenario))
+        });
         match read {
             Ok((table, scenario)) => print(&scenario, table.as_ref())?,
             Err(error) => problems.push(error.to_string()),

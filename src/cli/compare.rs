@@ -1,10 +1,12 @@
 //! `stickslip compare`: the model against measurements, and where it fails.
 
-use super::{Global, Json, say, simulate};
+use super::gates::{self, GateLimits};
+use super::{Global, Json, Stamped, say, simulate};
 use crate::compare::{self, Comparison, Options};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::fit::{Identified, Interval, Parameter};
+use crate::gate;
 use crate::measurement::{self, Table};
 use crate::scenario::{self, Formulation, Scenario};
 use crate::units;
@@ -13,15 +15,33 @@ use std::path::{Path, PathBuf};
 /// Regions shown on the terminal.
 const REGIONS: usize = 8;
 
-/// Compares a scenario with its measurements; the JSON goes to `json` and the figures below `out` where given.
-pub fn execute(path: &Path, json: Option<&Json>, out: Option<&PathBuf>, seed: u32, global: &Global) -> Result<()> {
-    let (scenario, table) = with_measurements(path)?;
+/// What is asked for.
+#[derive(Debug, Clone, Copy)]
+pub struct Job<'a> {
+    /// The scenario.
+    pub path: &'a Path,
+    /// Where the JSON goes, if anywhere.
+    pub json: Option<&'a Json>,
+    /// Folder of the figures, if they are wanted.
+    pub out: Option<&'a PathBuf>,
+    /// Seed of the fit.
+    pub seed: u32,
+    /// Gates in place of the scenario's own.
+    pub limits: &'a GateLimits,
+}
+
+/// Compares a scenario with its measurements, and holds the comparison to its gates.
+pub fn execute(job: &Job<'_>, global: &Global) -> Result<()> {
+    let Job { path, json, out, seed, limits } = *job;
+    let (mut scenario, table) = with_measurements(path)?;
+    limits.apply(&mut scenario.gate);
     if let Some(out) = out {
         files::prepare(out)?;
     }
     let comparison = compare::compare(&scenario, &table, &Options { seed });
+    let judged = gate::of_comparison(&scenario.gate, &comparison);
     if let Some(json) = json {
-        json.write(&compare::json(&comparison), &[path, &table.file])?;
+        json.write(&Stamped::new(&compare::json(&comparison), &judged), &[path, &table.file])?;
     }
     let drawn = out.map(|out| simulate::comparison(&comparison, out)).transpose()?;
     if !json.is_some_and(Json::to_standard_output) {
@@ -32,8 +52,9 @@ pub fn execute(path: &Path, json: Option<&Json>, out: Option<&PathBuf>, seed: u3
         for (name, out) in names.zip(std::iter::repeat(out)) {
             say(global, &format!("  {}", out.map_or_else(|| name.into(), |out| out.join(name)).display()));
         }
+        gates::told(&judged, global);
     }
-    Ok(())
+    gates::passed(&judged)
 }
 
 /// A scenario and its table; an error where it names none.

@@ -1,27 +1,41 @@
 //! `stickslip discover`: which effect is missing.
 
 use super::compare::{parameter, verdict, with_measurements};
-use super::{Global, Json, say};
+use super::gates::{self, GateLimits, Verdicts};
+use super::{Global, Json, Stamped, say};
 use crate::discover::{self, Candidate, Discovery, Options, Verdict};
 use crate::error::Result;
+use crate::gate;
 use std::path::Path;
 
 /// Candidates shown on the terminal.
 const CANDIDATES: usize = 8;
 
-/// Searches for what is missing in a scenario's model; the JSON goes to `json` where given.
-pub fn execute(path: &Path, json: Option<&Json>, options: &Options, global: &Global) -> Result<()> {
-    let (scenario, table) = with_measurements(path)?;
+/// Searches for what is missing in a scenario's model, and holds the result to its gates; the JSON goes to `json` where
+/// given.
+pub fn execute(
+    path: &Path,
+    json: Option<&Json>,
+    options: &Options,
+    (limits, verdict): (&GateLimits, &Verdicts),
+    global: &Global,
+) -> Result<()> {
+    let (mut scenario, table) = with_measurements(path)?;
+    limits.apply(&mut scenario.gate);
+    verdict.apply(&mut scenario.gate);
     let discovery = discover::discover(&scenario, &table, options);
+    let mut judged = gate::of_comparison(&scenario.gate, &discovery.steps[0].comparison);
+    judged.extend(gate::of_discovery(&scenario.gate, &discovery));
     if let Some(json) = json {
-        json.write(&discover::json(&discovery), &[path, &table.file])?;
+        json.write(&Stamped::new(&discover::json(&discovery), &judged), &[path, &table.file])?;
     }
     if !json.is_some_and(Json::to_standard_output) {
         for line in words(&discovery) {
             say(global, &line);
         }
+        gates::told(&judged, global);
     }
-    Ok(())
+    gates::passed(&judged)
 }
 
 /// The discovery in lines of text.

@@ -1,10 +1,30 @@
 //! Where the JSON of a command goes.
 
+use crate::compare::COMPARATOR;
 use crate::error::{Error, Result};
 use crate::files;
+use crate::gate::Judged;
 use serde::Serialize;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
+
+/// A result with what judged it.
+#[derive(Debug, Serialize)]
+pub struct Stamped<'a, T> {
+    #[serde(flatten)]
+    result: &'a T,
+    program: &'static str,
+    comparator: &'static str,
+    gates: &'a [Judged],
+}
+
+impl<'a, T> Stamped<'a, T> {
+    /// The result of this program, with the gates that it was held to.
+    pub fn new(result: &'a T, gates: &'a [Judged]) -> Self {
+        let program = concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION"));
+        Self { result, program, comparator: COMPARATOR, gates }
+    }
+}
 
 /// A file, or standard output.
 #[derive(Debug, Clone)]

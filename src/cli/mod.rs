@@ -1,17 +1,22 @@
 //! The command line: one file per command, each an `execute` that reads as a table of contents.
 
 pub mod add;
+mod again;
 mod bounds;
 pub mod check;
 pub mod compare;
 pub mod discover;
 pub mod effects;
 mod extension;
+mod extras;
+mod gates;
 pub mod init;
 mod json;
+mod ledger;
 pub mod report;
 pub mod run;
 mod select;
+mod shell;
 mod simulate;
 mod target;
 pub mod trial;
@@ -19,7 +24,8 @@ pub mod trial;
 use crate::discover::Options;
 use crate::error::{Error, Result};
 use clap::{Args, Parser, Subcommand};
-use json::Json;
+use json::{Json, Stamped};
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// Reproduces a published friction experiment: rubber on a vibrating arm, from sticking to sliding.
@@ -27,7 +33,7 @@ use std::path::PathBuf;
 #[command(version, about, long_about = None, after_help = EXIT_STATUS, disable_help_subcommand = true)]
 pub struct Cli {
     #[command(subcommand)]
-    command: Option<Command>,
+    command: Command,
     #[command(flatten)]
     global: Global,
 }
@@ -49,13 +55,7 @@ pub struct Global {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Simulate everything, compare with measurements, draw, write report.html and report.json
-    Report {
-        /// Scenario files or folders [default: scenarios/, or the built-in ones]
-        scenarios: Vec<PathBuf>,
-        /// Folder of the results
-        #[arg(long, default_value = "output", value_name = "DIR")]
-        out: PathBuf,
-    },
+    Report(report::Arguments),
     /// Simulate one scenario, compare it with its measurements if it names any, draw; curves as CSV
     Run {
         /// Scenario file
@@ -77,6 +77,8 @@ enum Command {
         /// Seed of the quasi-random starts of the fit
         #[arg(long, value_name = "N", default_value_t = 0)]
         seed: u32,
+        #[command(flatten)]
+        gates: gates::GateLimits,
     },
     /// Find out which effect is missing in the model of some measurements
     Discover {
@@ -91,6 +93,10 @@ enum Command {
         /// Seed of the quasi-random samples
         #[arg(long, value_name = "N", default_value_t = 0)]
         seed: u32,
+        #[command(flatten)]
+        gates: gates::GateLimits,
+        #[command(flatten)]
+        verdict: gates::Verdicts,
         #[command(flatten)]
         limits: bounds::Limits,
     },
@@ -131,6 +137,43 @@ enum Command {
         #[arg(default_value = ".")]
         dir: PathBuf,
     },
+    /// Print the completions of a shell
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+    /// Print the manual page
+    Man {
+        /// Write the page of every command below this folder instead
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+    },
+}
+
+impl Cli {
+    /// The command line of this process; ends the process with help or an error where that is what it asks for.
+    pub fn of_process() -> Self {
+        Self::parse_from(with_command(std::env::args_os().collect()))
+    }
+}
+
+/// The arguments with the word `report` where they name no command: options of every command may stand before it.
+fn with_command(mut arguments: Vec<OsString>) -> Vec<OsString> {
+    let mut at = 1;
+    while let Some(word) = arguments.get(at).and_then(|word| word.to_str()) {
+        match word {
+            "-q" | "--quiet" => at += 1,
+            "--threads" => at += 2,
+            _ if word.starts_with("--threads=") => at += 1,
+            _ => break,
+        }
+    }
+    let next = arguments.get(at).map(|word| word.to_string_lossy());
+    let help = ["-h", "--help", "-V", "--version"];
+    if next.is_none_or(|word| word.starts_with('-') && !help.contains(&word.as_ref())) {
+        arguments.insert(arguments.len().min(1), "report".into());
+    }
+    arguments
 }
 
 /// Runs the command that the arguments name.
@@ -143,15 +186,17 @@ pub fn run(cli: Cli) -> Result<()> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
         pool.build_global().map_err(|why| Error::Unfinished(format!("the threads could not be started: {why}")))?;
     }
-    match cli.command.unwrap_or(Command::Report { scenarios: Vec::new(), out: "output".into() }) {
-        Command::Report { scenarios, out } => report::execute(&scenarios, &out, &global),
+    match cli.command {
+        Command::Report(arguments) => report::execute(&arguments, &global),
         Command::Run { scenario, out } => run::execute(&scenario, &out, &global),
-        Command::Compare { scenario, json, out, seed } => {
-            compare::execute(&scenario, json.map(Json::from).as_ref(), out.as_ref(), seed, &global)
+        Command::Compare { scenario, json, out, seed, gates } => {
+            let json = json.map(Json::from);
+            let (json, out) = (json.as_ref(), out.as_ref());
+            compare::execute(&compare::Job { path: &scenario, json, out, seed, limits: &gates }, &global)
         }
-        Command::Discover { scenario, json, max_effects, seed, limits } => {
+        Command::Discover { scenario, json, max_effects, seed, gates, verdict, limits } => {
             let options = Options { max_effects: max_effects.into(), seed, bounds: (&limits).into() };
-            discover::execute(&scenario, json.map(Json::from).as_ref(), &options, &global)
+            discover::execute(&scenario, json.map(Json::from).as_ref(), &options, (&gates, &verdict), &global)
         }
         Command::Add { effect, scenario, output, dry_run, remove, seed } => {
             let job = add::Job { effect: &effect, path: &scenario, output: output.as_deref(), dry_run, remove, seed };
@@ -161,6 +206,8 @@ pub fn run(cli: Cli) -> Result<()> {
         Command::Check { scenarios } => check::execute(&scenarios),
         Command::Effects { name } => effects::execute(name.as_deref()),
         Command::Init { dir } => init::execute(&dir),
+        Command::Completions { shell } => shell::completions(shell),
+        Command::Man { out } => shell::man(out.as_deref(), &global),
     }
 }
 
@@ -169,5 +216,32 @@ fn say(global: &Global, line: &str) {
     use std::io::Write as _;
     if !global.quiet {
         let _ = writeln!(std::io::stdout().lock(), "{line}");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_definition_of_the_command_line_is_sound() {
+        <Cli as clap::CommandFactory>::command().debug_assert();
+    }
+
+    #[test]
+    fn without_a_command_it_is_report() {
+        let of = |line: &str| {
+            let words = with_command(line.split(' ').map(OsString::from).collect());
+            words.iter().map(|word| word.to_string_lossy().into_owned()).collect::<Vec<_>>().join(" ")
+        };
+        assert_eq!(of("stickslip"), "stickslip report");
+        assert_eq!(of("stickslip --out run"), "stickslip report --out run");
+        assert_eq!(of("stickslip -q --threads 2 --out x"), "stickslip report -q --threads 2 --out x");
+        for line in
+            ["stickslip --help", "stickslip -V", "stickslip run a", "stickslip --quiet run a", "stickslip x.toml"]
+        {
+            assert_eq!(of(line), line);
+        }
+        assert_eq!(with_command(Vec::new()), ["report"]);
     }
 }

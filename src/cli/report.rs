@@ -1,30 +1,55 @@
 //! `stickslip report`: everything, and one page about it.
 
+use super::again;
+use super::extras::Extras;
+use super::gates::{self, GateLimits, Verdicts};
+use super::ledger::{self, Ledger, of_paper};
 use super::{Global, compare, say, select, simulate};
-use crate::claims::{self, Judged, Relation};
 use crate::compare::Comparison;
 use crate::discover::{self, Discovery};
 use crate::error::{Error, Result};
+use crate::gate::{self, Judged};
 use crate::measurement::Table;
-use crate::report::{
-    self, CheckView, ClaimView, FigureInput, Provenance, ReportView, ScenarioView, Verdict, anchor, format,
-};
+use crate::report::{self, CheckView, FigureInput, Provenance, ReportView, ScenarioView, format};
 use crate::scenario::{self, Scenario};
 use crate::sweep::Outcome;
 use crate::{figures, files, verification};
+use clap::Args;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Title of the page.
 const TITLE: &str = "Rubber in frictional contact: model and experiment";
-/// Ledger and rig of the claims, below a scenarios folder.
-const LEDGER: &str = "paper/claims.toml";
-const RIG: &str = "paper/rig.toml";
+/// Arguments of the command.
+#[derive(Debug, Clone, Args)]
+pub struct Arguments {
+    /// Scenario files or folders [default: scenarios/, or the built-in ones]
+    scenarios: Vec<PathBuf>,
+    /// Folder of the results [default: output; with --from, that of the earlier run]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Make the page again from the report.json of an earlier run and the files beside it; nothing is simulated
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["scenarios", "max_rms_error", "max_chi2", "verdict"])]
+    from: Option<PathBuf>,
+    /// Files for pipelines.
+    #[command(flatten)]
+    pub extras: Extras,
+    #[command(flatten)]
+    limits: GateLimits,
+    #[command(flatten)]
+    verdict: Verdicts,
+}
 
-/// Simulates the scenarios, draws, judges the claims, and writes `report.html` and `report.json` below `out`.
-pub fn execute(paths: &[PathBuf], out: &Path, global: &Global) -> Result<()> {
+/// Simulates the scenarios, draws, judges claims and gates, and writes `report.html` and `report.json`.
+pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
+    let Arguments { scenarios: paths, out, from, extras, limits, verdict } = arguments;
+    if let Some(from) = from {
+        return again::execute(from, arguments, global);
+    }
+    let out = out.as_deref().unwrap_or(Path::new("output"));
     let mut scenarios = select::scenarios(paths)?;
+    gates::apply(limits, verdict, &mut scenarios)?;
     // In the order of the figures, then of the names.
     let place = |s: &Scenario| figures::names().iter().position(|name| s.figures.first().is_some_and(|f| f == name));
     scenarios.sort_by_key(|s| place(s).unwrap_or(usize::MAX));
@@ -35,6 +60,9 @@ pub fn execute(paths: &[PathBuf], out: &Path, global: &Global) -> Result<()> {
         ));
     }
     let tables = scenarios.iter().map(compare::table).collect::<Result<Vec<_>>>()?;
+    let ledger = Ledger::find(&scenarios)?;
+    let inputs = scenarios.iter().map(|s| s.path.as_path()).chain(tables.iter().flatten().map(|t| t.file.as_path()));
+    extras.refuse(inputs)?;
     files::prepare(out)?;
     let mut clock = Clock::start();
     let outcomes = scenarios.iter().map(|s| simulate::outcome(s, global.quiet)).collect::<Result<Vec<_>>>()?;
@@ -45,7 +73,7 @@ pub fn execute(paths: &[PathBuf], out: &Path, global: &Global) -> Result<()> {
     clock.lap("comparisons");
     let discovered = discovered(&scenarios, &tables, out)?;
     clock.lap("discoveries");
-    let claims = judge(&scenarios)?;
+    let claims = ledger.map_or(Ok(Vec::new()), |ledger| ledger.judge())?;
     clock.lap("claims");
     let atlas = if of_paper(&scenarios).is_some() { simulate::atlas(&scenario::paper(), out)? } else { Vec::new() };
     clock.lap("atlas");
@@ -57,19 +85,30 @@ pub fn execute(paths: &[PathBuf], out: &Path, global: &Global) -> Result<()> {
     let sections = sections.map(|((o, f), (c, d))| section(o, f, c.as_ref(), d.as_ref())).collect();
     let mut provenance = Provenance::from_environment(&command(paths), rayon::current_num_threads());
     provenance.timings = clock.laps;
-    let claims = claims.iter().map(claim_view).collect();
+    let judged: Vec<Judged> = scenarios
+        .iter()
+        .zip(compared.iter().zip(&discovered))
+        .flat_map(|(s, (c, d))| {
+            let of_comparison = c.iter().flat_map(|(c, _)| gate::of_comparison(&s.gate, c));
+            let of_discovery = d.iter().flat_map(|(d, _)| gate::of_discovery(&s.gate, d));
+            of_comparison.chain(of_discovery).chain(gate::of_claims(&s.gate, &s.id, &claims)).collect::<Vec<_>>()
+        })
+        .collect();
+    let claims = claims.iter().map(ledger::view).collect();
     let checks = checks.iter().map(check_view).collect();
-    let view = ReportView::assemble(TITLE, claims, sections, atlas, checks, &provenance);
+    let view = ReportView::assemble(TITLE, claims, sections, atlas, checks, &provenance).with_gates(&judged);
     let page = report::render(&view).map_err(|why| Error::Unfinished(why.to_string()))?;
     let json = report::json(&view).map_err(|why| Error::Unfinished(why.to_string()))?;
     files::replace(&out.join("report.json"), json.as_bytes())?;
     files::replace(&out.join("report.html"), page.as_bytes())?;
+    let extras = extras.write(&view)?;
     say(global, &view.summary.sentence);
     for (part, seconds) in &provenance.timings {
         say(global, &format!("  {part}: {seconds:.2} s"));
     }
     say(global, &format!("wrote {} and {}", out.join("report.html").display(), out.join("report.json").display()));
-    Ok(())
+    extras.iter().for_each(|path| say(global, &format!("wrote {}", path.display())));
+    gates::passed(&judged)
 }
 
 /// A comparison and a discovery, each with its figures.
@@ -138,72 +177,6 @@ fn command(paths: &[PathBuf]) -> String {
     let mut words = vec!["stickslip report".to_string()];
     words.extend(paths.iter().map(|path| path.display().to_string()));
     words.join(" ")
-}
-
-/// A scenario of the paper, where there is one: claims and atlas are for these.
-fn of_paper(scenarios: &[Scenario]) -> Option<&Scenario> {
-    scenarios.iter().find(|scenario| scenario.id.starts_with("paper/"))
-}
-
-/// The claims, where scenarios of the paper are among those reported.
-fn judge(scenarios: &[Scenario]) -> Result<Vec<Judged>> {
-    let Some(one) = of_paper(scenarios) else { return Ok(Vec::new()) };
-    // The folder of the scenarios has its own ledger and rig, unless they are the ones in the binary.
-    let beside =
-        |name: &str| one.path.parent().and_then(Path::parent).map(|root| root.join(name)).filter(|p| p.is_file());
-    match (beside(LEDGER), beside(RIG)) {
-        (Some(ledger), Some(rig)) => {
-            let text = std::fs::read_to_string(&ledger).map_err(Error::io("read", &ledger))?;
-            claims::judge(&text, &ledger.display().to_string(), &scenario::load_base(&rig)?)
-        }
-        _ => claims::judge(scenario::embedded_file(LEDGER).unwrap_or_default(), LEDGER, &scenario::paper()),
-    }
-}
-
-fn claim_view(claim: &Judged) -> ClaimView {
-    let show = |value: f64| number(value, claim.unit);
-    let (expected, tolerance) = match claim.expected {
-        Relation::AtLeast(bound) => (format!("at least {}", show(bound)), String::new()),
-        Relation::AtMost(bound) => (format!("at most {}", show(bound)), String::new()),
-        Relation::Equal(value, tolerance) => (show(value), format!("± {}", show(tolerance))),
-    };
-    let mut note = claim.caveat.clone();
-    if let Some((needed, printed)) = claim.remedy {
-        note += &format!(
-            "It would hold for an actuator amplitude u₀ of {} or more; printed is {}.",
-            format::quantity(needed, "m", 3),
-            format::quantity(printed, "m", 3)
-        );
-    }
-    ClaimView {
-        id: claim.id.clone(),
-        section: claim.section.clone(),
-        statement: claim.statement.clone(),
-        quantity: claim.quantity.clone(),
-        expected,
-        computed: show(claim.computed),
-        tolerance,
-        reason: claim.reason.clone(),
-        verdict: match claim.verdict {
-            claims::Verdict::Reproduced => Verdict::Reproduced,
-            claims::Verdict::Caveat => Verdict::Caveat,
-            claims::Verdict::NotReproducible => Verdict::NotReproducible,
-            claims::Verdict::Failed => Verdict::Failed,
-        },
-        note,
-        figure: claim.figure.as_ref().and_then(|f| f.split_once('#')).map(|(id, name)| anchor::figure(id, name)),
-        ..ClaimView::default()
-    }
-}
-
-/// Counts as they are, shares in percent, quantities with their unit.
-fn number(value: f64, unit: &str) -> String {
-    match unit {
-        "1" if value.fract() == 0.0 && value.abs() < 1e6 => format!("{value}"),
-        "1" if value.abs() >= 1e-4 => format::percent(value, 3),
-        "1" => format!("{value:.1e}"),
-        _ => format::quantity(value, unit, 3),
-    }
 }
 
 fn check_view(check: &verification::Check) -> CheckView {

@@ -1,9 +1,8 @@
 //! `stickslip run`: simulate one scenario, compare it with its measurements, find what is missing, draw it.
 
-use super::{Global, compare, say, select, simulate};
-use crate::discover;
+use super::{Global, compare, gates, say, select, simulate};
 use crate::error::{Error, Result};
-use crate::files;
+use crate::{discover, files, gate};
 use std::path::{Path, PathBuf};
 
 /// Simulates the scenario, compares it where it names measurements, writes its figures and `curves.csv` below `out`.
@@ -16,6 +15,7 @@ pub fn execute(path: &Path, out: &Path, global: &Global) -> Result<()> {
         )));
     }
     let scenarios = select::scenarios(&[PathBuf::from(path)])?;
+    let mut judged = Vec::new();
     for scenario in &scenarios {
         let table = compare::table(scenario)?;
         files::prepare(out)?;
@@ -37,10 +37,13 @@ pub fn execute(path: &Path, out: &Path, global: &Global) -> Result<()> {
             let discovery = discover::discover(scenario, table, &discover::Options::default());
             figures.extend(simulate::discovery(&discovery, out)?);
             super::discover::words(&discovery).iter().for_each(|line| say(global, line));
+            judged.extend(gate::of_comparison(&scenario.gate, &comparison));
+            judged.extend(gate::of_discovery(&scenario.gate, &discovery));
         }
         for name in figures.iter().flat_map(|figure| &figure.files) {
             say(global, &format!("  {}", out.join(name).display()));
         }
     }
-    Ok(())
+    gates::told(&judged, global);
+    gates::passed(&judged)
 }

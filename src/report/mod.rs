@@ -5,6 +5,7 @@
 //! can be read from `report.json` as well. Titles, captions and paths come from users and are escaped; only drawings made by
 //! the program go in as they are, after [`svg::inline`] has found nothing but drawing in them.
 
+mod again;
 pub mod anchor;
 mod atlas;
 mod comparison;
@@ -12,7 +13,10 @@ mod comparison_view;
 mod discovery;
 mod discovery_view;
 pub mod format;
+mod gates;
 mod glossary;
+mod junit;
+mod markdown;
 mod mathml;
 mod packed;
 mod parameters;
@@ -24,18 +28,21 @@ pub mod svg;
 mod verdict;
 mod view;
 
+pub use again::{figures, read};
 pub use atlas::effect_view;
 pub use comparison::comparison_view;
 pub use discovery::discovery_view;
 pub use glossary::glossary;
+pub use junit::junit;
+pub use markdown::markdown;
 pub use parameters::formulation;
 pub use provenance::{Provenance, SECTION as PROVENANCE_SECTION};
 pub use render::{RenderError, json, render};
 pub use scenario::{FigureInput, scenario_view};
-pub use verdict::{Agreement, Completeness, Found, Match, Tone, Verdict};
+pub use verdict::{Agreement, Completeness, Found, Match, Passed, Tone, Verdict};
 pub use view::{
     AxisView, CandidateView, CheckView, ClaimView, ComparisonView, CurveView, DiscoveryView, EffectParameterView,
-    EffectView, EquationView, FigureView, FileView, FittedView, Headline, InputView, LimitView, MatchView, NextView,
-    NotTestableView, NoteView, OutlierView, ParameterView, PeakView, ProvenanceView, Quantity, ReportView, SCHEMA,
-    ScenarioView, StepView, SummaryView, SymbolView, TallyView, TimingView,
+    EffectView, EquationView, FigureView, FileView, FittedView, GateView, Headline, InputView, LimitView, MatchView,
+    NextView, NotTestableView, NoteView, OutlierView, ParameterView, PeakView, ProvenanceView, Quantity, ReportView,
+    SCHEMA, ScenarioView, StepView, SummaryView, SymbolView, TallyView, TimingView,
 };

@@ -78,6 +78,7 @@ impl Provenance {
         ProvenanceView {
             program: env!("CARGO_PKG_NAME").into(),
             version: env!("CARGO_PKG_VERSION").into(),
+            comparator: crate::compare::COMPARATOR.into(),
             schemas: vec![SCHEMA.into()],
             inputs: scenarios.iter().flat_map(inputs).collect(),
             command: self.command.clone(),

@@ -19,6 +19,7 @@ const TEMPLATES: &[(&str, &str)] = &[
     ("report.html.j2", include_str!("../../templates/report.html.j2")),
     ("macros.html.j2", include_str!("../../templates/partials/macros.html.j2")),
     ("summary.html.j2", include_str!("../../templates/partials/summary.html.j2")),
+    ("gates.html.j2", include_str!("../../templates/partials/gates.html.j2")),
     ("claims.html.j2", include_str!("../../templates/partials/claims.html.j2")),
     ("scenario.html.j2", include_str!("../../templates/partials/scenario.html.j2")),
     ("comparison.html.j2", include_str!("../../templates/partials/comparison.html.j2")),

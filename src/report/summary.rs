@@ -66,6 +66,7 @@ impl ReportView {
             title: title.into(),
             lead: if claims.is_empty() { PLAIN } else { PAPER }.into(),
             summary: SummaryView::of(&claims, &scenarios, &verification),
+            gates: Vec::new(),
             provenance: provenance.view(&scenarios),
             claims,
             scenarios,

@@ -44,11 +44,13 @@ impl Tone {
         let checks = Agreement::ALL.iter().map(|v| (v.words(), v.tone()));
         let matches = Match::ALL.iter().map(|v| (v.words(), v.tone()));
         let found = Found::ALL.iter().map(|v| (v.words(), v.tone()));
+        let gates = Passed::ALL.iter().map(|v| (v.words(), v.tone()));
         claims
             .chain(scenarios)
             .chain(checks)
             .chain(matches)
             .chain(found)
+            .chain(gates)
             .find(|(w, _)| *w == words)
             .map_or(Self::Open, |(_, tone)| tone)
     }
@@ -256,6 +258,38 @@ impl Agreement {
     }
 }
 
+/// Verdict on a gate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Passed {
+    /// What is demanded holds.
+    #[serde(rename = "gate passed")]
+    Yes,
+    /// It does not.
+    #[serde(rename = "gate failed")]
+    No,
+}
+
+impl Passed {
+    /// Both, the serious one first.
+    pub const ALL: [Self; 2] = [Self::No, Self::Yes];
+
+    /// The words of the report and of the JSON.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Yes => "gate passed",
+            Self::No => "gate failed",
+        }
+    }
+
+    /// How it is to be read.
+    pub fn tone(self) -> Tone {
+        match self {
+            Self::Yes => Tone::Good,
+            Self::No => Tone::Bad,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -271,6 +305,10 @@ mod tests {
             assert_eq!(Tone::of(verdict.words()), verdict.tone());
         }
         for verdict in Agreement::ALL {
+            assert_eq!(serde_json::to_value(verdict).unwrap(), verdict.words());
+            assert_eq!(Tone::of(verdict.words()), verdict.tone());
+        }
+        for verdict in Passed::ALL {
             assert_eq!(serde_json::to_value(verdict).unwrap(), verdict.words());
             assert_eq!(Tone::of(verdict.words()), verdict.tone());
         }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 pub use super::comparison_view::{ComparisonView, FittedView, MatchView, OutlierView, PeakView};
 pub use super::discovery_view::{CandidateView, DiscoveryView, NextView, NotTestableView, StepView};
-use super::verdict::{Agreement, Completeness, Verdict};
+use super::verdict::{Agreement, Completeness, Passed, Verdict};
 
 /// Schema of `report.json`.
 pub const SCHEMA: &str = "stickslip.report/1";
@@ -29,6 +29,9 @@ pub struct ReportView {
     pub lead: String,
     /// Verdicts first.
     pub summary: SummaryView,
+    /// What scenarios and command line demand, failures first.
+    #[serde(default)]
+    pub gates: Vec<GateView>,
     /// The claims ledger, in the order of the paper.
     pub claims: Vec<ClaimView>,
     /// One section per scenario.
@@ -63,6 +66,23 @@ pub struct SummaryView {
     pub compared: Vec<Headline>,
     /// What else deserves attention, failures first.
     pub headlines: Vec<Headline>,
+}
+
+/// A demand and what came of it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct GateView {
+    /// Id of the scenario.
+    pub scenario: String,
+    /// Where the report treats what is judged.
+    pub anchor: String,
+    /// Key in the table `[gate]`.
+    pub gate: String,
+    /// What was found.
+    pub found: Quantity,
+    /// What is demanded.
+    pub demanded: Quantity,
+    /// Whether it holds.
+    pub verdict: Passed,
 }
 
 /// How many have one verdict.
@@ -383,6 +403,9 @@ pub struct ProvenanceView {
     pub program: String,
     /// Its version.
     pub version: String,
+    /// Version of the comparison with measurements.
+    #[serde(default)]
+    pub comparator: String,
     /// Schemas written or read.
     pub schemas: Vec<String>,
     /// Inputs with their hashes.

@@ -2,7 +2,8 @@
 //!
 //! `source` reads a file with suspicion, `written` parses it into a tree whose every key knows its place, `extends`
 //! lays a file over the files that it builds on, `reader` and `axes` turn values into numbers and note problems,
-//! `validate` assembles the scenario, `additions` being its effects, measurements and fit. [`parameters`] states every key, unit and range once.
+//! `validate` assembles the scenario, `additions` being its effects, measurements and fit,
+//! `gate` what has to hold. [`parameters`] states every key, unit and range once.
 
 mod additions;
 mod axes;
@@ -10,6 +11,7 @@ pub(crate) mod diagnostic;
 pub mod edit;
 mod embedded;
 mod extends;
+mod gate;
 mod listing;
 mod literal;
 pub mod parameters;

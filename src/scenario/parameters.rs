@@ -45,6 +45,18 @@ pub const SWEEP: &[ParameterInfo] = &[
     info(("euler_steps", "", "1"), (16.0, 1e6), "steps per cycle of the published Euler procedure"),
 ];
 
+/// The numbers of the table `[gate]`.
+pub const GATE: &[ParameterInfo] = &[
+    info(("max_rms_error", "", "1"), (0.0, 10.0), "largest root mean square error of the amplitude, relative"),
+    info(("max_chi2_per_point", "", "1"), (0.0, 1e9), "largest mean square of the residuals in standard deviations"),
+    info(("amplitude_tolerance", "", "1"), (0.0, 10.0), "largest error of any amplitude, relative to its reading"),
+    info(("amplitude_floor", "", "rad"), (0.0, 1.0), "error of an amplitude that always passes"),
+    info(("phase_tolerance", "", "rad"), (0.0, 3.2), "largest error of any phase"),
+];
+
+/// Verdicts of a discovery.
+pub const VERDICTS: &[&str] = &["nothing-missing", "recalibrate", "effect-missing", "unexplained"];
+
 /// Columns of a measurement table that `[measurement] columns` may map.
 pub const COLUMNS: &[&str] =
     &["speed", "load", "drive", "frequency", "amplitude", "phase", "amplitude_sd", "phase_sd", "mean"];
@@ -85,7 +97,7 @@ mod tests {
 
     #[test]
     fn every_parameter_has_a_readable_unit_a_range_and_a_meaning() {
-        for info in [RIG, CONTACT, INSTRUMENT, SWEEP, MEASURED].concat() {
+        for info in [RIG, CONTACT, INSTRUMENT, SWEEP, GATE, MEASURED].concat() {
             assert!(info.minimum < info.maximum && !info.meaning.is_empty(), "{}", info.key);
             let value = crate::units::parse(&format!("1 {}", info.unit), info.unit);
             assert_eq!(value, Ok(1.0), "{}", info.key);

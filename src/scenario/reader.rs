@@ -23,6 +23,7 @@ pub(crate) const TOP_LEVEL: &[&str] = &[
     "effect",
     "measurement",
     "fit",
+    "gate",
 ];
 
 /// The files of a scenario and the problems found so far.
@@ -197,6 +198,10 @@ fn example(key: &str, unit: &str) -> String {
         ("drive", _) => "\"2.5 um\"".into(),
         (_, "text") => "\"…\"".into(),
         (_, "list") => "[\"…\"]".into(),
+        ("max_rms_error" | "amplitude_tolerance", _) => "\"5 %\"".into(),
+        ("max_chi2_per_point", _) => "1.5".into(),
+        ("amplitude_floor", _) => "\"0.1 urad\"".into(),
+        ("phase_tolerance", _) => "\"3 deg\"".into(),
         (_, "1") => "0.5".into(),
         (_, "m") => "\"60 mm\"".into(),
         (_, "m/s") => "\"20 mm/s\"".into(),

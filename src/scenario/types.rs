@@ -103,6 +103,34 @@ pub struct MeasurementSource {
     pub sheet: Option<String>,
 }
 
+/// What has to hold for a run to pass; what is absent is not asked for.
+#[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
+pub struct Gate {
+    /// Largest root mean square error of the amplitude, relative.
+    pub max_rms_error: Option<f64>,
+    /// Largest mean square of the residuals in standard deviations.
+    pub max_chi2_per_point: Option<f64>,
+    /// Largest error of any amplitude, relative to its reading.
+    pub amplitude_tolerance: Option<f64>,
+    /// Largest error of an amplitude that passes however small its reading \[rad\].
+    pub amplitude_floor: Option<f64>,
+    /// Largest error of any phase \[rad\]; phases of amplitudes below the floor are not judged.
+    pub phase_tolerance: Option<f64>,
+    /// Verdict that a discovery has to come to.
+    pub verdict: Option<String>,
+    /// Effects that it has to name, in any order.
+    pub effects: Option<Vec<String>>,
+    /// Claims that have to be reproduced.
+    pub claims: Vec<String>,
+}
+
+impl Gate {
+    /// Whether it asks for something that only measurements can decide.
+    pub fn needs_measurements(&self) -> bool {
+        *self != Self { claims: self.claims.clone(), ..Self::default() }
+    }
+}
+
 /// A validated scenario.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Scenario {
@@ -134,4 +162,6 @@ pub struct Scenario {
     pub free: Vec<String>,
     /// Names of the figures to draw; empty means the default ones.
     pub figures: Vec<String>,
+    /// What has to hold.
+    pub gate: Gate,
 }

@@ -3,6 +3,7 @@
 use super::additions::{effects, fits_formulation, free, measurement};
 use super::axes;
 use super::extends::Document;
+use super::gate::gate;
 use super::parameters::{CONTACT, INSTRUMENT, RIG};
 use super::reader::{Reader, TOP_LEVEL, Table, WHOLE};
 use super::source::Store;
@@ -71,6 +72,7 @@ fn read(
     fits_formulation(reader, get("effect"), &effects, paper, options);
     let measurement = measurement(reader, entries, store);
     let free = free(reader, entries, &effects, options);
+    let gate = gate(reader, entries, options);
     if get("sweep").is_none() && get("measurement").is_none() && role == Role::Complete {
         let help = "add [sweep] with frequency, speed, load and drive, or [measurement] with file; \
                     a file with neither can only be extended by others";
@@ -92,6 +94,7 @@ fn read(
         measurement: measurement?,
         free,
         figures,
+        gate: gate?,
     })
 }
 

@@ -194,6 +194,7 @@ fn scenario(sweep: Sweep) -> Scenario {
         measurement: None,
         free: Vec::new(),
         figures: Vec::new(),
+        gate: Default::default(),
     }
 }
 

@@ -43,6 +43,7 @@ pub fn scenario(id: &str, title: &str) -> Scenario {
         measurement: None,
         free: Vec::new(),
         figures: Vec::new(),
+        gate: Default::default(),
     }
 }
 

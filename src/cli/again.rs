@@ -1,0 +1,80 @@
+//! `stickslip report --from report.json`: the page made again from the files of an earlier run.
+
+use super::report::Arguments;
+use super::{Global, gates, say};
+use crate::error::{Error, Result};
+use crate::report::{self, Passed, ReportView};
+use crate::{files, gate};
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+
+/// Largest file that is read.
+const MAX_BYTES: u64 = 1 << 28;
+
+/// Writes `report.html` into `--out`, or beside the JSON, and what else was asked for.
+pub fn execute(from: &Path, arguments: &Arguments, global: &Global) -> Result<()> {
+    let from = if from.is_dir() { from.join("report.json") } else { from.to_path_buf() };
+    let mut view = load(&from)?;
+    let folder = from.parent().unwrap_or(Path::new("")).to_path_buf();
+    let out = arguments.out.clone().unwrap_or_else(|| folder.clone());
+    arguments.extras.refuse(std::iter::once(from.as_path()))?;
+    for figure in report::figures(&mut view) {
+        for file in &figure.files {
+            let place = match file.kind.as_str() {
+                "SVG" => &mut figure.svg,
+                "CSV" => &mut figure.csv,
+                _ => continue,
+            };
+            *place = text(&folder.join(&file.name))?;
+        }
+    }
+    let page = report::render(&view).map_err(|why| Error::Unfinished(why.to_string()))?;
+    let target = if out.as_os_str().is_empty() { PathBuf::from("report.html") } else { out.join("report.html") };
+    files::replace(&target, page.as_bytes())?;
+    let extras = arguments.extras.write(&view)?;
+    say(global, &view.summary.sentence);
+    for path in std::iter::once(target.as_path()).chain(extras) {
+        say(global, &format!("wrote {}", path.display()));
+    }
+    gates::passed(&judged(&view))
+}
+
+/// The view of an earlier run.
+///
+/// # Errors
+/// [`Error::Input`] where the file is not one of a report.
+pub fn load(path: &Path) -> Result<ReportView> {
+    report::read(&text(path)?)
+        .map_err(|(why, help)| Error::Input(format!("error: {} {why}\n  = help: {help}", path.display())))
+}
+
+fn text(path: &Path) -> Result<String> {
+    let refuse =
+        |why: &str, help: &str| Err(Error::Input(format!("error: {} {why}\n  = help: {help}", path.display())));
+    let metadata = std::fs::metadata(path).map_err(Error::io("read", path))?;
+    if !metadata.is_file() {
+        return refuse("is not an ordinary file", "name the report.json of an earlier run");
+    }
+    let mut bytes = Vec::new();
+    let file = std::fs::File::open(path).map_err(Error::io("read", path))?;
+    file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(Error::io("read", path))?;
+    match String::from_utf8(bytes) {
+        Ok(text) if text.len() as u64 <= MAX_BYTES => Ok(text),
+        Ok(_) => refuse("is larger than any report", "name the report.json of an earlier run"),
+        Err(_) => refuse("is not UTF-8 text", "name the report.json of an earlier run; its figures stand beside it"),
+    }
+}
+
+/// The gates of that run.
+fn judged(view: &ReportView) -> Vec<gate::Judged> {
+    let of = |g: &report::GateView| gate::Judged {
+        scenario: g.scenario.clone(),
+        gate: g.gate.clone(),
+        found: g.found.text.clone(),
+        demanded: g.demanded.text.clone(),
+        value: g.found.value,
+        limit: g.demanded.value,
+        holds: g.verdict == Passed::Yes,
+    };
+    view.gates.iter().map(of).collect()
+}

@@ -1,0 +1,71 @@
+//! A report read back from its JSON, so that the page can be made again without simulating.
+
+use super::anchor;
+use super::view::{FigureView, ReportView, SCHEMA};
+use serde_json::Value;
+use std::path::{Component, Path};
+
+/// The view of a `report.json`; whoever changed it, nothing in it can lead out of its folder or into the page's script.
+///
+/// # Errors
+/// What is wrong with it, and what to do.
+pub fn read(text: &str) -> Result<ReportView, (String, &'static str)> {
+    let value: Value =
+        serde_json::from_str(text).map_err(|why| (format!("is not JSON: {why}"), "name a report.json"))?;
+    let schema = value.get("schema").and_then(Value::as_str).unwrap_or_default();
+    if schema != SCHEMA {
+        let found = if schema.is_empty() { "no schema".into() } else { format!("the schema `{}`", short(schema)) };
+        return Err((format!("has {found}, not `{SCHEMA}`"), "name the report.json of this version of the program"));
+    }
+    let mut view: ReportView = serde_json::from_value(value)
+        .map_err(|why| (format!("is not a whole report: {why}"), "make it again with `stickslip report`"))?;
+    for figure in figures(&mut view) {
+        let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
+        if figure.anchor.is_empty() || !figure.anchor.chars().all(plain) {
+            let help = "it was changed by hand; make it again with `stickslip report`";
+            return Err((format!("names a figure by the id `{}`", short(&figure.anchor)), help));
+        }
+        for file in &mut figure.files {
+            let inside = |part: Component<'_>| matches!(part, Component::Normal(_));
+            if !Path::new(&file.name).components().all(inside) || file.name.contains('\\') {
+                let help = "it was changed by hand; make it again with `stickslip report`";
+                return Err((format!("names a file outside its folder: `{}`", short(&file.name)), help));
+            }
+            file.href = anchor::href(&file.name);
+        }
+    }
+    Ok(view)
+}
+
+/// Every figure of a report.
+pub fn figures(view: &mut ReportView) -> impl Iterator<Item = &mut FigureView> {
+    let of_scenarios = view.scenarios.iter_mut().flat_map(|scenario| {
+        let compared = scenario.comparison.iter_mut().flat_map(|c| c.figures.iter_mut().chain(&mut c.more));
+        let discovered = scenario.discovery.iter_mut().flat_map(|d| d.figures.iter_mut().chain(&mut d.more));
+        scenario.figures.iter_mut().chain(compared).chain(discovered)
+    });
+    of_scenarios.chain(view.atlas.iter_mut().map(|effect| &mut effect.figure))
+}
+
+fn short(text: &str) -> String {
+    text.chars().filter(|c| !c.is_control()).take(60).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_report_is_refused_with_a_reason() {
+        for (text, reason) in [
+            ("", "is not JSON"),
+            ("[]", "no schema"),
+            ("{\"schema\": 3}", "no schema"),
+            ("{\"schema\": \"stickslip.comparison/1\"}", "stickslip.comparison/1"),
+            ("{\"schema\": \"stickslip.report/1\"}", "missing field"),
+        ] {
+            let (why, help) = read(text).unwrap_err();
+            assert!(why.contains(reason) && !help.is_empty(), "{why}");
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! The report as a short Markdown text, for the summary page of a pipeline.
+
+use super::verdict::Tone;
+use super::view::{Headline, ReportView};
+
+/// What to know first: the sentence, the gates, the tables of measurements, what deserves attention.
+pub fn markdown(view: &ReportView) -> String {
+    let mut text = format!("# {}\n\n{}\n", escape(&view.title), escape(&view.summary.sentence));
+    if !view.gates.is_empty() {
+        text += "\n## Gates\n\n| | scenario | gate | found | demanded |\n|---|---|---|---|---|\n";
+        for gate in &view.gates {
+            let words = gate.verdict.words();
+            let cells = [&gate.scenario, &gate.gate, &gate.found.text, &gate.demanded.text].map(|cell| escape(cell));
+            text += &format!("| {} {words} | {} |\n", Tone::of(words).symbol(), cells.join(" | "));
+        }
+    }
+    text += &list("Model against measurements", &view.summary.compared);
+    text += &list("What deserves attention", &view.summary.headlines);
+    let p = &view.provenance;
+    text += &format!(
+        "\n{} {}, comparison version {}; {}\n",
+        escape(&p.program),
+        escape(&p.version),
+        escape(&p.comparator),
+        escape(&p.generated)
+    );
+    text
+}
+
+fn list(title: &str, lines: &[Headline]) -> String {
+    if lines.is_empty() {
+        return String::new();
+    }
+    let line = |h: &Headline| {
+        let detail = if h.detail.is_empty() { String::new() } else { format!(" - {}", escape(&h.detail)) };
+        format!("- {} **{}**: {}{detail}\n", Tone::of(&h.verdict).symbol(), escape(&h.verdict), escape(&h.subject))
+    };
+    format!("\n## {title}\n\n{}", lines.iter().map(line).collect::<String>())
+}
+
+/// A text that Markdown shows as it is, on one line.
+fn escape(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for c in text.split_whitespace().collect::<Vec<_>>().join(" ").chars() {
+        match c {
+            '<' => escaped += "&lt;",
+            '>' => escaped += "&gt;",
+            '&' => escaped += "&amp;",
+            '\\' | '`' | '*' | '_' | '[' | ']' | '|' | '~' | '#' | '$' => escaped.extend(['\\', c]),
+            c if c.is_control() => escaped.push('\u{fffd}'),
+            c => escaped.push(c),
+        }
+    }
+    escaped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_of_users_are_no_markup() {
+        let shown = escape("<img src=x>\n| [a](javascript:b) `c` **d** $e$");
+        assert_eq!(shown, "&lt;img src=x&gt; \\| \\[a\\](javascript:b) \\`c\\` \\*\\*d\\*\\* \\$e\\$");
+        let provenance = super::super::Provenance::fixed("stickslip");
+        let view = ReportView::assemble("# <b>", vec![], vec![], vec![], vec![], &provenance);
+        assert!(markdown(&view).starts_with("# \\# &lt;b&gt;\n\nNothing was computed.\n"), "{}", markdown(&view));
+    }
+}
