@@ -1,0 +1,116 @@
+//! The published JSON Schemas: what the program writes obeys them, and they describe every key that it writes.
+
+use assert_cmd::Command;
+use serde_json::Value;
+use std::path::Path;
+
+/// What of JSON Schema the published files use.
+const KEYWORDS: [&str; 10] = [
+    "$schema",
+    "title",
+    "description",
+    "type",
+    "const",
+    "enum",
+    "required",
+    "properties",
+    "items",
+    "additionalProperties",
+];
+
+fn read(path: impl AsRef<Path>) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+fn kind(value: &Value) -> &'static str {
+    match value {
+        Value::Null => "null",
+        Value::Bool(_) => "boolean",
+        Value::Number(_) => "number",
+        Value::String(_) => "string",
+        Value::Array(_) => "array",
+        Value::Object(_) => "object",
+    }
+}
+
+/// Everything in which a value differs from a schema; `at` is where in the value.
+fn differences(schema: &Value, value: &Value, at: &str, found: &mut Vec<String>) {
+    let rules = schema.as_object().unwrap();
+    for rule in rules.keys() {
+        assert!(KEYWORDS.contains(&rule.as_str()), "the test does not know the keyword {rule}");
+    }
+    let types = match rules.get("type") {
+        Some(Value::Array(types)) => types.iter().filter_map(Value::as_str).collect(),
+        Some(one) => one.as_str().into_iter().collect(),
+        None => Vec::new(),
+    };
+    let unlike = !types.is_empty() && !types.contains(&kind(value));
+    let other = rules.get("const").is_some_and(|one| one != value);
+    if unlike || other || rules.get("enum").is_some_and(|all| !all.as_array().unwrap().contains(value)) {
+        found.push(format!("{at}: {value:.60} is not {schema:.80}"));
+    }
+    if let Some(object) = value.as_object() {
+        for key in rules.get("required").and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str) {
+            if !object.contains_key(key) {
+                found.push(format!("{at}: {key} is missing"));
+            }
+        }
+        for (key, inner) in object {
+            let rule = rules.get("properties").and_then(|all| all.get(key)).or(rules.get("additionalProperties"));
+            match rule {
+                Some(rule) => differences(rule, inner, &format!("{at}/{key}"), found),
+                None => found.push(format!("{at}: {key} is not described")),
+            }
+        }
+    }
+    for (index, inner) in value.as_array().into_iter().flatten().enumerate() {
+        match rules.get("items") {
+            Some(rule) if rule.as_object().is_some_and(|rule| !rule.is_empty()) => {
+                differences(rule, inner, &format!("{at}/{index}"), found);
+            }
+            _ => found.push(format!("{at}: its items are not described")),
+        }
+    }
+}
+
+fn obeys(name: &str, path: &Path) {
+    let mut found = Vec::new();
+    differences(&read(format!("schemas/{name}.json")), &read(path), "", &mut found);
+    found.truncate(20);
+    assert!(found.is_empty(), "schemas/{name}.json:\n{}", found.join("\n"));
+}
+
+#[test]
+fn what_the_program_writes_obeys_the_published_schemas() {
+    let dir = tempfile::tempdir().unwrap();
+    let root = dir.path();
+    let table = stickslip::scenario::embedded_file("practice/1/measurements.csv").unwrap();
+    let lines = table.lines().enumerate().filter(|(number, _)| number % 3 == 0).map(|(_, line)| line);
+    std::fs::write(root.join("measurements.csv"), lines.collect::<Vec<_>>().join("\n")).unwrap();
+    let text = stickslip::scenario::embedded_file("practice/1/scenario.toml").unwrap();
+    let gate = "\n[sweep]\nfrequency = { from = \"60 Hz\", to = \"90 Hz\", points = 7 }\nspeed = \"20 mm/s\"\nload = \"20 N\"\ndrive = \"2.5 um\"\n[gate]\nmax_chi2_per_point = 1e9\nclaims = [\"full-slip-equals-no-contact\"]\n";
+    std::fs::write(root.join("rig.toml"), format!("{text}{gate}")).unwrap();
+    let run = |arguments: &[&str]| {
+        Command::cargo_bin("stickslip").unwrap().current_dir(root).args(arguments).assert().success();
+    };
+    run(&["report", "rig.toml"]);
+    run(&["compare", "rig.toml", "--json", "comparison.json"]);
+    run(&["discover", "rig.toml", "--json", "discovery.json"]);
+    run(&["trial", "--effects", "none", "--seeds", "1", "--max-effects", "1", "--json", "trial.json"]);
+    obeys("report", &root.join("output/report.json"));
+    for name in ["comparison", "discovery", "trial"] {
+        obeys(name, &root.join(format!("{name}.json")));
+    }
+}
+
+#[test]
+fn a_schema_refuses_what_it_does_not_describe() {
+    let schema = serde_json::json!({"type": "object", "required": ["a"], "properties": {"a": {"type": "number"}}});
+    for value in
+        [serde_json::json!({}), serde_json::json!({"a": "1"}), serde_json::json!({"a": 1, "b": 2}), Value::Null]
+    {
+        let mut found = Vec::new();
+        differences(&schema, &value, "", &mut found);
+        assert!(!found.is_empty(), "{value}");
+    }
+}
