@@ -84,9 +84,8 @@ pub struct Hint {
 /// An addition at samples of its ranges, before any fit.
 pub struct Explored {
     addition: Addition,
-    samples: Vec<Model>,
-    /// The samples, the most promising first.
-    order: Vec<usize>,
+    /// The samples, each as strong as a linear estimate wants it, the most promising first.
+    starts: Vec<Model>,
     /// Sum of squares over the part of the points before the addition, at the best that its parameters can do there.
     pub before: f64,
     /// The same with the threshold by which hypotheses are ranked.
@@ -128,29 +127,36 @@ pub fn explore(data: &Data<'_>, from: &Hypothesis, base: &Base, addition: Additi
     let mut touched = vec![false; data.part.len()];
     let before = robust_chi2(&rest, data.threshold);
     let (mut visibility, mut strongest, mut after) = (0.0, None, before);
-    let mut tried: Vec<(f64, usize)> = Vec::new();
-    for (index, model) in samples.iter().enumerate() {
+    let costly = on_part(data, &samples[0], Vec::new()).has_continuum();
+    let mut tried: Vec<(f64, Model)> = Vec::new();
+    for model in &samples {
         let residuals = residuals(data, model, base, hint);
         for (touched, rows) in touched.iter_mut().zip(&rows) {
             *touched |= rows.clone().any(|r| (residuals[r] - base.evaluation.residuals[r]).abs() > UNTOUCHED);
         }
         let change = base.without(&(&residuals - &base.evaluation.residuals));
         let size = change.norm_squared();
+        let as_it_is = robust_chi2(&base.without(&residuals), data.threshold);
+        let (mut least, mut best) = (as_it_is, model.clone());
         if size > 0.0 {
             // As much of the change as the sum of squares wants.
             let share = (-rest.dot(&change) / size).max(0.0);
-            after = after.min(robust_chi2(&(&rest + &change * share), data.threshold));
+            let scaled = robust_chi2(&(&rest + &change * share), data.threshold);
+            if scaled < least {
+                (least, best) = (scaled, strengthened(model, addition, share));
+            }
         }
+        after = after.min(least);
         if size * scale > visibility {
             (visibility, strongest) = (size * scale, Some(model.clone()));
         }
-        tried.push((robust_chi2(&base.without(&residuals), data.threshold), index));
+        tried.push((least, best));
     }
     tried.sort_by(|a, b| a.0.total_cmp(&b.0));
     let readings = base.evaluation.residuals.len() as f64 * scale;
     Explored {
         addition,
-        order: tried.into_iter().map(|(_, index)| index).collect(),
+        starts: tried.into_iter().map(|(_, model)| model).collect(),
         before,
         before_ranked: robust_chi2(&rest, HUBER),
         after,
@@ -159,8 +165,28 @@ pub fn explore(data: &Data<'_>, from: &Hypothesis, base: &Base, addition: Additi
         visibility,
         strongest,
         touched,
-        costly: on_part(data, &samples[0], Vec::new()).has_continuum(),
-        samples,
+        costly,
+    }
+}
+
+/// The model with the strength of the addition times `share`, within its bounds; as it is where its law states no single
+/// strength that vanishes with the effect.
+fn strengthened(model: &Model, addition: Addition, share: f64) -> Model {
+    let Addition::Effect(effect) = addition else { return model.clone() };
+    let [zero] = effect.zero() else { return model.clone() };
+    let key = &addition.keys()[zero.parameter];
+    let step = match zero.value {
+        0.0 => share.ln(),
+        f64::INFINITY => -share.ln(),
+        _ => 0.0,
+    };
+    match parameter(model, key) {
+        Some(strength) if step.is_finite() => {
+            let none: [&Point; 0] = [];
+            let problem = Problem::new(model.clone(), none, vec![strength.clone()], Tolerance::COARSE);
+            problem.model(&[strength.moved(problem.values()[0], step)])
+        }
+        _ => model.clone(),
     }
 }
 
@@ -203,8 +229,7 @@ impl Explored {
         let keys = self.keys(from);
         let begun = if self.costly { COSTLY } else { BEGUN[self.addition.keys().len().clamp(1, 4) - 1] };
         let mut attempts = Vec::new();
-        for (rank, &index) in self.order.iter().take(begun).enumerate() {
-            let model = &self.samples[index];
+        for (rank, model) in self.starts.iter().take(begun).enumerate() {
             let problem = on_part(data, model, movable(model, &keys));
             let calibrated = problem.values();
             let mut stated = calibrated.clone();
