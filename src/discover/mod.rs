@@ -11,6 +11,7 @@ mod hypothesis;
 mod json;
 mod next;
 mod round;
+mod sampling;
 mod search;
 mod words;
 
