@@ -114,13 +114,17 @@ fn lines(canvas: &mut Canvas, panel: &Panel, answer: &Answer, hypothesis: &Hypot
 
 fn legend(answer: &Answer) -> Vec<Entry> {
     let line = |stroke: Stroke, text: String| (Key::Line(stroke), text);
-    vec![
+    let mut entries = vec![
         line(TARGET, format!("asked for: model itself, {}", speed(answer.question.resembles))),
         line(Stroke::solid(CLOSEST, 2.0), format!("with the effect, {}, closest", speed(answer.condition.speed))),
-        line(Stroke::dashed(MILDEST, 2.0, Dash::Dashes(3.0, 3.0)), "with the effect, least strained".into()),
         line(Stroke::dashed(SLIP, 1.6, DASH_SLIP), "full slip (I, III)".into()),
         line(Stroke::dashed(STATIC, 1.6, DASH_STATIC), "static contact (II)".into()),
-    ]
+    ];
+    if answer.able().next().is_some() {
+        let stroke = Stroke::dashed(MILDEST, 2.0, Dash::Dashes(3.0, 3.0));
+        entries.insert(2, line(stroke, "with the effect, least strained".into()));
+    }
+    entries
 }
 
 fn csv(answer: &Answer) -> String {

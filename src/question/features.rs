@@ -4,8 +4,8 @@ use crate::compare::{Peak, peak};
 use crate::solver::Status;
 use crate::sweep::Curve;
 
-/// A peak is clearly lower, and a curve clearly another one, from this many tolerances on.
-pub const CLEARLY: f64 = 2.0;
+/// A peak is clearly lower from this many tolerances on.
+const CLEARLY: f64 = 2.0;
 /// What counts as a peak that is not there, in units of what is asked of a peak.
 const NO_PEAK: f64 = 10.0;
 
@@ -30,7 +30,7 @@ pub struct Features {
     pub is_right: bool,
     /// The same as full slip at both ends, within the tolerance.
     pub same_at_ends: bool,
-    /// Alike: root mean square of less than two tolerances.
+    /// Alike: root mean square within the tolerance.
     pub is_alike: bool,
 }
 
@@ -75,7 +75,7 @@ impl Judge {
 
     /// The largest difference of a curve that is alike.
     pub fn most(&self) -> f64 {
-        CLEARLY * self.tolerance
+        self.tolerance
     }
 
     /// The difference of full slip from the curve to be resembled.
@@ -114,7 +114,7 @@ impl Judge {
             is_lower: lower >= CLEARLY * self.tolerance,
             is_right: shift_hz >= self.step,
             same_at_ends: ends.iter().all(|end| end.abs() <= self.tolerance),
-            is_alike: rms < CLEARLY * self.tolerance,
+            is_alike: rms <= self.tolerance,
         }
     }
 
@@ -133,6 +133,6 @@ impl Judge {
         missing(f.lower, clearly)
             + missing(f.shift_hz, self.step)
             + f.ends.iter().map(|end| excess(end.abs(), self.tolerance)).sum::<f64>()
-            + excess(f.rms, clearly)
+            + excess(f.rms, self.tolerance)
     }
 }

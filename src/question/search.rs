@@ -23,15 +23,15 @@ const POINTS: usize = 51;
 /// Samples over the ranges of an effect of one, two, three, four parameters, of each sign.
 const SAMPLES: [usize; 4] = [12, 24, 32, 40];
 /// Samples that are followed.
-const FOLLOWED: usize = 4;
+const FOLLOWED: usize = 3;
 /// Samples, and those followed, of a continuum of sliders, which takes long.
 const COSTLY: (usize, usize) = (4, 1);
 /// How hard a fit tries.
-const EFFORT: Settings = Settings { evaluations: 25, threshold: f64::INFINITY, converged: 1e-5 };
+const EFFORT: Settings = Settings { evaluations: 15, threshold: f64::INFINITY, converged: 1e-5 };
 /// Bisections of the box.
 const BISECTIONS: usize = 6;
 /// First and last step of a compass search, in shares of the range of a parameter, and its evaluations at most.
-const COMPASS: (f64, f64, usize) = (0.08, 0.004, 120);
+const COMPASS: (f64, f64, usize) = (0.08, 0.004, 90);
 /// What a shortfall of the features weighs against one tolerance of difference.
 const WEIGHT: f64 = 100.0;
 /// Relative change of the difference below which an effect counts as without influence.
