@@ -7,7 +7,7 @@ use super::data;
 use super::legend::{Entry, Key};
 use super::style::{DASH_SLIP, DASH_STATIC, INK, LABEL_SIZE, SLIP, STATIC, Table, Unit, WIDTH, cell, significant};
 use super::{Drawing, FigureError};
-use crate::question::{Answer, Hypothesis, Setting, condition, unmet};
+use crate::question::{Answer, Hypothesis, Setting, condition, why_not};
 use crate::sweep::Curve;
 
 /// Name of the figure; also the stem of its files.
@@ -106,17 +106,17 @@ fn lines(canvas: &mut Canvas, panel: &Panel, answer: &Answer, hypothesis: &Hypot
     panel.curve(canvas, &limit(&answer.full_slip), Stroke::dashed(SLIP, 1.6, DASH_SLIP));
     panel.curve(canvas, &limit(&answer.static_contact), Stroke::dashed(STATIC, 1.6, DASH_STATIC));
     panel.curve(canvas, &steady(&answer.target), TARGET);
+    panel.curve(canvas, &steady(&hypothesis.best.curve), Stroke::solid(CLOSEST, 3.0));
     if let Some(mild) = &hypothesis.mildest {
         panel.curve(canvas, &steady(&mild.curve), Stroke::dashed(MILDEST, 2.0, Dash::Dashes(3.0, 3.0)));
     }
-    panel.curve(canvas, &steady(&hypothesis.best.curve), Stroke::solid(CLOSEST, 2.0));
 }
 
 fn legend(answer: &Answer) -> Vec<Entry> {
     let line = |stroke: Stroke, text: String| (Key::Line(stroke), text);
     let mut entries = vec![
         line(TARGET, format!("asked for: model itself, {}", speed(answer.question.resembles))),
-        line(Stroke::solid(CLOSEST, 2.0), format!("with the effect, {}, closest", speed(answer.condition.speed))),
+        line(Stroke::solid(CLOSEST, 3.0), format!("with the effect, {}, closest", speed(answer.condition.speed))),
         line(Stroke::dashed(SLIP, 1.6, DASH_SLIP), "full slip (I, III)".into()),
         line(Stroke::dashed(STATIC, 1.6, DASH_STATIC), "static contact (II)".into()),
     ];
@@ -173,7 +173,7 @@ fn notes(answer: &Answer) -> Vec<(String, String)> {
     ];
     let cannot = answer.hypotheses.iter().find(|h| !h.can());
     let worst = cannot.map_or(String::new(), |h| {
-        let why = unmet(&h.best.features);
+        let why = why_not(h);
         format!(" The best of those that cannot is {}: {why}.", h.effect.name())
     });
     let reading = [

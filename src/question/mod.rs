@@ -13,7 +13,7 @@ mod words;
 pub use deciding::{Deciding, MOST as MOST_RIVALS, Prediction};
 pub use features::Features;
 pub use json::{QuestionJson, SCHEMA, json, table};
-pub use words::{close, condition, lines, parameters, unmet};
+pub use words::{close, condition, lines, parameters, why_not};
 
 use crate::compare::Peak;
 use crate::discover::{Addition, compatible};
@@ -45,10 +45,12 @@ pub struct Setting {
 pub struct Hypothesis {
     /// The effect.
     pub effect: &'static dyn Effect,
-    /// Where its curve comes closest.
+    /// Where its curve comes closest, with all features where it can have them.
     pub best: Setting,
     /// Where it is strained least among those that still have all features; `None` where it cannot have them.
     pub mildest: Option<Setting>,
+    /// Whether it changes nothing that could be seen.
+    pub idle: bool,
 }
 
 impl Hypothesis {

@@ -70,17 +70,19 @@ pub(super) fn search(
     let near = search.setting(&nearest);
     let idle = (near.features.rms / judge.rms_of_full_slip() - 1.0).abs() < IDLE;
     if idle {
-        return Hypothesis { effect, best: near, mildest: None };
+        return Hypothesis { effect, best: near, mildest: None, idle };
     }
     let mut all = vec![nearest];
     all.extend(starts);
     let able = search.able(&all, f64::INFINITY);
     let Some(best) = able.as_ref().map(|start| search.setting(start)).filter(|setting| setting.features.all()) else {
-        return Hypothesis { effect, best: near, mildest: None };
+        return Hypothesis { effect, best: near, mildest: None, idle };
     };
     all.extend(able);
-    let mildest = Some(search.mildest(&best, &all));
-    Hypothesis { effect, best, mildest }
+    let mildest = search.mildest(&best, &all);
+    let closer = mildest.features.rms < best.features.rms;
+    let best = if closer { mildest.clone() } else { best };
+    Hypothesis { effect, best, mildest: Some(mildest), idle }
 }
 
 impl<'a> Search<'a> {

@@ -17,8 +17,17 @@ pub fn parameters(hypothesis: &Hypothesis, setting: &Setting) -> String {
         .join(", ")
 }
 
+/// Why an effect cannot; empty where it can.
+pub fn why_not(hypothesis: &Hypothesis) -> String {
+    match (hypothesis.can(), hypothesis.idle) {
+        (true, _) => String::new(),
+        (false, true) => "without influence here".into(),
+        (false, false) => unmet(&hypothesis.best.features),
+    }
+}
+
 /// What a curve lacks of the description; empty where nothing.
-pub fn unmet(features: &Features) -> String {
+fn unmet(features: &Features) -> String {
     let points = |n: usize| if n == 1 { "1 point is".into() } else { format!("{n} points are") };
     let mut all = Vec::new();
     if features.not_steady > 0 {
@@ -90,12 +99,17 @@ pub fn lines(answer: &Answer) -> Vec<String> {
             best.strain
         ));
     }
-    let unable = answer.hypotheses.iter().filter(|h| !h.can());
-    let unable: Vec<String> = unable
-        .map(|h| format!("{} {} ({})", h.effect.name(), percent(h.best.features.rms), unmet(&h.best.features)))
-        .collect();
-    if !unable.is_empty() {
-        lines.push(format!("  cannot, with their best rms: {}", unable.join(", ")));
+    for h in answer.hypotheses.iter().filter(|h| !h.can() && !h.idle) {
+        lines.push(format!(
+            "  cannot: {}, {} rms at best: {}",
+            h.effect.name(),
+            percent(h.best.features.rms),
+            why_not(h)
+        ));
+    }
+    let idle: Vec<&str> = answer.hypotheses.iter().filter(|h| h.idle).map(|h| h.effect.name()).collect();
+    if !idle.is_empty() {
+        lines.push(format!("  without influence here: {}", idle.join(", ")));
     }
     if let Some(deciding) = &answer.deciding {
         lines.push(format!("  a reading that decides: {}", close(deciding)));

@@ -6,7 +6,7 @@ use super::format::{percent, quantity, setting};
 use super::question_view::{AbleView, QuestionView, SettingView};
 use super::scenario::{FigureInput, figure};
 use super::view::ScenarioView;
-use crate::question::{Answer, Deciding, Hypothesis, Setting, unmet};
+use crate::question::{Answer, Deciding, Hypothesis, Setting, why_not};
 
 /// Noise of a reading that is assumed where none is known.
 const ASSUMED_NOISE: f64 = 0.01;
@@ -70,7 +70,7 @@ fn able(h: &Hypothesis) -> AbleView {
         effect: name.into(),
         atlas: anchor::effect(name),
         verdict: if h.can() { "can" } else { "cannot" }.into(),
-        unmet: if h.can() { String::new() } else { unmet(&h.best.features) },
+        unmet: why_not(h),
         mildest: h.mildest.as_ref().map(|mild| view(h, mild)),
         closest: view(h, &h.best),
     }
@@ -109,7 +109,8 @@ fn deciding(d: &Deciding) -> Vec<String> {
             "No two of these are closer than {}, which is {} standard deviations of a reading if its noise is {} (assumed: no \
              noise is known). At the condition of the question itself they are within {} everywhere. Speeds from a tenth to \
              ten times, loads from a quarter to twice and drives from a third to once those of the question were tried; \
-             whether the rig can make them is not known.",
+             whether the rig can make them is not known. These are the closest settings found: others that can as well would \
+             differ by other amounts, and by less where one effect holds another within it.",
             percent(d.least_difference, 2),
             quantity(d.least_difference / ASSUMED_NOISE, "1", 2),
             percent(ASSUMED_NOISE, 1),
