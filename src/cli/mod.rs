@@ -9,6 +9,7 @@ pub mod effects;
 mod extension;
 pub mod init;
 mod json;
+mod question;
 pub mod report;
 pub mod run;
 mod select;

@@ -4,6 +4,7 @@ use super::{Global, compare, say, select, simulate};
 use crate::discover;
 use crate::error::{Error, Result};
 use crate::files;
+use crate::question;
 use std::path::{Path, PathBuf};
 
 /// Simulates the scenario, compares it where it names measurements, writes its figures and `curves.csv` below `out`.
@@ -37,6 +38,10 @@ pub fn execute(path: &Path, out: &Path, global: &Global) -> Result<()> {
             let discovery = discover::discover(scenario, table, &discover::Options::default());
             figures.extend(simulate::discovery(&discovery, out)?);
             super::discover::words(&discovery).iter().for_each(|line| say(global, line));
+        }
+        if let Some((answer, drawn)) = super::question::answer(scenario, out)? {
+            figures.extend(drawn);
+            question::lines(&answer).iter().for_each(|line| say(global, line));
         }
         for name in figures.iter().flat_map(|figure| &figure.files) {
             say(global, &format!("  {}", out.join(name).display()));

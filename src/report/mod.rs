@@ -17,6 +17,8 @@ mod mathml;
 mod packed;
 mod parameters;
 pub mod provenance;
+mod question;
+mod question_view;
 mod render;
 mod scenario;
 mod summary;
@@ -30,12 +32,14 @@ pub use discovery::discovery_view;
 pub use glossary::glossary;
 pub use parameters::formulation;
 pub use provenance::{Provenance, SECTION as PROVENANCE_SECTION};
+pub use question::question_view;
 pub use render::{RenderError, json, render};
 pub use scenario::{FigureInput, scenario_view};
 pub use verdict::{Agreement, Completeness, Found, Match, Tone, Verdict};
 pub use view::{
-    AxisView, CandidateView, CheckView, ClaimView, ComparisonView, CurveView, DiscoveryView, EffectParameterView,
-    EffectView, EquationView, FigureView, FileView, FittedView, Headline, InputView, LimitView, MatchView, NextView,
-    NotTestableView, NoteView, OutlierView, ParameterView, PeakView, ProvenanceView, Quantity, ReportView, SCHEMA,
-    ScenarioView, StepView, SummaryView, SymbolView, TallyView, TimingView,
+    AbleView, AxisView, CandidateView, CheckView, ClaimView, ComparisonView, CurveView, DiscoveryView,
+    EffectParameterView, EffectView, EquationView, FigureView, FileView, FittedView, Headline, InputView, LimitView,
+    MatchView, NextView, NotTestableView, NoteView, OutlierView, ParameterView, PeakView, ProvenanceView, Quantity,
+    QuestionView, ReportView, SCHEMA, ScenarioView, SettingView, StepView, SummaryView, SymbolView, TallyView,
+    TimingView,
 };

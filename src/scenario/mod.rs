@@ -2,7 +2,7 @@
 //!
 //! `source` reads a file with suspicion, `written` parses it into a tree whose every key knows its place, `extends`
 //! lays a file over the files that it builds on, `reader` and `axes` turn values into numbers and note problems,
-//! `validate` assembles the scenario, `additions` being its effects, measurements and fit. [`parameters`] states every key, unit and range once.
+//! `validate` assembles the scenario, `additions` being its effects, measurements and fit, `question` what it asks of the catalogue. [`parameters`] states every key, unit and range once.
 
 mod additions;
 mod axes;
@@ -13,6 +13,7 @@ mod extends;
 mod listing;
 mod literal;
 pub mod parameters;
+mod question;
 mod reader;
 pub(crate) mod source;
 mod splice;

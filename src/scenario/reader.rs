@@ -23,6 +23,7 @@ pub(crate) const TOP_LEVEL: &[&str] = &[
     "effect",
     "measurement",
     "fit",
+    "question",
 ];
 
 /// The files of a scenario and the problems found so far.

@@ -4,6 +4,7 @@ use super::additions::{effects, fits_formulation, free, measurement};
 use super::axes;
 use super::extends::Document;
 use super::parameters::{CONTACT, INSTRUMENT, RIG};
+use super::question::question;
 use super::reader::{Reader, TOP_LEVEL, Table, WHOLE};
 use super::source::Store;
 use super::types::{Contact, Formulation, Instrument, Rig, Scenario, Sweep};
@@ -70,6 +71,7 @@ fn read(
     };
     fits_formulation(reader, get("effect"), &effects, paper, options);
     let measurement = measurement(reader, entries, store);
+    let question = question(reader, entries, sweep.as_ref().and_then(Option::as_ref));
     let free = free(reader, entries, &effects, options);
     if get("sweep").is_none() && get("measurement").is_none() && role == Role::Complete {
         let help = "add [sweep] with frequency, speed, load and drive, or [measurement] with file; \
@@ -90,6 +92,7 @@ fn read(
         sweep: sweep?,
         effects,
         measurement: measurement?,
+        question: question?,
         free,
         figures,
     })
