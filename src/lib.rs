@@ -11,6 +11,7 @@
 //! * [`solver`] - knows no physics: closed forms, Euler procedure, shooting.
 //! * [`sweep`] - rayon over cases, input order preserved, progress.
 //! * [`atlas`] - what each effect of the registry does to resonance curves, by strength.
+//! * [`question`] - which effects can make one curve look like another, ranked by how far they have to be strained.
 //! * [`verification`] - numbers that prove the solvers in every run.
 //! * [`claims`] - the ledger of published statements, each computed and judged.
 //! * [`gate`] - what a scenario or the command line demands, judged.
@@ -30,6 +31,7 @@ pub mod fit;
 pub mod gate;
 pub mod measurement;
 pub mod model;
+pub mod question;
 pub mod report;
 pub mod scenario;
 pub mod solver;

@@ -13,6 +13,7 @@ mod gates;
 pub mod init;
 mod json;
 mod ledger;
+mod question;
 pub mod report;
 pub mod run;
 mod select;

@@ -4,7 +4,7 @@ use super::again;
 use super::extras::Extras;
 use super::gates::{self, GateLimits, Verdicts};
 use super::ledger::{self, Ledger, of_paper};
-use super::{Global, compare, say, select, simulate};
+use super::{Global, compare, question, say, select, simulate};
 use crate::compare::Comparison;
 use crate::discover::{self, Discovery};
 use crate::error::{Error, Result};
@@ -73,6 +73,8 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     clock.lap("comparisons");
     let discovered = discovered(&scenarios, &tables, out)?;
     clock.lap("discoveries");
+    let answered = scenarios.iter().map(|s| question::answer(s, out)).collect::<Result<Vec<_>>>()?;
+    clock.lap("questions");
     let claims = ledger.map_or(Ok(Vec::new()), |ledger| ledger.judge())?;
     clock.lap("claims");
     let atlas = if of_paper(&scenarios).is_some() { simulate::atlas(&scenario::paper(), out)? } else { Vec::new() };
@@ -82,7 +84,12 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     clock.lap("verification");
 
     let sections = outcomes.iter().zip(&figures).zip(compared.iter().zip(&discovered));
-    let sections = sections.map(|((o, f), (c, d))| section(o, f, c.as_ref(), d.as_ref())).collect();
+    let sections = sections.map(|((o, f), (c, d))| section(o, f, c.as_ref(), d.as_ref()));
+    let asked = sections.zip(&answered).map(|(view, answered)| match answered {
+        Some((answer, figures)) => view.with_question(answer, figures),
+        None => view,
+    });
+    let sections = asked.collect();
     let mut provenance = Provenance::from_environment(&command(paths), rayon::current_num_threads());
     provenance.timings = clock.laps;
     let judged: Vec<Judged> = scenarios

@@ -2,7 +2,7 @@
 
 use super::{Global, compare, gates, say, select, simulate};
 use crate::error::{Error, Result};
-use crate::{discover, files, gate};
+use crate::{discover, files, gate, question};
 use std::path::{Path, PathBuf};
 
 /// Simulates the scenario, compares it where it names measurements, writes its figures and `curves.csv` below `out`.
@@ -39,6 +39,10 @@ pub fn execute(path: &Path, out: &Path, global: &Global) -> Result<()> {
             super::discover::words(&discovery).iter().for_each(|line| say(global, line));
             judged.extend(gate::of_comparison(&scenario.gate, &comparison));
             judged.extend(gate::of_discovery(&scenario.gate, &discovery));
+        }
+        if let Some((answer, drawn)) = super::question::answer(scenario, out)? {
+            figures.extend(drawn);
+            question::lines(&answer).iter().for_each(|line| say(global, line));
         }
         for name in figures.iter().flat_map(|figure| &figure.files) {
             say(global, &format!("  {}", out.join(name).display()));

@@ -124,7 +124,7 @@ pub fn trial(summary: &Summary, out: &Path) -> Result<Vec<FigureInput>> {
 }
 
 /// Writes the three files of a drawing into the folder `id` below `out`.
-fn write(drawing: Drawing, id: &str, out: &Path) -> Result<FigureInput> {
+pub(super) fn write(drawing: Drawing, id: &str, out: &Path) -> Result<FigureInput> {
     let png = figures::png(&drawing.svg, PNG_SCALE).map_err(|why| Error::Unfinished(why.to_string()))?;
     let contents = [("svg", drawing.svg.as_bytes()), ("png", &png), ("csv", drawing.csv.as_bytes())];
     let mut names = Vec::new();

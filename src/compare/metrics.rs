@@ -94,7 +94,7 @@ impl ConditionMetrics {
 }
 
 /// The largest amplitude of a curve by a parabola through the logarithms of the points around it (least squares).
-fn peak(curve: &[(f64, f64)]) -> Option<Peak> {
+pub fn peak(curve: &[(f64, f64)]) -> Option<Peak> {
     let top = (0..curve.len()).max_by(|&i, &j| curve[i].1.total_cmp(&curve[j].1))?;
     if top == 0 || top + 1 == curve.len() {
         return None;

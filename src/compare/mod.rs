@@ -16,7 +16,7 @@ pub use calibrate::{Calibration, calibrate, conditions_of, problem};
 pub use curves::{ModelCurve, model_curves};
 pub use fingerprint::{ContactPoint, fingerprint};
 pub use json::{ComparisonJson, ParameterJson, SCHEMA, json};
-pub use metrics::{ConditionMetrics, Metrics, Peak};
+pub use metrics::{ConditionMetrics, Metrics, Peak, peak};
 pub use regions::{Region, regions, words};
 pub use whiteness::{Whiteness, whiteness};
 

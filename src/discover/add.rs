@@ -2,7 +2,8 @@
 
 use super::MARGIN;
 use super::hypothesis::{Addition, Hypothesis};
-use super::search::{Base, Data, explore, lead, on_all};
+use super::sampling::Base;
+use super::search::{Data, explore, lead, on_all};
 use crate::compare::{self, Comparison, calibrate, conditions_of};
 use crate::effects::Effect;
 use crate::measurement::Table;

@@ -11,15 +11,16 @@ mod hypothesis;
 mod json;
 mod next;
 mod round;
+mod sampling;
 mod search;
 mod words;
 
 pub use add::{Change, fit_addition, fit_removal};
 pub use forward::discover;
 pub use held_out::{HeldOut, held_out};
-pub use hypothesis::{Addition, Hypothesis, additions, extended};
+pub use hypothesis::{Addition, Hypothesis, additions, compatible, extended};
 pub use json::{DiscoveryJson, SCHEMA, json};
-pub use next::{Bounds, NextMeasurement};
+pub use next::{Bounds, NextMeasurement, farthest};
 pub use search::Data;
 pub use words::{identified, open_ends, sentence};
 

@@ -6,7 +6,7 @@ use crate::measurement::Table;
 use crate::model::{Model, Operation};
 use crate::solver::analytic::wrap;
 use crate::solver::cycle::Tolerance;
-use crate::solver::{Status, Warm, solve_steady};
+use crate::solver::{Status, SteadyState, Warm, solve_steady};
 use crate::units;
 use rayon::prelude::*;
 
@@ -55,8 +55,7 @@ struct Typical {
 /// most: the largest distance of the best two.
 pub(super) fn next(survivors: &[&Hypothesis], table: &Table, bounds: &Bounds, noise: f64) -> Option<NextMeasurement> {
     let [one, other, ..] = survivors else { return None };
-    let found = farthest(&one.fitted(), &other.fitted(), table, bounds)?;
-    let (at, sigma) = found;
+    let (at, sigma) = within(&one.fitted(), &other.fitted(), table, bounds)?;
     Some(NextMeasurement {
         speed_m_s: at.speed,
         load_n: at.load,
@@ -69,7 +68,7 @@ pub(super) fn next(survivors: &[&Hypothesis], table: &Table, bounds: &Bounds, no
 
 /// Where an effect that the data cannot show would show most, in words; empty where nowhere.
 pub(super) fn would_show(without: &Model, with: &Model, table: &Table, bounds: &Bounds) -> String {
-    match farthest(without, with, table, bounds) {
+    match within(without, with, table, bounds) {
         Some((at, sigma)) if sigma > SHOWS => {
             let setting = Setting { speed: at.speed, load: at.load, drive: at.drive };
             format!(
@@ -82,21 +81,31 @@ pub(super) fn would_show(without: &Model, with: &Model, table: &Table, bounds: &
     }
 }
 
-fn farthest(one: &Model, other: &Model, table: &Table, bounds: &Bounds) -> Option<(Operation, f64)> {
+/// Where two models differ most within the bounds, in standard deviations of a reading.
+fn within(one: &Model, other: &Model, table: &Table, bounds: &Bounds) -> Option<(Operation, f64)> {
     let typical = typical(table);
-    let grid = grid(table, bounds);
+    farthest(&[one, other], &grid(table, bounds), (typical.amplitude, typical.phase))
+}
+
+/// The point of `grid` at which the two of the models that are most alike there differ most, and by how much: in standard
+/// deviations, the relative one of an amplitude and, where phases count, that of a phase \[rad\]. Points at which a model
+/// has no steady state are left out.
+pub fn farthest(models: &[&Model], grid: &[Operation], sd: (f64, Option<f64>)) -> Option<(Operation, f64)> {
     let tolerance = Tolerance::default();
+    let distance = |a: &SteadyState, b: &SteadyState| {
+        let amplitude = 2.0 * (a.amplitude - b.amplitude) / (a.amplitude + b.amplitude) / sd.0;
+        amplitude.hypot(sd.1.map_or(0.0, |sd| wrap(a.phase - b.phase) / sd))
+    };
     let distances: Vec<Option<f64>> = grid
         .par_iter()
         .map(|at| {
-            let state = |model: &Model| solve_steady(model, at, &tolerance, false, &mut Warm::default()).state;
-            let (a, b) = (state(one), state(other));
-            if a.status != Status::Steady || b.status != Status::Steady {
+            let state = |model: &&Model| solve_steady(model, at, &tolerance, false, &mut Warm::default()).state;
+            let states: Vec<SteadyState> = models.iter().map(state).collect();
+            if states.iter().any(|state| state.status != Status::Steady) {
                 return None;
             }
-            let amplitude = 2.0 * (a.amplitude - b.amplitude) / (a.amplitude + b.amplitude) / typical.amplitude;
-            let phase = typical.phase.map_or(0.0, |sd| wrap(a.phase - b.phase) / sd);
-            Some(amplitude.hypot(phase)).filter(|d| d.is_finite())
+            let pairs = states.iter().enumerate().flat_map(|(i, a)| states[..i].iter().map(move |b| (a, b)));
+            pairs.map(|(a, b)| distance(a, b)).min_by(f64::total_cmp).filter(|d| d.is_finite())
         })
         .collect();
     let best = grid.iter().zip(distances).filter_map(|(at, d)| Some((*at, d?)));

@@ -2,7 +2,8 @@
 
 use super::forward::Search;
 use super::hypothesis::{Addition, Hypothesis, compatible};
-use super::search::{Attempt, Base, Explored, Found, Hint, explore, lead, on_all};
+use super::sampling::{Base, Hint};
+use super::search::{Attempt, Explored, Found, explore, lead, on_all};
 use rayon::prelude::*;
 
 /// Fits on a part of the points begin for additions that take off, on a logarithmic scale, this share of what the best one
@@ -18,6 +19,8 @@ const END: f64 = 0.8;
 const COSTLY: f64 = 0.9;
 /// Sums of squares that differ by less than this many units a point are as good as equal.
 const EQUAL: f64 = 0.2;
+/// Sum of squares per reading from which on nothing explains the data.
+const UNEXPLAINED: f64 = 1.5;
 /// A fit on a part of the points is followed on all of them if its sum of squares is within this factor of the best ...
 const PROMISING: f64 = 1.5;
 /// ... and its gain more than this share of what it needs to be accepted.
@@ -118,12 +121,17 @@ impl Search<'_> {
             *best = if goes_on { lead(data, begun) } else { begun.into_iter().next() };
         });
         let ends = leading(&best.iter().map(|a| reached(a.as_ref())).collect::<Vec<_>>(), END);
-        let found: Vec<Found> = explored
-            .par_iter()
-            .zip(best)
-            .zip(ends)
-            .map(|((e, best), ends)| e.found(from, best.map(|a| if ends { a.finished(data) } else { a })))
-            .collect();
+        best.par_iter_mut().zip(&ends).filter(|(_, ends)| **ends).for_each(|(best, _)| {
+            *best = best.take().map(|attempt| attempt.finished(data));
+        });
+        // Where nothing explains the data, the leading ones may be in local minima.
+        let least = best.iter().map(|a| reached(a.as_ref())).fold(f64::INFINITY, f64::min);
+        if least > UNEXPLAINED * base.readings() as f64 && goal.is_infinite() {
+            best.par_iter_mut().zip(&explored).zip(&ends).filter(|(_, ends)| **ends).for_each(|((best, e), _)| {
+                *best = best.take().map(|attempt| e.second_look(data, from, attempt));
+            });
+        }
+        let found: Vec<Found> = explored.par_iter().zip(best).map(|(e, best)| e.found(from, best)).collect();
         let least = if from.additions.is_empty() { FOLLOWED } else { 0 };
         self.followed(&explored, found, least)
     }

@@ -3,21 +3,17 @@
 
 use super::MARGIN;
 use super::hypothesis::{Addition, Hypothesis, extended};
-use crate::fit::{Evaluation, Fit, HUBER, Parameter, Problem, Settings, minimise, parameter, robust_chi2};
+use super::sampling::{Base, Hint, about, look, samples};
+use crate::fit::{Fit, HUBER, Parameter, Problem, Settings, minimise, parameter, robust_chi2};
 use crate::measurement::Point;
 use crate::model::Model;
 use crate::solver::cycle::Tolerance;
-use nalgebra::{DMatrix, DVector};
 
 /// Points of the part on which a search begins, at least, and the largest stride along a curve.
 const PART: usize = 75;
 const STRIDE: usize = 5;
 /// Tables up to this size are searched whole.
 const SMALL: usize = 80;
-/// Samples over the ranges of an effect of one, two, three, four parameters.
-const SAMPLES: [usize; 4] = [8, 14, 18, 20];
-/// Samples where values are known that are worth a look.
-const WITH_HINT: usize = 6;
 /// Samples from which fits begin, for effects of one, two, three, four parameters: where the sum of squares jumps with a
 /// parameter, only a start on the right side finds the minimum.
 const BEGUN: [usize; 4] = [6, 4, 3, 3];
@@ -36,8 +32,7 @@ const CLOSER: f64 = 1e-6;
 
 /// Accuracy of a fit to all points: errors of 1e-5, but points that are hard to solve are given up before long.
 const ON_ALL: Tolerance = Tolerance { steps: 24, roughness: 1e-3, cycles: 100, budget: 3000 };
-/// Change of a residual, in standard deviations, below which a point counts as left alone.
-const UNTOUCHED: f64 = 0.1;
+
 /// What a search works on.
 pub struct Data<'a> {
     /// All points.
@@ -72,21 +67,11 @@ impl<'a> Data<'a> {
     }
 }
 
-/// What an earlier search of an addition tells a later one.
-#[derive(Debug, Clone)]
-pub struct Hint {
-    /// Values of its parameters that are worth a look.
-    pub values: Vec<f64>,
-    /// Which points of the part it changes at all.
-    pub touched: Vec<bool>,
-}
-
 /// An addition at samples of its ranges, before any fit.
 pub struct Explored {
     addition: Addition,
-    samples: Vec<Model>,
-    /// The samples, the most promising first.
-    order: Vec<usize>,
+    /// The samples, each as strong as a linear estimate wants it, the most promising first.
+    starts: Vec<Model>,
     /// Sum of squares over the part of the points before the addition, at the best that its parameters can do there.
     pub before: f64,
     /// The same with the threshold by which hypotheses are ranked.
@@ -119,76 +104,26 @@ pub struct Found {
     pub touched: Vec<bool>,
 }
 
-/// Looks at samples of one more addition to `from`. Points that the hint says it leaves alone are not solved again.
+/// Looks at samples of one more addition to `from`.
 pub fn explore(data: &Data<'_>, from: &Hypothesis, base: &Base, addition: Addition, hint: Option<&Hint>) -> Explored {
     let samples = samples(&from.fitted(), addition, data.seed, hint.map(|h| h.values.as_slice()));
     let scale = data.points.len() as f64 / data.part.len() as f64;
-    let rest = base.without(&base.evaluation.residuals);
-    let rows = rows(&data.part);
-    let mut touched = vec![false; data.part.len()];
-    let before = robust_chi2(&rest, data.threshold);
-    let (mut visibility, mut strongest, mut after) = (0.0, None, before);
-    let mut tried: Vec<(f64, usize)> = Vec::new();
-    for (index, model) in samples.iter().enumerate() {
-        let residuals = residuals(data, model, base, hint);
-        for (touched, rows) in touched.iter_mut().zip(&rows) {
-            *touched |= rows.clone().any(|r| (residuals[r] - base.evaluation.residuals[r]).abs() > UNTOUCHED);
-        }
-        let change = base.without(&(&residuals - &base.evaluation.residuals));
-        let size = change.norm_squared();
-        if size > 0.0 {
-            // As much of the change as the sum of squares wants.
-            let share = (-rest.dot(&change) / size).max(0.0);
-            after = after.min(robust_chi2(&(&rest + &change * share), data.threshold));
-        }
-        if size * scale > visibility {
-            (visibility, strongest) = (size * scale, Some(model.clone()));
-        }
-        tried.push((robust_chi2(&base.without(&residuals), data.threshold), index));
-    }
-    tried.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let readings = base.evaluation.residuals.len() as f64 * scale;
+    let rest = base.rest();
+    let look = look(data, base, addition, &samples, hint);
+    let readings = base.readings() as f64 * scale;
     Explored {
         addition,
-        order: tried.into_iter().map(|(_, index)| index).collect(),
-        before,
+        before: robust_chi2(&rest, data.threshold),
         before_ranked: robust_chi2(&rest, HUBER),
-        after,
+        after: look.after,
         needed: addition.keys().len() as f64 * readings.ln() + 3.0 * MARGIN,
         scale,
-        visibility,
-        strongest,
-        touched,
+        visibility: look.visibility * scale,
+        strongest: look.strongest,
+        touched: look.touched,
         costly: on_part(data, &samples[0], Vec::new()).has_continuum(),
-        samples,
+        starts: look.starts,
     }
-}
-
-/// Rows of the residuals that belong to each point.
-fn rows(points: &[&Point]) -> Vec<std::ops::Range<usize>> {
-    let mut next = 0;
-    let mut range = |point: &&Point| {
-        let start = next;
-        next += 1 + usize::from(point.phase.is_some());
-        start..next
-    };
-    points.iter().map(&mut range).collect()
-}
-
-/// Residuals of a model on the part of the points, those of `base` where the hint says that nothing changes.
-fn residuals(data: &Data<'_>, model: &Model, base: &Base, hint: Option<&Hint>) -> DVector<f64> {
-    let Some(hint) = hint else { return on_part(data, model, Vec::new()).evaluate(&[], false).residuals };
-    let points = data.part.iter().zip(&hint.touched).filter(|(_, touched)| **touched).map(|(point, _)| *point);
-    let solved = Problem::new(model.clone(), points, Vec::new(), Tolerance::COARSE).evaluate(&[], false).residuals;
-    let mut all = base.evaluation.residuals.clone();
-    let mut next = 0;
-    for (range, _) in rows(&data.part).into_iter().zip(&hint.touched).filter(|(_, touched)| **touched) {
-        for row in range {
-            all[row] = solved[next];
-            next += 1;
-        }
-    }
-    all
 }
 
 impl Explored {
@@ -200,11 +135,29 @@ impl Explored {
 
     /// Fits to the part of the points, begun from the best samples; the best first.
     pub fn begin(&self, data: &Data<'_>, from: &Hypothesis) -> Vec<Attempt> {
+        self.begin_at(data, from, &self.starts)
+    }
+
+    /// The better of an attempt and one begun from samples about it: the first may have ended in a local minimum.
+    pub fn second_look(&self, data: &Data<'_>, from: &Hypothesis, attempt: Attempt) -> Attempt {
+        if self.addition.keys().len() < 2 || self.costly {
+            return attempt;
+        }
+        let known = from.fit.values.len();
+        let mut near = from.clone();
+        near.fit.values = attempt.fit.values[..known].to_vec();
+        let there = on_part(data, &attempt.model, attempt.fit.parameters.clone()).model(&attempt.fit.values);
+        let samples = about(&there, self.addition, data.seed);
+        let starts = look(data, &Base::new(data, &near), self.addition, &samples, None).starts;
+        let other = lead(data, self.begin_at(data, &near, &starts)).map(|other| other.finished(data));
+        other.filter(|other| other.fit.objective < attempt.fit.objective).unwrap_or(attempt)
+    }
+
+    fn begin_at(&self, data: &Data<'_>, from: &Hypothesis, starts: &[Model]) -> Vec<Attempt> {
         let keys = self.keys(from);
         let begun = if self.costly { COSTLY } else { BEGUN[self.addition.keys().len().clamp(1, 4) - 1] };
         let mut attempts = Vec::new();
-        for (rank, &index) in self.order.iter().take(begun).enumerate() {
-            let model = &self.samples[index];
+        for (rank, model) in starts.iter().take(begun).enumerate() {
             let problem = on_part(data, model, movable(model, &keys));
             let calibrated = problem.values();
             let mut stated = calibrated.clone();
@@ -212,12 +165,12 @@ impl Explored {
                 stated[..data.stated.len()].copy_from_slice(&data.stated);
             }
             // Both where it costs little, otherwise in turn.
-            let starts = match self.addition.keys().len() {
+            let values = match self.addition.keys().len() {
                 1 if stated != calibrated && !self.costly => vec![calibrated, stated],
                 _ if rank % 2 == 1 => vec![stated],
                 _ => vec![calibrated],
             };
-            for start in starts {
+            for start in values {
                 let settings = Settings { evaluations: BEGIN, threshold: data.threshold, converged: CLOSE };
                 let fit = minimise(&mut problem.clone(), &start, &settings);
                 attempts.push(Attempt { model: model.clone(), fit });
@@ -296,7 +249,7 @@ pub fn lead(data: &Data<'_>, attempts: Vec<Attempt>) -> Option<Attempt> {
     continued.min_by(|a, b| a.fit.objective.total_cmp(&b.fit.objective))
 }
 
-fn on_part<'a>(data: &Data<'a>, model: &Model, parameters: Vec<Parameter>) -> Problem<'a> {
+pub fn on_part<'a>(data: &Data<'a>, model: &Model, parameters: Vec<Parameter>) -> Problem<'a> {
     Problem::new(model.clone(), data.part.iter().copied(), parameters, Tolerance::COARSE)
 }
 
@@ -315,73 +268,4 @@ pub fn on_all(data: &Data<'_>, model: &Model, fit: &Fit) -> Fit {
 /// Parameters of these keys, with the signs that the model has.
 pub fn movable(model: &Model, keys: &[String]) -> Vec<Parameter> {
     keys.iter().filter_map(|key| parameter(model, key)).collect()
-}
-
-/// Models with the addition at samples of its ranges.
-fn samples(before: &Model, addition: Addition, seed: u32, hint: Option<&[f64]>) -> Vec<Model> {
-    let model = extended(before, &[addition]);
-    let parameters = movable(&model, &addition.keys());
-    let none: [&Point; 0] = [];
-    let with = |parameters: Vec<Parameter>, values: &[f64]| {
-        Problem::new(model.clone(), none, parameters, Tolerance::COARSE).model(values)
-    };
-    if let Addition::Recalibration(_) = addition {
-        // The stated value, and a little to either side.
-        let value = Problem::new(model.clone(), none, parameters.clone(), Tolerance::COARSE).values();
-        return [-0.05, 0.05]
-            .iter()
-            .map(|step| with(parameters.clone(), &[parameters[0].moved(value[0], *step)]))
-            .collect();
-    }
-    let mut all: Vec<Model> = hint.map(|values| with(parameters.clone(), values)).into_iter().collect();
-    let most = SAMPLES[parameters.len().clamp(1, 4) - 1];
-    let count = if hint.is_some() { most.min(WITH_HINT) } else { most };
-    for number in 0..count as u32 {
-        let shares: Vec<f64> = if parameters.len() == 1 {
-            vec![(f64::from(number) + 0.5) / count as f64]
-        } else {
-            (0..parameters.len()).map(|d| f64::from(sobol_burley::sample(number, d as u32, seed))).collect()
-        };
-        let signed = parameters.iter().any(|p| p.signed);
-        for negative in [false, true].into_iter().take(1 + usize::from(signed)) {
-            let turned: Vec<Parameter> =
-                parameters.iter().map(|p| if p.signed && negative { p.mirrored() } else { p.clone() }).collect();
-            let values: Vec<f64> = turned.iter().zip(&shares).map(|(p, &share)| p.within(share)).collect();
-            all.push(with(turned, &values));
-        }
-    }
-    all
-}
-
-/// The hypothesis that a search starts from, on the part of the points.
-pub struct Base {
-    evaluation: Evaluation,
-    /// Orthonormal columns that span what its parameters can do.
-    span: DMatrix<f64>,
-}
-
-impl Base {
-    /// Its residuals and what its parameters can do.
-    pub fn new(data: &Data<'_>, from: &Hypothesis) -> Self {
-        let mut problem =
-            Problem::new(from.model.clone(), data.part.iter().copied(), from.fit.parameters.clone(), Tolerance::COARSE);
-        let evaluation = problem.evaluate(&from.fit.values, true);
-        let svd = evaluation.jacobian.clone().svd(true, false);
-        let largest = svd.singular_values.iter().copied().fold(0.0, f64::max);
-        let columns: Vec<usize> =
-            (0..svd.singular_values.len()).filter(|&i| svd.singular_values[i] > 1e-9 * largest).collect();
-        let span = match &svd.u {
-            Some(u) if !columns.is_empty() => u.select_columns(&columns),
-            _ => DMatrix::zeros(evaluation.residuals.len(), 0),
-        };
-        Self { evaluation, span }
-    }
-
-    /// A change of the residuals less what the parameters could undo.
-    fn without(&self, change: &DVector<f64>) -> DVector<f64> {
-        if self.span.ncols() == 0 {
-            return change.clone();
-        }
-        change - &self.span * (self.span.transpose() * change)
-    }
 }

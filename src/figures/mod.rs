@@ -21,6 +21,7 @@ pub mod loops;
 pub mod marks;
 pub mod orbits;
 pub mod pen;
+pub mod question;
 pub mod regime_map;
 pub mod resonance;
 pub mod ridge;

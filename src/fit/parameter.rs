@@ -140,6 +140,28 @@ impl Parameter {
         self.at(self.range.0 + share * (self.range.1 - self.range.0))
     }
 
+    /// The share of the range of a search at which a value lies: 0 at its start, 1 at its end, beyond that outside.
+    pub fn share(&self, value: f64) -> f64 {
+        (self.t(value) - self.range.0) / (self.range.1 - self.range.0)
+    }
+
+    /// How far a value lies from the middle of the range of a search: 0 there, 1 at either end, more outside.
+    pub fn strain(&self, value: f64) -> f64 {
+        (2.0 * self.share(value) - 1.0).abs()
+    }
+
+    /// Length of the range of a search on the natural scale.
+    pub fn extent(&self) -> f64 {
+        self.range.1 - self.range.0
+    }
+
+    /// The parameter within values of at most that strain, and within its bounds.
+    pub fn strained_at_most(&self, strain: f64) -> Self {
+        let (middle, half) = (0.5 * (self.range.0 + self.range.1), 0.5 * strain * (self.range.1 - self.range.0));
+        let bounds = (self.bounds.0.max(middle - half), self.bounds.1.min(middle + half));
+        Self { bounds, ..self.clone() }
+    }
+
     /// The parameter for values of the other sign.
     pub fn mirrored(&self) -> Self {
         Self { sign: -self.sign, ..self.clone() }
@@ -179,6 +201,9 @@ impl Parameter {
         if self.logarithmic { value.abs().max(f64::MIN_POSITIVE).ln() } else { value }
     }
 
+    fn t(&self, value: f64) -> f64 {
+        if self.logarithmic { value.abs().max(f64::MIN_POSITIVE).ln() } else { value }
+    }
     fn at(&self, t: f64) -> f64 {
         if self.logarithmic { self.sign * t.exp() } else { t }
     }

@@ -36,6 +36,11 @@ pub fn discovery(id: &str) -> String {
     format!("discovery-{}", slug(id))
 }
 
+/// Anchor of the question of a scenario.
+pub fn question(id: &str) -> String {
+    format!("question-{}", slug(id))
+}
+
 /// Anchor of an effect of the atlas.
 pub fn effect(name: &str) -> String {
     format!("effect-{}", slug(name))

@@ -21,6 +21,8 @@ mod mathml;
 mod packed;
 mod parameters;
 pub mod provenance;
+mod question;
+mod question_view;
 mod render;
 mod scenario;
 mod summary;
@@ -37,12 +39,14 @@ pub use junit::junit;
 pub use markdown::markdown;
 pub use parameters::formulation;
 pub use provenance::{Provenance, SECTION as PROVENANCE_SECTION};
+pub use question::question_view;
 pub use render::{RenderError, json, render};
 pub use scenario::{FigureInput, scenario_view};
 pub use verdict::{Agreement, Completeness, Found, Match, Passed, Tone, Verdict};
 pub use view::{
-    AxisView, CandidateView, CheckView, ClaimView, ComparisonView, CurveView, DiscoveryView, EffectParameterView,
-    EffectView, EquationView, FigureView, FileView, FittedView, GateView, Headline, InputView, LimitView, MatchView,
-    NextView, NotTestableView, NoteView, OutlierView, ParameterView, PeakView, ProvenanceView, Quantity, ReportView,
-    SCHEMA, ScenarioView, StepView, SummaryView, SymbolView, TallyView, TimingView,
+    AbleView, AxisView, CandidateView, CheckView, ClaimView, ComparisonView, CurveView, DiscoveryView,
+    EffectParameterView, EffectView, EquationView, FigureView, FileView, FittedView, GateView, Headline, InputView,
+    LimitView, MatchView, NextView, NotTestableView, NoteView, OutlierView, ParameterView, PeakView, ProvenanceView,
+    Quantity, QuestionView, ReportView, SCHEMA, ScenarioView, SettingView, StepView, SummaryView, SymbolView,
+    TallyView, TimingView,
 };

@@ -24,6 +24,7 @@ const TEMPLATES: &[(&str, &str)] = &[
     ("scenario.html.j2", include_str!("../../templates/partials/scenario.html.j2")),
     ("comparison.html.j2", include_str!("../../templates/partials/comparison.html.j2")),
     ("discovery.html.j2", include_str!("../../templates/partials/discovery.html.j2")),
+    ("question.html.j2", include_str!("../../templates/partials/question.html.j2")),
     ("figure.html.j2", include_str!("../../templates/partials/figure.html.j2")),
     ("atlas.html.j2", include_str!("../../templates/partials/atlas.html.j2")),
     ("verification.html.j2", include_str!("../../templates/partials/verification.html.j2")),
@@ -54,8 +55,11 @@ pub fn render(view: &ReportView) -> Result<String, RenderError> {
     let of_comparisons = comparisons.flat_map(|comparison| comparison.figures.iter().chain(&comparison.more));
     let discoveries = view.scenarios.iter().filter_map(|scenario| scenario.discovery.as_ref());
     let of_discoveries = discoveries.flat_map(|discovery| discovery.figures.iter().chain(&discovery.more));
+    let questions = view.scenarios.iter().filter_map(|scenario| scenario.question.as_ref());
+    let of_questions = questions.flat_map(|question| &question.figures);
     let of_effects = view.atlas.iter().map(|effect| &effect.figure);
-    let all: Vec<&FigureView> = of_scenarios.chain(of_comparisons).chain(of_discoveries).chain(of_effects).collect();
+    let all: Vec<&FigureView> =
+        of_scenarios.chain(of_comparisons).chain(of_discoveries).chain(of_questions).chain(of_effects).collect();
     let drawings: BTreeMap<String, Value> = all.iter().map(|figure| drawing(figure)).collect();
     let tables: BTreeMap<String, String> = all.iter().map(|figure| table(figure)).collect();
     let environment = environment()?;

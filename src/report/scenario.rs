@@ -74,6 +74,7 @@ pub fn scenario_view(outcome: &Outcome, figures: &[FigureInput]) -> ScenarioView
         limits: outcome.limits.iter().map(limit).collect(),
         comparison: None,
         discovery: None,
+        question: None,
         path: scenario.path.display().to_string(),
         hash: scenario.hash.clone(),
     }

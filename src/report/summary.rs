@@ -43,6 +43,12 @@ impl ReportView {
                     figure.anchor = anchors.claim(&figure.anchor);
                 }
             }
+            if let Some(question) = &mut scenario.question {
+                question.anchor = anchors.claim(&question.anchor);
+                for figure in &mut question.figures {
+                    figure.anchor = anchors.claim(&figure.anchor);
+                }
+            }
             if let Some(comparison) = &mut scenario.comparison {
                 comparison.anchor = anchors.claim(&comparison.anchor);
                 for figure in comparison.figures.iter_mut().chain(&mut comparison.more) {

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 pub use super::comparison_view::{ComparisonView, FittedView, MatchView, OutlierView, PeakView};
 pub use super::discovery_view::{CandidateView, DiscoveryView, NextView, NotTestableView, StepView};
+pub use super::question_view::{AbleView, QuestionView, SettingView};
 use super::verdict::{Agreement, Completeness, Passed, Verdict};
 
 /// Schema of `report.json`.
@@ -178,6 +179,9 @@ pub struct ScenarioView {
     /// What is missing, where there are measurements.
     #[serde(default)]
     pub discovery: Option<DiscoveryView>,
+    /// Which effects can give the curve that the scenario asks for.
+    #[serde(default)]
+    pub question: Option<QuestionView>,
     /// The file as the user named it.
     pub path: String,
     /// BLAKE3 hash of the file and everything it extends.

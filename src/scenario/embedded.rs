@@ -20,6 +20,7 @@ files![
     "paper/figure-6-printed.toml",
     "paper/figure-6.toml",
     "paper/formulations.toml",
+    "paper/open-question.toml",
     "paper/orbits.toml",
     "paper/regime-map.toml",
     "paper/ridge.toml",

@@ -2,8 +2,8 @@
 //!
 //! `source` reads a file with suspicion, `written` parses it into a tree whose every key knows its place, `extends`
 //! lays a file over the files that it builds on, `reader` and `axes` turn values into numbers and note problems,
-//! `validate` assembles the scenario, `additions` being its effects, measurements and fit,
-//! `gate` what has to hold. [`parameters`] states every key, unit and range once.
+//! `validate` assembles the scenario, `additions` being its effects, measurements and fit, `gate` what has to hold,
+//! `question` what it asks of the catalogue. [`parameters`] states every key, unit and range once.
 
 mod additions;
 mod axes;
@@ -15,6 +15,7 @@ mod gate;
 mod listing;
 mod literal;
 pub mod parameters;
+mod question;
 mod reader;
 pub(crate) mod source;
 mod splice;

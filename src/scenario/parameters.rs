@@ -57,6 +57,12 @@ pub const GATE: &[ParameterInfo] = &[
 /// Verdicts of a discovery.
 pub const VERDICTS: &[&str] = &["nothing-missing", "recalibrate", "effect-missing", "unexplained"];
 
+/// The table `[question]`.
+pub const QUESTION: &[ParameterInfo] = &[
+    info(("resembles", "V", "m/s"), (1e-9, 10.0), "speed at which the model's own curve is the one to resemble"),
+    info(("tolerance", "", "1"), (1e-3, 0.3), "relative difference of two amplitudes that counts as none"),
+];
+
 /// Columns of a measurement table that `[measurement] columns` may map.
 pub const COLUMNS: &[&str] =
     &["speed", "load", "drive", "frequency", "amplitude", "phase", "amplitude_sd", "phase_sd", "mean"];
@@ -97,7 +103,7 @@ mod tests {
 
     #[test]
     fn every_parameter_has_a_readable_unit_a_range_and_a_meaning() {
-        for info in [RIG, CONTACT, INSTRUMENT, SWEEP, GATE, MEASURED].concat() {
+        for info in [RIG, CONTACT, INSTRUMENT, SWEEP, GATE, QUESTION, MEASURED].concat() {
             assert!(info.minimum < info.maximum && !info.meaning.is_empty(), "{}", info.key);
             let value = crate::units::parse(&format!("1 {}", info.unit), info.unit);
             assert_eq!(value, Ok(1.0), "{}", info.key);

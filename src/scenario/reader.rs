@@ -24,6 +24,7 @@ pub(crate) const TOP_LEVEL: &[&str] = &[
     "measurement",
     "fit",
     "gate",
+    "question",
 ];
 
 /// The files of a scenario and the problems found so far.

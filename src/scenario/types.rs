@@ -131,6 +131,15 @@ impl Gate {
     }
 }
 
+/// A question to the catalogue: which effects make the curve of the sweep look like one of the model itself at another speed?
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Question {
+    /// V of the model's own curve that is to be resembled \[m/s\].
+    pub resembles: f64,
+    /// Relative difference of two amplitudes that counts as none \[-\].
+    pub tolerance: f64,
+}
+
 /// A validated scenario.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Scenario {
@@ -158,6 +167,8 @@ pub struct Scenario {
     pub effects: Vec<EffectSetting>,
     /// Measurements, where there are any.
     pub measurement: Option<MeasurementSource>,
+    /// What is asked of the catalogue of effects, where anything is.
+    pub question: Option<Question>,
     /// Keys of the parameters that a calibration may move, e.g. `contact.stiffness`.
     pub free: Vec<String>,
     /// Names of the figures to draw; empty means the default ones.

@@ -5,6 +5,7 @@ use super::axes;
 use super::extends::Document;
 use super::gate::gate;
 use super::parameters::{CONTACT, INSTRUMENT, RIG};
+use super::question::question;
 use super::reader::{Reader, TOP_LEVEL, Table, WHOLE};
 use super::source::Store;
 use super::types::{Contact, Formulation, Instrument, Rig, Scenario, Sweep};
@@ -71,6 +72,7 @@ fn read(
     };
     fits_formulation(reader, get("effect"), &effects, paper, options);
     let measurement = measurement(reader, entries, store);
+    let question = question(reader, entries, sweep.as_ref().and_then(Option::as_ref));
     let free = free(reader, entries, &effects, options);
     let gate = gate(reader, entries, options);
     if get("sweep").is_none() && get("measurement").is_none() && role == Role::Complete {
@@ -92,6 +94,7 @@ fn read(
         sweep: sweep?,
         effects,
         measurement: measurement?,
+        question: question?,
         free,
         figures,
         gate: gate?,

@@ -192,6 +192,7 @@ fn scenario(sweep: Sweep) -> Scenario {
         sweep: Some(sweep),
         effects: Vec::new(),
         measurement: None,
+        question: None,
         free: Vec::new(),
         figures: Vec::new(),
         gate: Default::default(),

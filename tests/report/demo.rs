@@ -41,6 +41,7 @@ pub fn scenario(id: &str, title: &str) -> Scenario {
         }),
         effects: vec![EffectSetting { name: "rate-strengthening".into(), parameters: vec![0.12, 1e-3] }],
         measurement: None,
+        question: None,
         free: Vec::new(),
         figures: Vec::new(),
         gate: Default::default(),

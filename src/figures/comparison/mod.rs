@@ -6,7 +6,7 @@
 mod budget;
 mod columns;
 pub(super) mod contact;
-mod grid;
+pub(super) mod grid;
 pub(super) mod limits;
 mod map;
 pub(super) mod multiples;

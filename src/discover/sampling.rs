@@ -1,0 +1,222 @@
+//! Samples over the ranges of an addition, and what they tell before any fit.
+
+use super::hypothesis::{Addition, Hypothesis, extended};
+use super::search::{Data, movable, on_part};
+use crate::fit::{Evaluation, Parameter, Problem, parameter, robust_chi2};
+use crate::measurement::Point;
+use crate::model::Model;
+use crate::solver::cycle::Tolerance;
+use nalgebra::{DMatrix, DVector};
+
+/// Samples over the ranges of an effect of one, two, three, four parameters.
+const SAMPLES: [usize; 4] = [8, 14, 18, 20];
+/// Samples where values are known that are worth a look.
+const WITH_HINT: usize = 6;
+/// Change of a residual, in standard deviations, below which a point counts as left alone.
+const UNTOUCHED: f64 = 0.1;
+/// Samples about values that may be a local minimum, and how far they reach on the natural scale of a parameter.
+const ABOUT: (u32, f64) = (32, 2.0);
+
+/// What an earlier search of an addition tells a later one.
+#[derive(Debug, Clone)]
+pub struct Hint {
+    /// Values of its parameters that are worth a look.
+    pub values: Vec<f64>,
+    /// Which points of the part it changes at all.
+    pub touched: Vec<bool>,
+}
+
+/// What samples tell.
+pub struct Look {
+    /// The samples, each as strong as a linear estimate wants it, the most promising first.
+    pub starts: Vec<Model>,
+    /// Sum of squares over the part after as much of one sample's change as is best, in a linear estimate.
+    pub after: f64,
+    /// Largest change that a sample makes beyond what the parameters before it can imitate: sum of squares over the part.
+    pub visibility: f64,
+    /// The sample with that change.
+    pub strongest: Option<Model>,
+    /// Which points of the part a sample changes at all.
+    pub touched: Vec<bool>,
+}
+
+/// Looks at samples of one more addition. Points that the hint says it leaves alone are not solved again.
+pub fn look(data: &Data<'_>, base: &Base, addition: Addition, samples: &[Model], hint: Option<&Hint>) -> Look {
+    let rest = base.rest();
+    let rows = rows(&data.part);
+    let mut touched = vec![false; data.part.len()];
+    let (mut visibility, mut strongest) = (0.0, None);
+    let mut after = robust_chi2(&rest, data.threshold);
+    let mut tried: Vec<(f64, Model)> = Vec::new();
+    for model in samples {
+        let residuals = residuals(data, model, base, hint);
+        for (touched, rows) in touched.iter_mut().zip(&rows) {
+            *touched |= rows.clone().any(|r| (residuals[r] - base.evaluation.residuals[r]).abs() > UNTOUCHED);
+        }
+        let change = base.without(&(&residuals - &base.evaluation.residuals));
+        let size = change.norm_squared();
+        let as_it_is = robust_chi2(&base.without(&residuals), data.threshold);
+        let (mut least, mut best) = (as_it_is, model.clone());
+        if size > 0.0 {
+            // As much of the change as the sum of squares wants.
+            let share = (-rest.dot(&change) / size).max(0.0);
+            let scaled = robust_chi2(&(&rest + &change * share), data.threshold);
+            if scaled < least {
+                (least, best) = (scaled, strengthened(model, addition, share));
+            }
+        }
+        after = after.min(least);
+        if size > visibility {
+            (visibility, strongest) = (size, Some(model.clone()));
+        }
+        tried.push((least, best));
+    }
+    tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let starts = tried.into_iter().map(|(_, model)| model).collect();
+    Look { starts, after, visibility, strongest, touched }
+}
+
+/// The model with the strength of the addition times `share`, within its bounds; as it is where its law states no single
+/// strength that vanishes with the effect.
+fn strengthened(model: &Model, addition: Addition, share: f64) -> Model {
+    let Addition::Effect(effect) = addition else { return model.clone() };
+    let [zero] = effect.zero() else { return model.clone() };
+    let key = &addition.keys()[zero.parameter];
+    let step = match zero.value {
+        0.0 => share.ln(),
+        f64::INFINITY => -share.ln(),
+        _ => 0.0,
+    };
+    match parameter(model, key) {
+        Some(strength) if step.is_finite() => {
+            let none: [&Point; 0] = [];
+            let problem = Problem::new(model.clone(), none, vec![strength.clone()], Tolerance::COARSE);
+            problem.model(&[strength.moved(problem.values()[0], step)])
+        }
+        _ => model.clone(),
+    }
+}
+
+/// Rows of the residuals that belong to each point.
+fn rows(points: &[&Point]) -> Vec<std::ops::Range<usize>> {
+    let mut next = 0;
+    let mut range = |point: &&Point| {
+        let start = next;
+        next += 1 + usize::from(point.phase.is_some());
+        start..next
+    };
+    points.iter().map(&mut range).collect()
+}
+
+/// Residuals of a model on the part of the points, those of `base` where the hint says that nothing changes.
+fn residuals(data: &Data<'_>, model: &Model, base: &Base, hint: Option<&Hint>) -> DVector<f64> {
+    let Some(hint) = hint else { return on_part(data, model, Vec::new()).evaluate(&[], false).residuals };
+    let points = data.part.iter().zip(&hint.touched).filter(|(_, touched)| **touched).map(|(point, _)| *point);
+    let solved = Problem::new(model.clone(), points, Vec::new(), Tolerance::COARSE).evaluate(&[], false).residuals;
+    let mut all = base.evaluation.residuals.clone();
+    let mut next = 0;
+    for (range, _) in rows(&data.part).into_iter().zip(&hint.touched).filter(|(_, touched)| **touched) {
+        for row in range {
+            all[row] = solved[next];
+            next += 1;
+        }
+    }
+    all
+}
+
+/// Models with the addition at samples of its ranges.
+pub fn samples(before: &Model, addition: Addition, seed: u32, hint: Option<&[f64]>) -> Vec<Model> {
+    let model = extended(before, &[addition]);
+    let parameters = movable(&model, &addition.keys());
+    let none: [&Point; 0] = [];
+    let with = |parameters: Vec<Parameter>, values: &[f64]| {
+        Problem::new(model.clone(), none, parameters, Tolerance::COARSE).model(values)
+    };
+    if let Addition::Recalibration(_) = addition {
+        // The stated value, and a little to either side.
+        let value = Problem::new(model.clone(), none, parameters.clone(), Tolerance::COARSE).values();
+        return [-0.05, 0.05]
+            .iter()
+            .map(|step| with(parameters.clone(), &[parameters[0].moved(value[0], *step)]))
+            .collect();
+    }
+    let mut all: Vec<Model> = hint.map(|values| with(parameters.clone(), values)).into_iter().collect();
+    let most = SAMPLES[parameters.len().clamp(1, 4) - 1];
+    let count = if hint.is_some() { most.min(WITH_HINT) } else { most };
+    for number in 0..count as u32 {
+        let shares = match parameters.len() {
+            1 => vec![(f64::from(number) + 0.5) / count as f64],
+            n => spread(number, n, seed),
+        };
+        let signed = parameters.iter().any(|p| p.signed);
+        for negative in [false, true].into_iter().take(1 + usize::from(signed)) {
+            let turned: Vec<Parameter> =
+                parameters.iter().map(|p| if p.signed && negative { p.mirrored() } else { p.clone() }).collect();
+            let values: Vec<f64> = turned.iter().zip(&shares).map(|(p, &share)| p.within(share)).collect();
+            all.push(with(turned, &values));
+        }
+    }
+    all
+}
+
+/// Models with the addition at samples about the values that it has in `model`.
+pub fn about(model: &Model, addition: Addition, seed: u32) -> Vec<Model> {
+    let parameters = movable(model, &addition.keys());
+    let none: [&Point; 0] = [];
+    let problem = Problem::new(model.clone(), none, parameters.clone(), Tolerance::COARSE);
+    let (values, (count, reach)) = (problem.values(), ABOUT);
+    let moved = |number| -> Vec<f64> {
+        let shares = spread(number, parameters.len(), seed);
+        let step = |share: f64| reach * (2.0 * share - 1.0);
+        parameters.iter().zip(&values).zip(shares).map(|((p, &x), share)| p.moved(x, step(share))).collect()
+    };
+    (0..count).map(|number| problem.model(&moved(number))).collect()
+}
+
+/// A point of a quasi-random sequence in the unit cube.
+fn spread(number: u32, dimensions: usize, seed: u32) -> Vec<f64> {
+    (0..dimensions as u32).map(|d| f64::from(sobol_burley::sample(number, d, seed))).collect()
+}
+
+/// The hypothesis that a search starts from, on the part of the points.
+pub struct Base {
+    evaluation: Evaluation,
+    /// Orthonormal columns that span what its parameters can do.
+    span: DMatrix<f64>,
+}
+
+impl Base {
+    /// Its residuals and what its parameters can do.
+    pub fn new(data: &Data<'_>, from: &Hypothesis) -> Self {
+        let mut problem =
+            Problem::new(from.model.clone(), data.part.iter().copied(), from.fit.parameters.clone(), Tolerance::COARSE);
+        let evaluation = problem.evaluate(&from.fit.values, true);
+        let svd = evaluation.jacobian.clone().svd(true, false);
+        let largest = svd.singular_values.iter().copied().fold(0.0, f64::max);
+        let columns: Vec<usize> =
+            (0..svd.singular_values.len()).filter(|&i| svd.singular_values[i] > 1e-9 * largest).collect();
+        let span = match &svd.u {
+            Some(u) if !columns.is_empty() => u.select_columns(&columns),
+            _ => DMatrix::zeros(evaluation.residuals.len(), 0),
+        };
+        Self { evaluation, span }
+    }
+
+    /// Residuals at the best that the parameters can do, in a linear estimate.
+    pub fn rest(&self) -> DVector<f64> {
+        self.without(&self.evaluation.residuals)
+    }
+
+    /// Number of readings in the part.
+    pub fn readings(&self) -> usize {
+        self.evaluation.residuals.len()
+    }
+
+    /// A change of the residuals less what the parameters could undo.
+    fn without(&self, change: &DVector<f64>) -> DVector<f64> {
+        if self.span.ncols() == 0 {
+            return change.clone();
+        }
+        change - &self.span * (self.span.transpose() * change)
+    }
+}

@@ -1,0 +1,120 @@
+//! The part of a scenario's section that answers its question.
+
+use super::anchor;
+use super::comparison::{none, shown};
+use super::format::{percent, quantity, setting};
+use super::question_view::{AbleView, QuestionView, SettingView};
+use super::scenario::{FigureInput, figure};
+use super::view::ScenarioView;
+use crate::question::{Answer, Deciding, Hypothesis, Setting, why_not};
+
+/// Noise of a reading that is assumed where none is known.
+const ASSUMED_NOISE: f64 = 0.01;
+
+impl ScenarioView {
+    /// The section with the answer to its question.
+    pub fn with_question(mut self, answer: &Answer, figures: &[FigureInput]) -> Self {
+        self.question = Some(question_view(answer, figures));
+        self
+    }
+}
+
+/// The view of an answer.
+pub fn question_view(answer: &Answer, figures: &[FigureInput]) -> QuestionView {
+    let id = &answer.scenario.id;
+    QuestionView {
+        anchor: anchor::question(id),
+        story: story(answer),
+        effects: answer.hypotheses.iter().map(able).collect(),
+        deciding: answer.deciding.as_ref().map(deciding).unwrap_or_default(),
+        figures: figures.iter().map(|input| figure(id, input)).collect(),
+    }
+}
+
+fn story(answer: &Answer) -> Vec<String> {
+    let (c, d) = (&answer.condition, &answer.described);
+    let words = |value: f64, unit: &str| setting(value, unit).text;
+    let (target, tolerance) = (words(answer.question.resembles, "m/s"), percent(answer.question.tolerance, 2));
+    vec![
+        format!(
+            "Everything in this section is simulated. The curve asked for is the model's own at V = {target}, W = {}, \
+             u₀ = {}: its peak is {} lower than in full slip and {} further right, and at both ends of the range it is full \
+             slip to {}.",
+            words(c.load, "N"),
+            words(c.drive, "m"),
+            percent(d.lower, 2),
+            quantity(d.shift_hz, "Hz", 2),
+            percent(d.ends[0].abs().max(d.ends[1].abs()), 2),
+        ),
+        format!(
+            "Each effect is tried alone at V = {}, rig and contact as they are. It can, where its peak is lower by {} or \
+             more and further right by a step of the frequencies or more, its ends are full slip within {tolerance}, and the \
+             difference from the curve asked for is {tolerance} (rms) or less. Tolerance and drive are assumptions of the \
+             scenario.",
+            words(c.speed, "m/s"),
+            percent(2.0 * answer.question.tolerance, 2),
+        ),
+        format!(
+            "{} of {} effects can. They are hypotheses, not findings about the experiment. They are ranked by their strain: \
+             how far the most extreme of their parameters must go from the middle of the catalogue's range (on a logarithmic \
+             scale: 0 in the middle, 1 at the edge, more outside). A strain is what the search found, an upper bound.",
+            answer.able().count(),
+            answer.hypotheses.len()
+        ),
+    ]
+}
+
+fn able(h: &Hypothesis) -> AbleView {
+    let name = h.effect.name();
+    AbleView {
+        effect: name.into(),
+        atlas: anchor::effect(name),
+        verdict: if h.can() { "can" } else { "cannot" }.into(),
+        unmet: why_not(h),
+        mildest: h.mildest.as_ref().map(|mild| view(h, mild)),
+        closest: view(h, &h.best),
+    }
+}
+
+fn view(h: &Hypothesis, at: &Setting) -> SettingView {
+    let infos = h.effect.parameters().iter().zip(&at.values);
+    let values: Vec<String> =
+        infos.map(|(info, value)| format!("{} = {}", info.symbol, setting(*value, info.unit).text)).collect();
+    let f = &at.features;
+    let ends = f.ends[0].abs().max(f.ends[1].abs());
+    SettingView {
+        parameters: values.join(", "),
+        strain: shown(at.strain, "1", 2),
+        rms: shown(100.0 * f.rms, "%", 2),
+        peak_frequency: f.peak.map_or(none(), |peak| shown(peak.frequency_hz, "Hz", 3)),
+        peak_amplitude: f.peak.map_or(none(), |peak| shown(peak.amplitude_rad, "rad", 3)),
+        ends: shown(100.0 * ends, "%", 2),
+    }
+}
+
+fn deciding(d: &Deciding) -> Vec<String> {
+    let words = |value: f64, unit: &str| setting(value, unit).text;
+    let says: Vec<String> =
+        d.predictions.iter().map(|p| format!("{} for {}", quantity(p.amplitude_rad, "rad", 3), p.effect)).collect();
+    vec![
+        format!(
+            "Amplitude at V = {}, W = {}, u₀ = {}, f = {}: {}.",
+            words(d.speed_m_s, "m/s"),
+            words(d.load_n, "N"),
+            words(d.drive_m, "m"),
+            quantity(d.frequency_hz, "Hz", 3),
+            says.join(", ")
+        ),
+        format!(
+            "No two of these are closer than {}, which is {} standard deviations of a reading if its noise is {} (assumed: no \
+             noise is known). At the condition of the question itself they are within {} everywhere. Speeds from a tenth to \
+             ten times, loads from a quarter to twice and drives from a third to once those of the question were tried; \
+             whether the rig can make them is not known. These are the closest settings found: others that can as well would \
+             differ by other amounts, and by less where one effect holds another within it.",
+            percent(d.least_difference, 2),
+            quantity(d.least_difference / ASSUMED_NOISE, "1", 2),
+            percent(ASSUMED_NOISE, 1),
+            percent(d.without_change, 2),
+        ),
+    ]
+}
