@@ -30,12 +30,13 @@ impl Search<'_> {
             ladder.push(chosen.clone());
         }
         let last = ladder.len() - 1;
+        // A profile of what does not explain the data says nothing.
         let steps: Vec<Step> = ladder
             .into_par_iter()
             .enumerate()
             .map(|(i, hypothesis)| Step {
                 added: i.checked_sub(1).map(|k| hypothesis.additions[k].name().to_string()),
-                comparison: self.comparison(&hypothesis, i == last, noise),
+                comparison: self.comparison(&hypothesis, i == last && !self.structured(&hypothesis), noise),
                 held_out: held_out(&self.data, &hypothesis),
                 hypothesis,
             })

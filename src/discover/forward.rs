@@ -111,7 +111,7 @@ impl Search<'_> {
     }
 
     /// Whether a hypothesis leaves more than noise.
-    fn structured(&self, hypothesis: &Hypothesis) -> bool {
+    pub(super) fn structured(&self, hypothesis: &Hypothesis) -> bool {
         self.whiteness(hypothesis).is_none_or(|white| white.structured)
     }
 
