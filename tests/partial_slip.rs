@@ -14,7 +14,7 @@ use stickslip::solver::parallel::{self, Demand};
 
 /// The reference table.
 const TABLE: &str = include_str!("data/effects.csv");
-/// Equal elements that reproduce the table. The number that the separate program used is not recorded: 24 miss the rows at
+/// Equal elements that reproduce the table, chosen by a scan. What the separate program used is not recorded: 24 miss the rows at
 /// W = 0.1 N by 1.7e-4, 32 and more meet them to 1e-4, and from 205 on the first threshold would be reached at W = 20 N.
 const EQUAL: usize = 200;
 
