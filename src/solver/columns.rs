@@ -1,60 +1,48 @@
-//! Derivatives of a stepped cycle by the parameter columns.
+//! Derivatives of a stepped cycle by the parameter columns, by the adjoint method: from the end of the cycle backwards.
 
-use super::cycle::Matrix;
-use super::radau::{A, State, Stepper};
-use crate::model::system::{HybridSystem, MAX_COLUMNS, MAX_STATES, Mode, ParameterColumns};
+// Indices run over several matrices at once here.
+#![allow(clippy::needless_range_loop)]
 
-/// Sums up the derivatives by the parameter columns from step to step, at a fixed start of the cycle.
-pub struct ColumnGatherer {
-    /// Of the states reached, per column.
-    pub end: Vec<State>,
-    /// Of the fundamental, per column.
-    pub fundamental: Vec<(f64, f64)>,
-    columns: Box<[ParameterColumns; 3]>,
-    own: [Vec<State>; 3],
-}
+use super::harmonic::Complex;
+use super::radau::{Stepper, Taken};
+use crate::model::system::{HybridSystem, MAX_COLUMNS, MAX_STATES, ParameterColumns};
 
-impl ColumnGatherer {
-    /// None yet, for so many columns.
-    pub fn new(count: usize) -> Self {
-        let empty = || ParameterColumns { f: [[0.0; MAX_STATES]; MAX_COLUMNS], g: [0.0; MAX_COLUMNS] };
-        Self {
-            end: vec![[0.0; MAX_STATES]; count],
-            fundamental: vec![(0.0, 0.0); count],
-            columns: Box::new([empty(), empty(), empty()]),
-            own: std::array::from_fn(|_| vec![[0.0; MAX_STATES]; count]),
-        }
+/// Room for the derivatives of the rates and of the constraint by the columns.
+pub struct Adjoints(Box<ParameterColumns>);
+
+impl Adjoints {
+    /// Empty.
+    pub fn new() -> Self {
+        Self(Box::new(ParameterColumns { f: [[0.0; MAX_STATES]; MAX_COLUMNS], g: [0.0; MAX_COLUMNS] }))
     }
 
-    /// Adds a step.
-    #[allow(clippy::too_many_arguments)]
-    pub fn add(
+    /// Carries the adjoint of the states from the end of a step to its start and adds to `out`, per column, the derivative
+    /// of the fundamental by way of the step. False where the Jacobian is singular.
+    pub fn step(
         &mut self,
         system: &dyn HybridSystem,
-        stepper: &Stepper,
-        size: f64,
-        mode: Mode,
-        n: usize,
-        weight: f64,
-        tangents: &[Matrix; 3],
-    ) {
-        stepper.parameter_tangent(system, size, mode, &mut self.columns, &mut self.own);
-        for (column, end) in self.end.iter_mut().enumerate() {
-            let before = *end;
-            for i in 0..3 {
-                let through = |row: usize| -> f64 {
-                    self.own[i][column][row] + (0..n).map(|k| tangents[i][row][k] * before[k]).sum::<f64>()
-                };
-                let w = weight * A[2][i];
-                let dz = through(0);
-                self.fundamental[column].0 += w * stepper.forcing[i].sine * dz;
-                self.fundamental[column].1 += w * stepper.forcing[i].cosine * dz;
-                if i == 2 {
-                    for (row, value) in end.iter_mut().enumerate().take(n) {
-                        *value = through(row);
-                    }
+        stepper: &mut Stepper,
+        taken: &Taken,
+        adjoint: &mut [Complex; MAX_STATES],
+        out: &mut [Complex],
+    ) -> bool {
+        let n = system.states();
+        let (mut rates, mut constraint) = ([[(0.0, 0.0); MAX_STATES]; 3], [(0.0, 0.0); 3]);
+        if !stepper.adjoint(system, taken, adjoint, &mut rates, &mut constraint) {
+            return false;
+        }
+        for k in 0..3 {
+            let columns = &mut self.0;
+            system.parameter_columns(&taken.forcing[k], &taken.z[k], taken.s[k], taken.mode, columns);
+            for (out, (f, g)) in out.iter_mut().zip(columns.f.iter().zip(&columns.g)) {
+                out.0 += constraint[k].0 * g;
+                out.1 += constraint[k].1 * g;
+                for j in 0..n {
+                    out.0 += rates[k][j].0 * f[j];
+                    out.1 += rates[k][j].1 * f[j];
                 }
             }
         }
+        true
     }
 }

@@ -3,11 +3,11 @@
 // Indices run over several matrices at once here.
 #![allow(clippy::needless_range_loop)]
 
-use super::columns::ColumnGatherer;
+use super::columns::Adjoints;
 use super::dense::solve;
-use super::events::{EVENT_ROUGHNESS, crosses, first_root};
+use super::events::{EVENT_ROUGHNESS, LOCATED, NEAR_EVENT, crosses, end_slope, first_root};
 use super::flow::{self, Flow, Leg};
-use super::radau::{A, State, Stepper};
+use super::radau::{A, State, Stepper, Taken};
 use super::sensitivity::{self, Gradient, Stretch};
 pub use super::tolerance::Tolerance;
 use crate::model::system::{HybridSystem, MAX_STATES, Mode};
@@ -20,6 +20,8 @@ const NUMERICAL_DAMPING: f64 = 2e-6;
 /// Factors on size and roughness of the steps while a search is far off.
 const COARSE: f64 = 2.0;
 const COARSE_ROUGHNESS: f64 = 10.0;
+/// Difference of the starts of two cycles, relative to the scales, at which their derivatives are the same.
+const SAME_ORBIT: f64 = 1e-6;
 /// Most changes of mode in one period.
 const MAX_EVENTS: usize = 1000;
 /// States this many times their first guess, and a thousand times as many times their scale, are on their way to infinity.
@@ -72,8 +74,6 @@ pub struct Cycle {
     pub steps: usize,
     /// Changes of mode.
     pub events: usize,
-    /// Derivatives by the parameter columns at fixed start, where asked for.
-    pub columns: Option<ColumnDerivatives>,
 }
 
 impl Cycle {
@@ -111,17 +111,16 @@ impl Cycle {
     }
 }
 
-/// Derivatives of one period by the parameter columns at a fixed start.
-#[derive(Debug, Clone)]
-pub struct ColumnDerivatives {
-    /// Of the end states, per column.
-    pub end: Vec<State>,
-    /// Of the fundamental, per column.
-    pub fundamental: Vec<(f64, f64)>,
+/// A part of an orbit.
+pub enum Part {
+    /// An exact stretch.
+    Leg(Stretch, Leg),
+    /// A step.
+    Step(Box<Taken>),
 }
 
-/// A cycle on exact flows: its start, its stretches and what it amounts to.
-type Orbit = (State, Vec<(Stretch, Leg)>, Cycle);
+/// A cycle: its start, its parts and what it amounts to.
+type Orbit = (State, Vec<Part>, Cycle);
 
 /// Integrates period after period of one system, keeping what does not depend on where it starts.
 pub struct Integrator<'a> {
@@ -130,7 +129,7 @@ pub struct Integrator<'a> {
     /// Modes met so far, with their exact flows where they have one.
     flows: Vec<(Mode, Option<Box<dyn Flow>>)>,
     stepper: Option<Stepper>,
-    /// The last orbit that was observed and consists of exact flows: start, stretches and cycle.
+    /// The last orbit of which all parts are known.
     orbit: Option<Orbit>,
     /// Whether mean and extremes of the force are wanted of exact flows.
     pub observe: bool,
@@ -201,16 +200,10 @@ impl<'a> Integrator<'a> {
     /// Integrates one period from `start`, on the branch that continues `entry` ([`HybridSystem::enter`]). Errors say where
     /// and why in words.
     pub fn cycle(&mut self, start: &State, entry: Option<(Mode, f64)>) -> Result<Cycle, String> {
-        let mut stretches = Vec::new();
-        let cycle = self.integrate(start, entry, false, None, &mut stretches)?;
-        self.orbit =
-            (cycle.legs > 0 && cycle.legs == cycle.steps && cycle.observed).then(|| (*start, stretches, cycle.clone()));
+        let mut parts = Vec::new();
+        let cycle = self.integrate(start, entry, None, &mut parts)?;
+        self.orbit = (!parts.is_empty() && parts.len() == cycle.steps).then(|| (*start, parts, cycle.clone()));
         Ok(cycle)
-    }
-
-    /// The same with the derivatives by the parameter columns.
-    pub fn cycle_with_columns(&mut self, start: &State, entry: Option<(Mode, f64)>) -> Result<Cycle, String> {
-        self.integrate(start, entry, true, None, &mut Vec::new())
     }
 
     /// The same with a record of every step.
@@ -220,33 +213,60 @@ impl<'a> Integrator<'a> {
         entry: Option<(Mode, f64)>,
         recorder: &mut dyn FnMut(&Record),
     ) -> Result<(), String> {
-        self.integrate(start, entry, false, Some(recorder), &mut Vec::new()).map(|_| ())
+        self.integrate(start, entry, Some(recorder), &mut Vec::new()).map(|_| ())
     }
 
-    /// Derivatives of the fundamental by the parameter columns on a periodic orbit that consists of exact flows;
-    /// `None` where it does not.
-    pub fn exact_columns(&mut self, start: &State, entry: (Mode, f64)) -> Option<Vec<(f64, f64)>> {
-        if !self.orbit.as_ref().is_some_and(|(begin, ..)| begin == start) {
-            self.observe = true;
-            self.cycle(start, Some(entry)).ok()?;
+    /// The cycle from `start` with all its parts: the last one, if it began there or as close as serves for derivatives.
+    fn orbit(&mut self, start: &State, entry: (Mode, f64)) -> Result<Orbit, String> {
+        let (n, scales, near) = (self.system.states(), self.system.scales(), SAME_ORBIT * self.tolerance.slack());
+        let begins = |(begin, ..): &Orbit| (0..n).all(|i| (begin[i] - start[i]).abs() <= near * scales[i]);
+        if !self.orbit.as_ref().is_some_and(begins) {
+            (self.observe, self.coarse) = (true, false);
+            self.cycle(start, Some(entry))?;
         }
-        let (_, stretches, cycle) = self.orbit.take()?;
-        let n = self.system.states();
-        if cycle.stick_fraction > 1.0 - 1e-9 && self.system.resting_state(start).iter().any(Option::is_some) {
-            return None;
-        }
-        // Adjoint at the end: l (1 - monodromy) = derivative by the start.
-        let scales = self.system.scales();
-        let transposed: Matrix = std::array::from_fn(|i| {
-            std::array::from_fn(|j| f64::from(u8::from(i == j)) - cycle.monodromy[j][i] * scales[i] / scales[j])
-        });
+        self.orbit.take().ok_or_else(|| "the parts of the cycle are not known".into())
+    }
+
+    /// Derivatives of the fundamental by the parameter columns on a periodic orbit, by the adjoint method. `defect`
+    /// gives, of the cycle, the Jacobian of the defect of periodicity and the states that keep the value they are given.
+    pub fn columns(
+        &mut self,
+        start: &State,
+        entry: (Mode, f64),
+        defect: impl Fn(&Cycle) -> (Matrix, [bool; MAX_STATES]),
+    ) -> Result<Vec<(f64, f64)>, String> {
+        let (_, parts, cycle) = self.orbit(start, entry)?;
+        let system = self.system;
+        let (n, scales) = (system.states(), system.scales());
+        let (jacobian, open) = defect(&cycle);
+        // Adjoint at the end: -l jacobian = derivative by the start. An open state keeps its value: nothing comes of it.
+        let transposed: Matrix =
+            std::array::from_fn(|i| std::array::from_fn(|j| -jacobian[j][i] * scales[i] / scales[j]));
         let by_start = |part: fn((f64, f64)) -> f64| -> State {
             std::array::from_fn(|i| part(cycle.fundamental_by_start[i]) * scales[i])
         };
-        let (re, im) = (solve(n, transposed, by_start(|z| z.0))?, solve(n, transposed, by_start(|z| z.1))?);
-        let mut adjoint = std::array::from_fn(|i| (re[i] / scales[i], im[i] / scales[i]));
+        let isolated = "the periodic solution is not isolated: its derivatives do not exist";
+        let re = solve(n, transposed, by_start(|z| z.0)).ok_or(isolated)?;
+        let im = solve(n, transposed, by_start(|z| z.1)).ok_or(isolated)?;
+        let mut adjoint = [(0.0, 0.0); MAX_STATES];
+        for i in (0..n).filter(|&i| !open[i]) {
+            adjoint[i] = (re[i] / scales[i], im[i] / scales[i]);
+        }
         let mut gradients: Vec<(Mode, Gradient)> = Vec::new();
-        for (mut stretch, leg) in stretches.into_iter().rev() {
+        let mut adjoints: Option<Adjoints> = None;
+        let mut columns = vec![(0.0, 0.0); system.columns()];
+        for part in parts.into_iter().rev() {
+            let (mut stretch, leg) = match part {
+                Part::Leg(stretch, leg) => (stretch, leg),
+                Part::Step(taken) => {
+                    let stepper = self.stepper.get_or_insert_default();
+                    let adjoints = adjoints.get_or_insert_with(Adjoints::new);
+                    if !adjoints.step(system, stepper, &taken, &mut adjoint, &mut columns) {
+                        return Err("the Jacobian is singular on the periodic solution".into());
+                    }
+                    continue;
+                }
+            };
             stretch.adjoint = adjoint;
             adjoint = leg.fundamental_by_start;
             for j in 0..n {
@@ -259,28 +279,28 @@ impl<'a> Integrator<'a> {
                 gradients.push((stretch.mode, Gradient::default()));
                 gradients.len() - 1
             });
-            self.flow(stretch.mode)?.gather(&stretch, &mut gradients[index].1);
+            if let Some(flow) = self.flow(stretch.mode) {
+                flow.gather(&stretch, &mut gradients[index].1);
+            }
         }
-        let mut columns = vec![(0.0, 0.0); self.system.columns()];
         let determined = gradients
             .iter()
-            .all(|(mode, gradient)| sensitivity::through_columns(self.system, *mode, gradient, &mut columns));
-        determined.then_some(columns)
+            .all(|(mode, gradient)| sensitivity::through_columns(system, *mode, gradient, &mut columns));
+        if determined { Ok(columns) } else { Err("the equations do not determine the slip rate".into()) }
     }
 
     fn integrate(
         &mut self,
         start: &State,
         entry: Option<(Mode, f64)>,
-        with_columns: bool,
         mut recorder: Option<&mut dyn FnMut(&Record)>,
-        stretches: &mut Vec<(Stretch, Leg)>,
+        parts: &mut Vec<Part>,
     ) -> Result<Cycle, String> {
         let (system, mut tolerance) = (self.system, self.tolerance);
         let coarse = self.coarse;
         // The deviation from the polynomial grows with the third power of the step.
         tolerance.roughness *= tolerance.relief().powi(3) * if coarse { COARSE_ROUGHNESS } else { 1.0 };
-        let (exact, observe) = (recorder.is_none() && !with_columns, self.observe);
+        let (exact, observe) = (recorder.is_none(), self.observe);
         let n = system.states();
         let period = system.period();
         // The method damps an oscillation by (w h)^5/7200 a radian; that must be little against its own damping.
@@ -290,6 +310,7 @@ impl<'a> Integrator<'a> {
         let largest = period / if tolerance.roughness.is_finite() { needed.max(steps) } else { steps }
             * if coarse { COARSE } else { 1.0 };
         let slip_scale = system.slip_scale();
+        let located = LOCATED * tolerance.slack();
         let mut stepper = self.stepper.take();
         if let Some(stepper) = &mut stepper {
             stepper.accept(None);
@@ -312,14 +333,12 @@ impl<'a> Integrator<'a> {
             force: (f64::INFINITY, f64::NEG_INFINITY),
             steps: 0,
             events: 0,
-            columns: None,
         };
         if let Some(index) = moved {
             cycle.monodromy[index][index] = 0.0;
         }
         let (scales, at_first) = (system.scales(), system.initial_state());
         let mut tangents = [[[0.0; MAX_STATES]; MAX_STATES]; 3];
-        let mut gather = with_columns.then(|| ColumnGatherer::new(system.columns()));
         while period - t > 1e-12 * period {
             if cycle.steps > MAX_STEPS {
                 return Err(format!(
@@ -341,7 +360,7 @@ impl<'a> Integrator<'a> {
                         adjoint: Default::default(),
                         period,
                     };
-                    stretches.push((stretch, leg.clone()));
+                    parts.push(Part::Leg(stretch, leg.clone()));
                 }
                 (t, z, s, h) = (leg.time, leg.state, leg.slip, largest);
                 if leg.ended {
@@ -396,8 +415,9 @@ impl<'a> Integrator<'a> {
             if crosses(at_start, e) {
                 event = true;
                 let full = size;
+                let mut tau = first_root(at_start, e);
+                let mut before: Option<(f64, f64)> = None;
                 for _ in 0..40 {
-                    let tau = first_root(at_start, e);
                     let trial = (size * tau).max(1e-14 * full);
                     if !stepper.step(system, t, &z, s, trial, mode) {
                         return Err(format!("an event at {:.4} of the cycle could not be located", t / period));
@@ -405,28 +425,29 @@ impl<'a> Integrator<'a> {
                     let changed = (trial - size).abs();
                     size = trial;
                     e = at_stages(stepper);
-                    if e[2].abs() < 1e-11 || changed < 1e-13 * period {
+                    if e[2].abs() < located || changed < 1e-13 * period {
                         break;
                     }
-                    if e.iter().all(|&e| e > 0.0) {
-                        // Undershot: extend by the slope at the end.
-                        let slope = (1.0 - Stepper::interpolate(at_start, e, 1.0 - 1e-4) / e[2].max(1e-300)) / 1e-4;
-                        let extend = if slope < 0.0 { (-1.0 / slope).min(0.5) } else { 0.5 };
-                        let longer = size * (1.0 + extend);
-                        if !stepper.step(system, t, &z, s, longer, mode) {
-                            return Err(format!("an event at {:.4} of the cycle could not be located", t / period));
-                        }
-                        size = longer;
-                        e = at_stages(stepper);
-                        if e[2].abs() < 1e-11 {
-                            break;
-                        }
-                    }
+                    // Close to the end it is found by the slope there, whichever side it lies on. The slope between two
+                    // ends serves also where friction has a kink at rest.
+                    let slope = match before {
+                        Some((size_before, end)) => (e[2] - end) / (size - size_before) * size,
+                        None => end_slope(at_start, e),
+                    };
+                    before = Some((size, e[2]));
+                    let shift = -e[2] / slope;
+                    tau = if shift.abs() < NEAR_EVENT {
+                        1.0 + shift
+                    } else if e.iter().all(|&e| e > 0.0) {
+                        if shift > 0.0 { 1.0 + shift.min(0.5) } else { 1.5 }
+                    } else {
+                        first_root(at_start, e)
+                    };
                 }
                 h = largest;
             }
+
             // Tangents and observables of the accepted step.
-            let factorised = with_columns && stepper.refactorise(system, size, mode);
             stepper.tangent(system, size, &mut tangents);
             let weight = 2.0 * size / period;
             let mut through = [[[0.0; MAX_STATES]; MAX_STATES]; 3];
@@ -450,11 +471,8 @@ impl<'a> Integrator<'a> {
                 let (force, _) = system.force(&stepper.forcing[i], &stepper.z[i], stepper.s[i]);
                 cycle.force = (cycle.force.0.min(force), cycle.force.1.max(force));
             }
-            if let Some(gather) = &mut gather {
-                if !factorised {
-                    return Err("the Jacobian is singular on the periodic solution".into());
-                }
-                gather.add(system, stepper, size, mode, n, weight, &tangents);
+            if exact && !coarse {
+                parts.push(Part::Step(Box::new(stepper.taken(mode, size, weight))));
             }
             if mode == Mode::Stick {
                 cycle.stick_fraction += size / period;
@@ -480,7 +498,6 @@ impl<'a> Integrator<'a> {
         self.stepper = stepper;
         cycle.end = z;
         cycle.branch[1] = (mode, s);
-        cycle.columns = gather.map(|g| ColumnDerivatives { end: g.end, fundamental: g.fundamental });
         Ok(cycle)
     }
 }

@@ -1,11 +1,16 @@
 //! Where a mode ends within a step: the event function on the polynomial through its start and its stages.
 
-use super::radau::{C, Stepper};
+use super::radau::C;
 
 /// Largest deviation of the event function from its polynomial over a step, relative to its own size: with more, a crossing
 /// could not be told from a wiggle of the polynomial.
 pub const EVENT_ROUGHNESS: f64 = 0.03;
 
+/// Event values at the end of a step that count as zero there, at the default tolerance: the states depend on the time of an
+/// event in second order.
+pub const LOCATED: f64 = 1e-10;
+/// Fraction of a step by which an event may lie off its end to be found by the slope there.
+pub const NEAR_EVENT: f64 = 0.05;
 /// Event values below this count as crossed.
 const CROSSED: f64 = -1e-11;
 /// Fractions of a step at which the interpolated event function is looked at.
@@ -14,17 +19,79 @@ const LOOKS: [f64; 12] = [0.02, 0.05, 0.1, C[0], 0.25, 0.35, 0.45, 0.55, C[1], 0
 /// Whether the event function falls below zero during the step, between the stages included.
 pub fn crosses(start: f64, e: [f64; 3]) -> bool {
     e.iter().any(|&e| e < CROSSED)
-        || (e.iter().any(|&e| e < 0.1) && LOOKS.iter().any(|&tau| Stepper::interpolate(start, e, tau) < CROSSED))
+        || (e.iter().any(|&e| e < 0.1) && {
+            let cubic = Cubic::through(start, e);
+            LOOKS.iter().any(|&tau| cubic.at(tau) < CROSSED)
+        })
 }
 
 /// Fraction of the step at which the event function first falls to zero.
 pub fn first_root(start: f64, e: [f64; 3]) -> f64 {
-    let value = |tau: f64| Stepper::interpolate(start, e, tau);
-    let first = LOOKS.into_iter().find(|&tau| value(tau) < CROSSED).unwrap_or(1.0);
-    let (mut low, mut high) = (0.0, first);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if value(middle) > 0.0 { low = middle } else { high = middle }
+    let cubic = Cubic::through(start, e);
+    let (mut low, mut high) = (0.0, 1.0);
+    for tau in LOOKS {
+        if cubic.at(tau) < CROSSED {
+            high = tau;
+            break;
+        }
+        low = tau;
     }
-    0.5 * (low + high)
+    // Newton's method, kept within the bracket.
+    let mut tau = 0.5 * (low + high);
+    for _ in 0..60 {
+        let value = cubic.at(tau);
+        if value > 0.0 {
+            low = tau
+        } else {
+            high = tau
+        }
+        let next = tau - value / cubic.slope(tau);
+        let next = if next > low && next < high { next } else { 0.5 * (low + high) };
+        if (next - tau).abs() < 1e-15 {
+            return next;
+        }
+        tau = next;
+    }
+    tau
+}
+
+/// Slope of the event function at the end of the step, per step.
+pub fn end_slope(start: f64, e: [f64; 3]) -> f64 {
+    Cubic::through(start, e).slope(1.0)
+}
+
+/// The cubic through the start and the stages of a step, by Newton's divided differences.
+struct Cubic([f64; 4]);
+
+impl Cubic {
+    fn through(start: f64, e: [f64; 3]) -> Self {
+        let first = [(e[0] - start) / C[0], (e[1] - e[0]) / (C[1] - C[0]), (e[2] - e[1]) / (C[2] - C[1])];
+        let second = [(first[1] - first[0]) / C[1], (first[2] - first[1]) / (C[2] - C[0])];
+        Self([start, first[0], second[0], (second[1] - second[0]) / C[2]])
+    }
+
+    fn at(&self, tau: f64) -> f64 {
+        let [a, b, c, d] = self.0;
+        a + tau * (b + (tau - C[0]) * (c + (tau - C[1]) * d))
+    }
+
+    fn slope(&self, tau: f64) -> f64 {
+        let [_, b, c, d] = self.0;
+        let (p, q) = (tau - C[0], tau - C[1]);
+        b + (tau + p) * c + (p * q + tau * q + tau * p) * d
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_of_two_roots_between_the_stages_is_found() {
+        let f = |t: f64| (t - 0.2) * (t - 0.5) * (3.0 - t);
+        let e = C.map(f);
+        assert!(crosses(f(0.0), e));
+        assert!((first_root(f(0.0), e) - 0.2).abs() < 1e-13);
+        assert!((end_slope(f(0.0), e) - (0.5 * 2.0 + 0.8 * 2.0 - 0.8 * 0.5)).abs() < 1e-12);
+    }
 }

@@ -100,6 +100,34 @@ impl Lu {
         }
     }
 
+    /// Solves in place with the transposed matrix for `W` right sides, the columns of `b`.
+    pub fn solve_transposed<const W: usize>(&self, b: &mut [[f64; W]]) {
+        let n = self.order;
+        for k in 0..n {
+            let (done, rest) = b[..n].split_at_mut(k + 1);
+            let x = &mut done[k];
+            for x in x.iter_mut() {
+                *x *= self.inverse[k];
+            }
+            for (row, u) in rest.iter_mut().zip(&self.rows[k][k + 1..n]) {
+                for (r, x) in row.iter_mut().zip(&*x) {
+                    *r -= u * x;
+                }
+            }
+        }
+        for k in (1..n).rev() {
+            let (rest, done) = b.split_at_mut(k);
+            for (row, l) in rest.iter_mut().zip(&self.rows[k][..k]) {
+                for (r, x) in row.iter_mut().zip(&done[0]) {
+                    *r -= l * x;
+                }
+            }
+        }
+        for k in (0..n).rev() {
+            b.swap(k, self.pivots[k]);
+        }
+    }
+
     /// Solves in place for `W` right sides, the columns of `b`.
     pub fn solve_block<const W: usize>(&self, b: &mut [[f64; W]]) {
         let n = self.order;
@@ -156,6 +184,10 @@ mod tests {
                 .zip([0.0, 1.0, 0.0])
                 .all(|((b, x), e)| (b[0] - x).abs() < 1e-14 && (b[1] - e).abs() < 1e-14)
         );
+        let transposed = |j: usize, f: fn(f64) -> f64| -> f64 { (0..3).map(|i| a[i][j] * f(x[i])).sum() };
+        let mut block: Vec<[f64; 2]> = (0..3).map(|j| [transposed(j, |x| x), transposed(j, |x| x * x)]).collect();
+        lu.solve_transposed(&mut block);
+        assert!(block.iter().zip(x).all(|(b, x)| (b[0] - x).abs() < 1e-14 && (b[1] - x * x).abs() < 1e-14));
         let matrix = lu.matrix(2);
         matrix[0][..2].copy_from_slice(&[1.0, 2.0]);
         matrix[1][..2].copy_from_slice(&[2.0, 4.0]);

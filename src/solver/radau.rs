@@ -13,8 +13,9 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::elimination::Elimination;
+use super::harmonic::Complex;
 use super::lu::{Lu, MAX_ORDER};
-use crate::model::system::{Evaluation, Forcing, HybridSystem, MAX_COLUMNS, MAX_STATES, Mode, ParameterColumns};
+use crate::model::system::{Evaluation, Forcing, HybridSystem, MAX_STATES, Mode};
 
 const SQRT6: f64 = 2.449_489_742_783_178;
 /// Nodes.
@@ -28,6 +29,24 @@ pub const A: [[f64; 3]; 3] = [
 
 /// States of all systems are at most this many.
 pub type State = [f64; MAX_STATES];
+
+/// A step that was taken, as far as its adjoint needs it.
+#[derive(Debug, Clone)]
+pub struct Taken {
+    /// Mode.
+    pub mode: Mode,
+    /// Size \[s\].
+    pub size: f64,
+    /// Weight of its integral in the fundamental.
+    pub weight: f64,
+    /// Forcing at the stages.
+    pub forcing: [Forcing; 3],
+    /// States at the stages.
+    pub z: [State; 3],
+    /// Algebraic unknown at the stages.
+    pub s: [f64; 3],
+    rates: [State; 3],
+}
 
 /// Stage values and the factorised Jacobian of the last step taken.
 pub struct Stepper {
@@ -226,27 +245,14 @@ impl Stepper {
         self.factorise(system.states(), count, h, &system.scales(), system.slip_scale())
     }
 
-    /// Derivative of the stage states by the state at the start: `out[stage][row][column]`, for the columns `0..n`.
+    /// Derivative of the stage states by the state at the start: `out[stage][row][column]`, for the columns `0..n`. The
+    /// unknowns answer through the Jacobian to what the start does without them.
     pub fn tangent(&self, system: &dyn HybridSystem, h: f64, out: &mut [[State; MAX_STATES]; 3]) {
-        let n = system.states();
-        self.respond::<MAX_STATES>(system, n, h, &self.eliminated.start, None, out);
-    }
-
-    /// Completes the response of the stage states to `W` disturbances, `count` of which are in use: `direct` without the
-    /// unknowns, which answer through the Jacobian to it and to what is given for the residuals themselves.
-    fn respond<const W: usize>(
-        &self,
-        system: &dyn HybridSystem,
-        used: usize,
-        h: f64,
-        direct: &[[[f64; W]; MAX_STATES]; 3],
-        residual: Option<&[[f64; W]; MAX_ORDER]>,
-        out: &mut [[[f64; W]; MAX_STATES]; 3],
-    ) {
         let n = system.states();
         let (scales, slip_scale) = (system.scales(), system.slip_scale());
         let (eliminated, m) = (&self.eliminated, 1 + self.eliminated.count);
-        let mut rhs = [[0.0; W]; MAX_ORDER];
+        let direct = &eliminated.start;
+        let mut rhs = [[0.0; MAX_STATES]; MAX_ORDER];
         for i in 0..3 {
             let e = &self.evaluations[i];
             for index in 0..m {
@@ -258,14 +264,9 @@ impl Stepper {
                 for l in 0..n {
                     let weight = -factor * gradient[l];
                     if weight != 0.0 {
-                        for column in 0..used {
+                        for column in 0..n {
                             row[column] += weight * direct[i][l][column];
                         }
-                    }
-                }
-                if let Some(residual) = residual {
-                    for column in 0..used {
-                        row[column] -= residual[i * m + index][column];
                     }
                 }
             }
@@ -278,7 +279,7 @@ impl Stepper {
                     for u in 0..m {
                         let unit = if u == 0 { slip_scale } else { scales[eliminated.rows[u - 1]] / h };
                         let weight = eliminated.unknowns[i][j][k][u] * unit;
-                        for column in 0..used {
+                        for column in 0..n {
                             row[column] += weight * rhs[k * m + u][column];
                         }
                     }
@@ -288,69 +289,100 @@ impl Stepper {
         }
     }
 
-    /// The step's own part of the derivative of the stage states by the parameter columns: `out[stage][column]`
-    /// is overwritten with the response to the parameters alone (start state held fixed).
-    pub fn parameter_tangent(
-        &self,
-        system: &dyn HybridSystem,
-        h: f64,
-        mode: Mode,
-        columns: &mut [ParameterColumns; 3],
-        out: &mut [Vec<State>; 3],
-    ) {
-        // As many right sides at once as there are columns, most often no more than half of the room for them.
-        if system.columns() <= MAX_COLUMNS / 2 {
-            self.respond_to_columns::<{ MAX_COLUMNS / 2 }>(system, h, mode, columns, out);
-        } else {
-            self.respond_to_columns::<MAX_COLUMNS>(system, h, mode, columns, out);
-        }
+    /// The step just taken; `weight` is that of its integral in the fundamental.
+    pub fn taken(&self, mode: Mode, size: f64, weight: f64) -> Taken {
+        Taken { mode, size, weight, forcing: self.forcing, z: self.z, s: self.s, rates: self.rates }
     }
 
-    fn respond_to_columns<const W: usize>(
-        &self,
+    /// Carries the adjoint of the states at the end of a step that was taken back to its start. Leaves in `rates` and
+    /// `constraint` the derivatives of the fundamental by disturbances of f and g at the stages.
+    pub fn adjoint(
+        &mut self,
         system: &dyn HybridSystem,
-        h: f64,
-        mode: Mode,
-        columns: &mut [ParameterColumns; 3],
-        out: &mut [Vec<State>; 3],
-    ) {
-        let n = system.states();
-        let scales = system.scales();
-        let eliminated = &self.eliminated;
-        let (used, m) = (system.columns(), 1 + eliminated.count);
-        for i in 0..3 {
-            system.parameter_columns(&self.forcing[i], &self.z[i], self.s[i], mode, &mut columns[i]);
+        taken: &Taken,
+        adjoint: &mut [Complex; MAX_STATES],
+        rates: &mut [[Complex; MAX_STATES]; 3],
+        constraint: &mut [Complex; 3],
+    ) -> bool {
+        let h = taken.size;
+        if !self.eliminated.fit(system, taken.mode, h) {
+            return false;
         }
-        let mut rhs = [[0.0; W]; 3 * MAX_STATES];
-        let mut residual = [[0.0; W]; MAX_ORDER];
-        for column in 0..used {
-            for i in 0..3 {
-                for j in (0..n).filter(|&j| eliminated.affine.rows[j]) {
-                    let sum: f64 = (0..3).map(|k| A[i][k] * columns[k].f[column][j]).sum();
-                    rhs[i * n + j][column] = h * sum / scales[j];
-                }
-                residual[i * m][column] = columns[i].g[column];
-                for (index, &j) in eliminated.rows[..eliminated.count].iter().enumerate() {
-                    residual[i * m + 1 + index][column] = h / scales[j] * columns[i].f[column][j];
+        (self.forcing, self.z, self.s, self.rates) = (taken.forcing, taken.z, taken.s, taken.rates);
+        if !self.refactorise(system, h, taken.mode) {
+            return false;
+        }
+        let (n, scales, slip_scale) = (system.states(), system.scales(), system.slip_scale());
+        let (eliminated, m) = (&self.eliminated, 1 + self.eliminated.count);
+        // By the states at the stages as they stand: through the fundamental and, at the last, the end.
+        let mut by_stage = [[[0.0; 2]; MAX_STATES]; 3];
+        for i in 0..3 {
+            let w = taken.weight * A[2][i];
+            by_stage[i][0] = [w * taken.forcing[i].sine, w * taken.forcing[i].cosine];
+        }
+        for j in 0..n {
+            by_stage[2][j][0] += adjoint[j].0;
+            by_stage[2][j][1] += adjoint[j].1;
+        }
+        // Through the unknowns, which answer by way of the Jacobian.
+        let mut through = [[0.0; 2]; MAX_ORDER];
+        for k in 0..3 {
+            for u in 0..m {
+                let unit = if u == 0 { slip_scale } else { scales[eliminated.rows[u - 1]] / h };
+                let sum = &mut through[k * m + u];
+                for i in 0..3 {
+                    for j in 0..n {
+                        let by = unit * eliminated.unknowns[i][j][k][u];
+                        sum[0] += by_stage[i][j][0] * by;
+                        sum[1] += by_stage[i][j][1] * by;
+                    }
                 }
             }
         }
-        eliminated.lu.solve_block(&mut rhs[..3 * n]);
-        let mut direct = [[[0.0; W]; MAX_STATES]; 3];
+        self.lu.solve_transposed(&mut through[..3 * m]);
+        *rates = [[(0.0, 0.0); MAX_STATES]; 3];
+        for i in 0..3 {
+            let e = &self.evaluations[i];
+            for index in 0..m {
+                let by = through[i * m + index];
+                let (gradient, factor) = match index {
+                    0 => (&e.gz, 1.0),
+                    _ => (&e.fz[eliminated.rows[index - 1]], h / scales[eliminated.rows[index - 1]]),
+                };
+                for l in 0..n {
+                    by_stage[i][l][0] -= by[0] * factor * gradient[l];
+                    by_stage[i][l][1] -= by[1] * factor * gradient[l];
+                }
+                match index {
+                    0 => constraint[i] = (-by[0], -by[1]),
+                    _ => rates[i][eliminated.rows[index - 1]] = (-factor * by[0], -factor * by[1]),
+                }
+            }
+        }
+        // Through the affine rows.
+        let mut affine = [[0.0; 2]; MAX_ORDER];
         for i in 0..3 {
             for j in 0..n {
-                direct[i][j] = rhs[i * n + j].map(|v| v * scales[j]);
+                affine[i * n + j] = by_stage[i][j].map(|by| by * scales[j]);
             }
         }
-        let mut response = [[[0.0; W]; MAX_STATES]; 3];
-        self.respond(system, used, h, &direct, Some(&residual), &mut response);
-        for i in 0..3 {
-            for column in 0..used {
-                for j in 0..n {
-                    out[i][column][j] = response[i][j][column];
+        eliminated.lu.solve_transposed(&mut affine[..3 * n]);
+        *adjoint = [(0.0, 0.0); MAX_STATES];
+        for j in 0..n {
+            for i in 0..3 {
+                let by = affine[i * n + j];
+                adjoint[j].0 += by[0] / scales[j];
+                adjoint[j].1 += by[1] / scales[j];
+                if eliminated.affine.rows[j] {
+                    for k in 0..3 {
+                        let w = h * A[i][k] / scales[j];
+                        rates[k][j].0 += w * by[0];
+                        rates[k][j].1 += w * by[1];
+                    }
                 }
             }
         }
+        true
     }
 
     /// Value at the fraction `tau` of the step of the polynomial through `start` and the three stage values.

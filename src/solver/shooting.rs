@@ -7,7 +7,6 @@ use super::cycle::{Cycle, Integrator, Matrix, Record, Tolerance};
 use super::dense;
 use super::radau::State;
 use crate::model::system::{HybridSystem, MAX_STATES, Mode};
-use nalgebra::{DMatrix, DVector};
 
 /// States at time 0 with the mode and the algebraic unknown there.
 pub type Start = (State, (Mode, f64));
@@ -188,11 +187,7 @@ fn defect(system: &dyn HybridSystem, start: &State, cycle: &Cycle, settled: bool
 fn largest_multiplier(system: &dyn HybridSystem, cycle: &Cycle) -> f64 {
     let n = system.states();
     let scales = system.scales();
-    let open = if cycle.stick_fraction > 1.0 - 1e-9 {
-        system.resting_state(&cycle.end).map(|rest| rest.is_some())
-    } else {
-        [false; MAX_STATES]
-    };
+    let open = open(system, &cycle.end, cycle);
     let kept: Vec<usize> = (0..n).filter(|&i| !open[i]).collect();
     let count = kept.len();
     let mut matrix = [[0.0; MAX_STATES]; MAX_STATES];
@@ -231,35 +226,20 @@ fn largest_multiplier(system: &dyn HybridSystem, cycle: &Cycle) -> f64 {
 
 /// Derivative of the fundamental by each parameter column: at a fixed start plus through the start.
 pub fn column_derivatives(integrator: &mut Integrator, periodic: &Periodic) -> Result<Vec<(f64, f64)>, String> {
-    if let Some(columns) = integrator.exact_columns(&periodic.start, periodic.entry) {
-        return Ok(columns);
-    }
-    let system = integrator.system();
-    let n = system.states();
-    let scales = system.scales();
-    let cycle = integrator.cycle_with_columns(&periodic.start, Some(periodic.entry))?;
-    let (_, jacobian) = defect(system, &periodic.start, &cycle, false);
-    let columns = cycle.columns.as_ref().ok_or("no derivatives were gathered")?;
-    let open = if cycle.stick_fraction > 1.0 - 1e-9 {
-        system.resting_state(&periodic.start).map(|rest| rest.is_some())
+    let (system, start) = (integrator.system(), &periodic.start);
+    integrator.columns(start, periodic.entry, |cycle| {
+        let (_, jacobian) = defect(system, start, cycle, false);
+        (jacobian, open(system, start, cycle))
+    })
+}
+
+/// The states that a cycle without slip leaves open.
+fn open(system: &dyn HybridSystem, z: &State, cycle: &Cycle) -> [bool; MAX_STATES] {
+    if cycle.stick_fraction > 1.0 - 1e-9 {
+        system.resting_state(z).map(|rest| rest.is_some())
     } else {
         [false; MAX_STATES]
-    };
-    let matrix = DMatrix::from_fn(n, n, |i, j| jacobian[i][j] * scales[j] / scales[i]).lu();
-    let mut out = Vec::with_capacity(columns.end.len());
-    for (end, direct) in columns.end.iter().zip(&columns.fundamental) {
-        // An open state keeps its value at rest: the fundamental does not depend on it.
-        let rhs = DVector::from_fn(n, |i, _| if open[i] { 0.0 } else { -end[i] / scales[i] });
-        let start = matrix.solve(&rhs).ok_or("the periodic solution is not isolated: its derivatives do not exist")?;
-        let mut sum = *direct;
-        for i in 0..n {
-            let (re, im) = cycle.fundamental_by_start[i];
-            sum.0 += re * start[i] * scales[i];
-            sum.1 += im * start[i] * scales[i];
-        }
-        out.push(sum);
     }
-    Ok(out)
 }
 
 /// Samples a periodic solution: calls back with every step of its cycle.

@@ -30,7 +30,12 @@ impl Tolerance {
 
     /// Relative change of the states over a cycle that may be left by the last step of Newton's.
     pub(super) fn left(&self) -> f64 {
-        LEFT * self.relief().powi(7)
+        LEFT * self.slack()
+    }
+
+    /// Factor >= 1 on what is small by default.
+    pub(super) fn slack(&self) -> f64 {
+        self.relief().powi(7)
     }
 }
 
