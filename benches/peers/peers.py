@@ -35,6 +35,7 @@ K, C = K0 + 2 * A * A * K1, C0 + 2 * A * A * C1
 SPEED, LOAD, DRIVE = 5e-5, 20.0, 2.5e-6
 FREQUENCIES = (60.0, 74.0, 82.0)
 DEMANDED = 1e-4
+EQUAL = 1e-8  # nearer the error of the program, which is below 1e-10
 SETTLED = 1e-6  # change of the fundamental over a cycle at which a transient counts as dead
 MAX_CYCLES = 500
 
@@ -247,13 +248,13 @@ def by_harmonic_balance(frequency, harmonics):
 # --- the table ---------------------------------------------------------------------------------------------------
 
 
-def cheapest(solve, settings, reference, repeats=5):
+def cheapest(solve, settings, reference, repeats=5, demanded=DEMANDED):
     """Of the settings that meet the demand the fastest: (seconds, setting, alpha, count); None where none does."""
     best = None
     for setting in settings:
         began = time.perf_counter()
         alpha, count = solve(*setting)
-        if not abs(alpha / reference - 1) <= DEMANDED:
+        if not abs(alpha / reference - 1) <= demanded:
             continue
         once = time.perf_counter() - began
         if best is None or once < 1.3 * best[0]:
@@ -330,6 +331,14 @@ def main():
                 seconds, (_, method, rtol), alpha, cycles = found
                 setting = f"{method}, rtol {rtol:.0e}, {cycles} cycles"
                 row(f"scipy solve_ivp, {name}", setting, alpha, alpha / reference - 1, seconds)
+
+        # The same at an error nearer that of the program: the settings hold until the fundamental is as steady.
+        settings = [(f, method, 10.0**-k, EQUAL / 10) for method in ("DOP853", "LSODA") for k in (7, 8, 9, 10, 11)]
+        found = cheapest(by_events, settings, reference, demanded=EQUAL)
+        if found:
+            seconds, (_, method, rtol, _), alpha, cycles = found
+            setting = f"{method}, rtol {rtol:.0e}, {cycles} cycles"
+            row(f"scipy solve_ivp, events, error below {EQUAL:.0e}", setting, alpha, alpha / reference - 1, seconds)
 
         settings = [(f, harmonics) for harmonics in (8, 12, 16, 24, 32, 48, 64, 96)]
         found = cheapest(by_harmonic_balance, settings, reference, 3)

@@ -13,15 +13,24 @@ pub const LOCATED: f64 = 1e-10;
 pub const NEAR_EVENT: f64 = 0.05;
 /// Event values below this count as crossed.
 const CROSSED: f64 = -1e-11;
+/// Largest event value below zero at which a mode may begin: the change to it was located to rounding, and what is little for
+/// the slip rate is more for the force on a stiff contact.
+const BEGUN: f64 = -1e-6;
 /// Fractions of a step at which the interpolated event function is looked at.
 const LOOKS: [f64; 12] = [0.02, 0.05, 0.1, C[0], 0.25, 0.35, 0.45, 0.55, C[1], 0.75, 0.88, 1.0];
 
+/// Value below which the event function has fallen through zero: a mode that begins a rounding below zero has not ended.
+fn floor(start: f64) -> f64 {
+    CROSSED + start.clamp(BEGUN, 0.0)
+}
+
 /// Whether the event function falls below zero during the step, between the stages included.
 pub fn crosses(start: f64, e: [f64; 3]) -> bool {
-    e.iter().any(|&e| e < CROSSED)
+    let floor = floor(start);
+    e.iter().any(|&e| e < floor)
         || (e.iter().any(|&e| e < 0.1) && {
             let cubic = Cubic::through(start, e);
-            LOOKS.iter().any(|&tau| cubic.at(tau) < CROSSED)
+            LOOKS.iter().any(|&tau| cubic.at(tau) < floor)
         })
 }
 
@@ -30,11 +39,14 @@ pub fn first_root(start: f64, e: [f64; 3]) -> f64 {
     let cubic = Cubic::through(start, e);
     let (mut low, mut high) = (0.0, 1.0);
     for tau in LOOKS {
-        if cubic.at(tau) < CROSSED {
+        if cubic.at(tau) < floor(start) {
             high = tau;
             break;
         }
         low = tau;
+    }
+    if cubic.at(low) <= 0.0 {
+        low = rising(high, |tau| cubic.at(tau));
     }
     // Newton's method, kept within the bracket.
     let mut tau = 0.5 * (low + high);
@@ -53,6 +65,12 @@ pub fn first_root(start: f64, e: [f64; 3]) -> f64 {
         tau = next;
     }
     tau
+}
+
+/// A place before `high`, where the function is negative, at which it is positive: it begins at zero, give or take a rounding,
+/// and the root there is not where it falls. Zero where it does not rise.
+pub(super) fn rising(high: f64, value: impl Fn(f64) -> f64) -> f64 {
+    (1..50).map(|k| high * 0.5f64.powi(k)).find(|&at| value(at) > 0.0).unwrap_or(0.0)
 }
 
 /// Slope of the event function at the end of the step, per step.
@@ -93,5 +111,20 @@ mod tests {
         assert!(crosses(f(0.0), e));
         assert!((first_root(f(0.0), e) - 0.2).abs() < 1e-13);
         assert!((end_slope(f(0.0), e) - (0.5 * 2.0 + 0.8 * 2.0 - 0.8 * 0.5)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_mode_that_begins_a_rounding_below_zero_goes_on_only_if_it_rises() {
+        for (slope, ends) in [(1.0, false), (-1.0, true)] {
+            let f = |t: f64| -1e-8 + slope * t;
+            assert_eq!(crosses(f(0.0), C.map(f)), ends);
+        }
+    }
+
+    #[test]
+    fn the_root_at_which_a_mode_begins_is_not_where_it_ends() {
+        let f = |t: f64| -1e-15 + t * (1e-3 - t);
+        assert!(crosses(f(0.0), C.map(f)));
+        assert!((first_root(f(0.0), C.map(f)) - 1e-3).abs() < 1e-9);
     }
 }

@@ -11,6 +11,7 @@
 use super::cubic::{between, crossing, cubic, turning_point};
 use super::cycle::Matrix;
 use super::eliminated::Eliminated;
+use super::events::rising;
 use super::exponential::{Map, Square, apply, dot, exponential, multiply, norm};
 use super::harmonic::{Complex, particular, products, resolvent};
 use super::prediction::{Glance, Jump};
@@ -296,14 +297,13 @@ impl<const N: usize> Affine<N> {
             let (f0, f1) = (value(low), value(high));
             high *= turning_point(f0.0, f0.1 * high, f1.0, f1.1 * high).0;
         }
+        if value(low).1 > 0.0 {
+            low = rising(high, |d| value(d).0);
+        }
         let mut d = high;
         for _ in 0..60 {
             let (v, slope) = value(d);
-            if v > 0.0 {
-                low = d
-            } else {
-                high = d
-            }
+            *(if v > 0.0 { &mut low } else { &mut high }) = d;
             let newton = d - v / slope;
             let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
             let change = (next - d).abs();
