@@ -5,7 +5,7 @@
 
 use super::columns::Adjoints;
 use super::dense::solve;
-use super::events::{EVENT_ROUGHNESS, LOCATED, NEAR_EVENT, crosses, end_slope, first_root};
+use super::events::{EVENT_ROUGHNESS, LOCATED, Start, at_stages, crosses};
 use super::flow::{self, Flow, Leg};
 use super::radau::{A, State, Stepper, Taken};
 use super::sensitivity::{self, Gradient, Stretch};
@@ -114,7 +114,7 @@ impl Cycle {
 /// A part of an orbit.
 pub enum Part {
     /// An exact stretch.
-    Leg(Stretch, Leg),
+    Leg(Box<(Stretch, Leg)>),
     /// A step.
     Step(Box<Taken>),
 }
@@ -257,7 +257,7 @@ impl<'a> Integrator<'a> {
         let mut columns = vec![(0.0, 0.0); system.columns()];
         for part in parts.into_iter().rev() {
             let (mut stretch, leg) = match part {
-                Part::Leg(stretch, leg) => (stretch, leg),
+                Part::Leg(both) => *both,
                 Part::Step(taken) => {
                     let stepper = self.stepper.get_or_insert_default();
                     let adjoints = adjoints.get_or_insert_with(Adjoints::new);
@@ -360,7 +360,7 @@ impl<'a> Integrator<'a> {
                         adjoint: Default::default(),
                         period,
                     };
-                    parts.push(Part::Leg(stretch, leg.clone()));
+                    parts.push(Part::Leg(Box::new((stretch, leg.clone()))));
                 }
                 (t, z, s, h) = (leg.time, leg.state, leg.slip, largest);
                 if leg.ended {
@@ -383,11 +383,6 @@ impl<'a> Integrator<'a> {
             let mut size = h.min(period - t);
             let mut event = false;
             let at_start = system.event(&system.forcing(t), &z, s, mode);
-            let at_stages = |stepper: &Stepper| {
-                std::array::from_fn::<f64, 3, _>(|i| {
-                    system.event(&stepper.forcing[i], &stepper.z[i], stepper.s[i], mode)
-                })
-            };
             let mut e;
             loop {
                 if size < 1e-10 * period {
@@ -400,7 +395,7 @@ impl<'a> Integrator<'a> {
                     size *= 0.25;
                     continue;
                 }
-                e = at_stages(stepper);
+                e = at_stages(system, stepper, mode);
                 let roughness = (Stepper::roughness(s, stepper.s) / slip_scale / tolerance.roughness).max(
                     Stepper::roughness(at_start, e)
                         / (EVENT_ROUGHNESS * e.iter().fold(1e-7, |m: f64, e| m.max(e.abs()))),
@@ -413,40 +408,11 @@ impl<'a> Integrator<'a> {
                 break;
             }
             if crosses(at_start, e) {
-                event = true;
-                let full = size;
-                let mut tau = first_root(at_start, e);
-                let mut before: Option<(f64, f64)> = None;
-                for _ in 0..40 {
-                    let trial = (size * tau).max(1e-14 * full);
-                    if !stepper.step(system, t, &z, s, trial, mode) {
-                        return Err(format!("an event at {:.4} of the cycle could not be located", t / period));
-                    }
-                    let changed = (trial - size).abs();
-                    size = trial;
-                    e = at_stages(stepper);
-                    if e[2].abs() < located || changed < 1e-13 * period {
-                        break;
-                    }
-                    // Close to the end it is found by the slope there, whichever side it lies on. The slope between two
-                    // ends serves also where friction has a kink at rest.
-                    let slope = match before {
-                        Some((size_before, end)) => (e[2] - end) / (size - size_before) * size,
-                        None => end_slope(at_start, e),
-                    };
-                    before = Some((size, e[2]));
-                    let shift = -e[2] / slope;
-                    tau = if shift.abs() < NEAR_EVENT {
-                        1.0 + shift
-                    } else if e.iter().all(|&e| e > 0.0) {
-                        if shift > 0.0 { 1.0 + shift.min(0.5) } else { 1.5 }
-                    } else {
-                        first_root(at_start, e)
-                    };
-                }
-                h = largest;
+                let start = Start { system, time: t, z: &z, slip: s, mode, event: at_start };
+                let shorter = start.shorten(stepper, size, e, located)?;
+                (size, event) = (shorter.size, shorter.ended);
+                h = if event { largest } else { size };
             }
-
             // Tangents and observables of the accepted step.
             stepper.tangent(system, size, &mut tangents);
             let weight = 2.0 * size / period;

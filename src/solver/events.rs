@@ -1,6 +1,7 @@
 //! Where a mode ends within a step: the event function on the polynomial through its start and its stages.
 
-use super::radau::C;
+use super::radau::{C, State, Stepper};
+use crate::model::system::{HybridSystem, Mode};
 
 /// Largest deviation of the event function from its polynomial over a step, relative to its own size: with more, a crossing
 /// could not be told from a wiggle of the polynomial.
@@ -10,12 +11,16 @@ pub const EVENT_ROUGHNESS: f64 = 0.03;
 /// event in second order.
 pub const LOCATED: f64 = 1e-10;
 /// Fraction of a step by which an event may lie off its end to be found by the slope there.
-pub const NEAR_EVENT: f64 = 0.05;
+const NEAR_EVENT: f64 = 0.05;
 /// Event values below this count as crossed.
 const CROSSED: f64 = -1e-11;
 /// Largest event value below zero at which a mode may begin: the change to it was located to rounding, and what is little for
 /// the slip rate is more for the force on a stiff contact.
 const BEGUN: f64 = -1e-6;
+/// Shortest share of a step in which a mode that has just begun is seen to rise.
+const BRIEF: f64 = 1e-6;
+/// Relative change of a step, in periods, at which its end is known to rounding.
+const ROUNDING: f64 = 1e-13;
 /// Fractions of a step at which the interpolated event function is looked at.
 const LOOKS: [f64; 12] = [0.02, 0.05, 0.1, C[0], 0.25, 0.35, 0.45, 0.55, C[1], 0.75, 0.88, 1.0];
 
@@ -35,7 +40,7 @@ pub fn crosses(start: f64, e: [f64; 3]) -> bool {
 }
 
 /// Fraction of the step at which the event function first falls to zero.
-pub fn first_root(start: f64, e: [f64; 3]) -> f64 {
+fn first_root(start: f64, e: [f64; 3]) -> f64 {
     let cubic = Cubic::through(start, e);
     let (mut low, mut high) = (0.0, 1.0);
     for tau in LOOKS {
@@ -67,6 +72,85 @@ pub fn first_root(start: f64, e: [f64; 3]) -> f64 {
     tau
 }
 
+/// Event function at the stages of the step just taken.
+pub fn at_stages(system: &dyn HybridSystem, stepper: &Stepper, mode: Mode) -> [f64; 3] {
+    std::array::from_fn(|i| system.event(&stepper.forcing[i], &stepper.z[i], stepper.s[i], mode))
+}
+
+/// Where a step begins.
+pub struct Start<'a> {
+    /// The system.
+    pub system: &'a dyn HybridSystem,
+    /// Time \[s\].
+    pub time: f64,
+    /// States.
+    pub z: &'a State,
+    /// Algebraic unknown.
+    pub slip: f64,
+    /// Mode.
+    pub mode: Mode,
+    /// Event function.
+    pub event: f64,
+}
+
+/// A step that was shortened.
+pub struct Shorter {
+    /// Its size \[s\].
+    pub size: f64,
+    /// Whether the mode ends with it.
+    pub ended: bool,
+}
+
+impl Start<'_> {
+    fn step(&self, stepper: &mut Stepper, size: f64) -> Result<[f64; 3], String> {
+        if stepper.step(self.system, self.time, self.z, self.slip, size, self.mode) {
+            return Ok(at_stages(self.system, stepper, self.mode));
+        }
+        Err(format!("an event at {:.4} of the cycle could not be located", self.time / self.system.period()))
+    }
+
+    /// Shortens a step just taken, over which the event function crosses zero, to the place where it does, within `located`.
+    pub fn shorten(&self, stepper: &mut Stepper, full: f64, mut e: [f64; 3], located: f64) -> Result<Shorter, String> {
+        let mut size = full;
+        // A mode that has just begun may end long before the first stage: the force of a stiff contact turns from one limit to
+        // the other. Shorter steps see the event function rise, or find that it does not.
+        while self.event < located && e.iter().all(|&e| e < located) && size > BRIEF * full {
+            size *= 0.25;
+            e = self.step(stepper, size)?;
+            if !crosses(self.event, e) {
+                return Ok(Shorter { size, ended: false });
+            }
+        }
+        let mut tau = first_root(self.event, e);
+        let mut before: Option<(f64, f64)> = None;
+        for _ in 0..40 {
+            let trial = (size * tau).max(1e-14 * full);
+            e = self.step(stepper, trial)?;
+            let changed = (trial - size).abs();
+            size = trial;
+            if e[2].abs() < located || changed < ROUNDING * self.system.period() {
+                break;
+            }
+            // Close to the end it is found by the slope there, whichever side it lies on. The slope between two ends serves
+            // also where friction has a kink at rest.
+            let slope = match before {
+                Some((size_before, end)) => (e[2] - end) / (size - size_before) * size,
+                None => end_slope(self.event, e),
+            };
+            before = Some((size, e[2]));
+            let shift = -e[2] / slope;
+            tau = if shift.abs() < NEAR_EVENT {
+                1.0 + shift
+            } else if e.iter().all(|&e| e > 0.0) {
+                if shift > 0.0 { 1.0 + shift.min(0.5) } else { 1.5 }
+            } else {
+                first_root(self.event, e)
+            };
+        }
+        Ok(Shorter { size, ended: true })
+    }
+}
+
 /// A place before `high`, where the function is negative, at which it is positive: it begins at zero, give or take a rounding,
 /// and the root there is not where it falls. Zero where it does not rise.
 pub(super) fn rising(high: f64, value: impl Fn(f64) -> f64) -> f64 {
@@ -74,7 +158,7 @@ pub(super) fn rising(high: f64, value: impl Fn(f64) -> f64) -> f64 {
 }
 
 /// Slope of the event function at the end of the step, per step.
-pub fn end_slope(start: f64, e: [f64; 3]) -> f64 {
+fn end_slope(start: f64, e: [f64; 3]) -> f64 {
     Cubic::through(start, e).slope(1.0)
 }
 
