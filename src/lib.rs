@@ -17,8 +17,10 @@
 //! * [`gate`] - what a scenario or the command line demands, judged.
 //! * [`trial`] - blind trials of the discovery: planted causes, sealed answers, scores.
 //! * [`figures`] - outcome or comparison in, SVG, PNG and CSV out; never simulates.
+//! * [`cache`] - results of earlier runs, kept under a hash of everything that they follow from.
 //! * [`report`] - serialisable views, rendered as HTML and written as JSON.
 pub mod atlas;
+pub mod cache;
 pub mod claims;
 pub mod cli;
 pub mod compare;

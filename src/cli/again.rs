@@ -22,7 +22,8 @@ pub fn execute(from: &Path, arguments: &Arguments, global: &Global) -> Result<()
         for file in &figure.files {
             let place = match file.kind.as_str() {
                 "SVG" => &mut figure.svg,
-                "CSV" => &mut figure.csv,
+                // The first table is what is shown; others go with it.
+                "CSV" if figure.csv.is_empty() => &mut figure.csv,
                 _ => continue,
             };
             *place = text(&folder.join(&file.name))?;

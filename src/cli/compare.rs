@@ -1,5 +1,6 @@
 //! `stickslip compare`: the model against measurements, and where it fails.
 
+use super::folder::Folder;
 use super::gates::{self, GateLimits};
 use super::{Global, Json, Stamped, say, simulate};
 use crate::compare::{self, Comparison, Options};
@@ -43,7 +44,7 @@ pub fn execute(job: &Job<'_>, global: &Global) -> Result<()> {
     if let Some(json) = json {
         json.write(&Stamped::new(&compare::json(&comparison), &judged), &[path, &table.file])?;
     }
-    let drawn = out.map(|out| simulate::comparison(&comparison, out)).transpose()?;
+    let drawn = out.map(|out| simulate::comparison(&comparison, &Folder::new(out))).transpose()?;
     if !json.is_some_and(Json::to_standard_output) {
         for line in words(&comparison) {
             say(global, &line);

@@ -1,7 +1,7 @@
 //! A report read back from its JSON, so that the page can be made again without simulating.
 
 use super::anchor;
-use super::view::{FigureView, ReportView, SCHEMA};
+use super::view::{FigureView, ReportView, SCHEMA, ScenarioView};
 use serde_json::Value;
 use std::path::{Component, Path};
 
@@ -39,12 +39,18 @@ pub fn read(text: &str) -> Result<ReportView, (String, &'static str)> {
 
 /// Every figure of a report.
 pub fn figures(view: &mut ReportView) -> impl Iterator<Item = &mut FigureView> {
-    let of_scenarios = view.scenarios.iter_mut().flat_map(|scenario| {
-        let compared = scenario.comparison.iter_mut().flat_map(|c| c.figures.iter_mut().chain(&mut c.more));
-        let discovered = scenario.discovery.iter_mut().flat_map(|d| d.figures.iter_mut().chain(&mut d.more));
-        scenario.figures.iter_mut().chain(compared).chain(discovered)
-    });
+    let of_scenarios = view.scenarios.iter_mut().flat_map(ScenarioView::figures_mut);
     of_scenarios.chain(view.atlas.iter_mut().map(|effect| &mut effect.figure))
+}
+
+impl ScenarioView {
+    /// Every figure of the section.
+    pub fn figures_mut(&mut self) -> impl Iterator<Item = &mut FigureView> {
+        let compared = self.comparison.iter_mut().flat_map(|c| c.figures.iter_mut().chain(&mut c.more));
+        let discovered = self.discovery.iter_mut().flat_map(|d| d.figures.iter_mut().chain(&mut d.more));
+        let asked = self.question.iter_mut().flat_map(|question| &mut question.figures);
+        self.figures.iter_mut().chain(compared).chain(discovered).chain(asked)
+    }
 }
 
 fn short(text: &str) -> String {
