@@ -91,7 +91,8 @@ fn what_the_program_writes_obeys_the_published_schemas() {
     let gate = "\n[sweep]\nfrequency = { from = \"60 Hz\", to = \"90 Hz\", points = 7 }\nspeed = \"20 mm/s\"\nload = \"20 N\"\ndrive = \"2.5 um\"\n[gate]\nmax_chi2_per_point = 1e9\nclaims = [\"full-slip-equals-no-contact\"]\n";
     std::fs::write(root.join("rig.toml"), format!("{text}{gate}")).unwrap();
     let run = |arguments: &[&str]| {
-        Command::cargo_bin("stickslip").unwrap().current_dir(root).args(arguments).assert().success();
+        let mut command = Command::cargo_bin("stickslip").unwrap();
+        command.current_dir(root).env("XDG_CACHE_HOME", root).args(arguments).assert().success();
     };
     run(&["report", "rig.toml"]);
     run(&["compare", "rig.toml", "--json", "comparison.json"]);

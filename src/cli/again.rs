@@ -49,7 +49,11 @@ pub fn load(path: &Path) -> Result<ReportView> {
         .map_err(|(why, help)| Error::Input(format!("error: {} {why}\n  = help: {help}", path.display())))
 }
 
-fn text(path: &Path) -> Result<String> {
+/// The text of an ordinary file of no absurd size.
+///
+/// # Errors
+/// [`Error::Input`] where it is none, [`Error::Io`] where it cannot be read.
+pub fn text(path: &Path) -> Result<String> {
     let refuse =
         |why: &str, help: &str| Err(Error::Input(format!("error: {} {why}\n  = help: {help}", path.display())));
     let metadata = std::fs::metadata(path).map_err(Error::io("read", path))?;

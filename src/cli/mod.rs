@@ -1,7 +1,9 @@
 //! The command line: one file per command, each an `execute` that reads as a table of contents.
 
+pub mod accept;
 pub mod add;
 mod again;
+mod baseline;
 mod bounds;
 pub mod check;
 pub mod compare;
@@ -15,6 +17,7 @@ pub mod init;
 mod json;
 mod keep;
 mod ledger;
+mod past;
 mod question;
 pub mod report;
 pub mod run;
@@ -123,6 +126,8 @@ enum Command {
         #[arg(long, value_name = "N", default_value_t = 0)]
         seed: u32,
     },
+    /// Make a report the baseline of later ones, after saying what differs
+    Accept(accept::Arguments),
     /// Plant causes, hide the answers, search, score: the program examines itself
     Trial(trial::Arguments),
     /// Read and validate only
@@ -206,6 +211,7 @@ pub fn run(cli: Cli) -> Result<()> {
             let job = add::Job { effect: &effect, path: &scenario, output: output.as_deref(), dry_run, remove, seed };
             add::execute(&job, &global)
         }
+        Command::Accept(arguments) => accept::execute(&arguments, &global),
         Command::Trial(arguments) => trial::execute(&arguments, &global),
         Command::Check { scenarios } => check::execute(&scenarios),
         Command::Effects { name } => effects::execute(name.as_deref()),

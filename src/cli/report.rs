@@ -1,11 +1,13 @@
 //! `stickslip report`: everything, and one page about it.
 
 use super::again;
+use super::baseline::{self, Baseline};
 use super::extras::Extras;
 use super::folder::Folder;
 use super::gates::{self, GateLimits, Verdicts};
 use super::keep::{self, CacheOptions, Illustrated};
 use super::ledger::{Ledger, of_paper};
+use super::past::{self, Past};
 use super::sections::{self, Clock};
 use super::{Global, compare, say, select, simulate};
 use crate::cache::{Cache, Key};
@@ -20,6 +22,8 @@ use std::path::{Path, PathBuf};
 
 /// Title of the page.
 const TITLE: &str = "Rubber in frictional contact: model and experiment";
+/// Bytes of a page that is still opened at once on a phone; drawings of an earlier run are left out beyond.
+const LARGEST: usize = 4_900_000;
 /// Arguments of the command.
 #[derive(Debug, Clone, Args)]
 pub struct Arguments {
@@ -31,6 +35,15 @@ pub struct Arguments {
     /// Make the page again from the report.json of an earlier run and the files beside it; nothing is simulated
     #[arg(long, value_name = "FILE", conflicts_with_all = ["scenarios", "max_rms_error", "max_chi2", "verdict"])]
     from: Option<PathBuf>,
+    /// Compare with an earlier run: its folder or its report.json
+    #[arg(long, value_name = "DIR|FILE", conflicts_with = "from")]
+    baseline: Option<PathBuf>,
+    /// Gate: nothing may be worse than in the baseline
+    #[arg(long, requires = "baseline")]
+    no_regression: bool,
+    /// Folder with a record of every run, extended by this one; draws errors, peaks and times by run
+    #[arg(long, value_name = "DIR", conflicts_with = "from")]
+    history: Option<PathBuf>,
     /// Files for pipelines.
     #[command(flatten)]
     pub extras: Extras,
@@ -44,7 +57,8 @@ pub struct Arguments {
 
 /// Simulates the scenarios, draws, judges claims and gates, and writes `report.html` and `report.json`.
 pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
-    let Arguments { scenarios: paths, out, from, extras, limits, verdict, cache } = arguments;
+    let Arguments { scenarios: paths, out, from, baseline, no_regression, history, extras, limits, verdict, cache } =
+        arguments;
     if let Some(from) = from {
         return again::execute(from, arguments, global);
     }
@@ -64,6 +78,8 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     let ledger = Ledger::find(&scenarios)?;
     let inputs = scenarios.iter().map(|s| s.path.as_path()).chain(tables.iter().flatten().map(|t| t.file.as_path()));
     extras.refuse(inputs)?;
+    let baseline = baseline.as_deref().map(Baseline::load).transpose()?;
+    let past = history.as_deref().map(Past::load).transpose()?;
     files::prepare(out)?;
     let cache = cache.open()?;
     let results = Folder::new(out);
@@ -86,29 +102,55 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     let gates = scenarios.iter().zip(&sections).flat_map(|(scenario, section)| {
         section.gates.iter().cloned().chain(gate::of_claims(&scenario.gate, &scenario.id, verdicts))
     });
-    let judged: Vec<Judged> = gates.collect();
+    let mut judged: Vec<Judged> = gates.collect();
     let (sections, points): (Vec<_>, Vec<_>) =
         sections.into_iter().map(|section| (section.view, section.points)).unzip();
     let mut checks = verified.0;
     checks.extend(verification::numerical_error(points.concat()).iter().map(check_view));
     let mut provenance = Provenance::from_environment(&command(paths), rayon::current_num_threads());
     provenance.timings = clock.laps;
-    let view = ReportView::assemble(TITLE, claims.views, sections, atlas.0, checks, &provenance).with_gates(&judged);
+    let plain = ReportView::assemble(TITLE, claims.views, sections, atlas.0, checks, &provenance);
+    let against = match &baseline {
+        Some(baseline) => Some(baseline.against(&plain.clone().with_gates(&judged), &results)?),
+        None => None,
+    };
+    judged.extend(against.as_ref().filter(|_| *no_regression).map(baseline::no_regression));
+    let mut view = plain.with_gates(&judged).with_baseline(against);
+    // Times of parts out of the cache say nothing.
+    let seconds = if provenance.fixed || kept > 0 { Vec::new() } else { provenance.timings.clone() };
+    let record = view.record(seconds.into_iter().collect());
+    let file = past.as_ref().map(|past| past.path().to_path_buf());
+    if let Some(past) = past {
+        view = past.with(view, record.clone(), &results)?;
+    }
     let page = report::render(&view).map_err(|why| Error::Unfinished(why.to_string()))?;
+    let page = if page.len() > LARGEST { without_pictures(&view)? } else { page };
     let json = report::json(&view).map_err(|why| Error::Unfinished(why.to_string()))?;
     files::replace(&out.join("report.json"), json.as_bytes())?;
     files::replace(&out.join("report.html"), page.as_bytes())?;
+    if let Some(file) = file {
+        crate::history::append(&file, &record)?;
+    }
     let extras = extras.write(&view)?;
     say(global, &view.summary.sentence);
     if let Some(folder) = cache.folder() {
         say(global, &format!("  {kept} of {parts} parts as an earlier run left them in {}", folder.display()));
     }
+    view.baseline.iter().flat_map(baseline::words).for_each(|line| say(global, &line));
+    past::words(&view).iter().for_each(|line| say(global, line));
     for (part, seconds) in &provenance.timings {
         say(global, &format!("  {part}: {seconds:.2} s"));
     }
     say(global, &format!("wrote {} and {}", out.join("report.html").display(), out.join("report.json").display()));
     extras.iter().for_each(|path| say(global, &format!("wrote {}", path.display())));
     gates::passed(&judged)
+}
+
+/// The page without the drawings of an earlier run, which stay among the files.
+fn without_pictures(view: &ReportView) -> Result<String> {
+    let mut view = view.clone();
+    view.baseline.iter_mut().flat_map(|baseline| &mut baseline.pictures).for_each(|picture| picture.svg.clear());
+    report::render(&view).map_err(|why| Error::Unfinished(why.to_string()))
 }
 
 /// The atlas of effects, and whether an earlier run has kept it.

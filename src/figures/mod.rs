@@ -6,6 +6,7 @@
 
 pub mod atlas;
 pub mod axes;
+pub mod baseline;
 pub mod canvas;
 pub mod clip;
 pub mod collapse;
@@ -15,6 +16,7 @@ pub mod data;
 pub mod discovery;
 pub mod formulations;
 pub mod friction_independence;
+pub mod history;
 mod hooks;
 pub mod legend;
 pub mod loops;

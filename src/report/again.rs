@@ -40,7 +40,10 @@ pub fn read(text: &str) -> Result<ReportView, (String, &'static str)> {
 /// Every figure of a report.
 pub fn figures(view: &mut ReportView) -> impl Iterator<Item = &mut FigureView> {
     let of_scenarios = view.scenarios.iter_mut().flat_map(ScenarioView::figures_mut);
-    of_scenarios.chain(view.atlas.iter_mut().map(|effect| &mut effect.figure))
+    let of_baseline = view.baseline.iter_mut().flat_map(|baseline| &mut baseline.figures);
+    let of_history = view.history.iter_mut().flat_map(|history| &mut history.figures);
+    let of_runs = of_baseline.chain(of_history).chain(&mut view.provenance.times);
+    of_scenarios.chain(view.atlas.iter_mut().map(|effect| &mut effect.figure)).chain(of_runs)
 }
 
 impl ScenarioView {
