@@ -34,6 +34,8 @@ impl Baseline {
     pub fn load(path: &Path) -> Result<Self> {
         let file = if path.is_dir() { path.join("report.json") } else { path.to_path_buf() };
         let mut view = again::load(&file)?;
+        // What that run was held against is no part of it.
+        (view.baseline, view.history, view.provenance.times) = (None, None, None);
         let folder = file.parent().unwrap_or(Path::new("")).to_path_buf();
         for figure in report::figures(&mut view) {
             let svg = figure.files.iter().find(|file| file.kind == "SVG");

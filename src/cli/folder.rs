@@ -1,5 +1,6 @@
 //! The folder of results: what was written there is remembered, so that a cache can keep it.
 
+use super::drawn::Drawn;
 use crate::error::Result;
 use crate::files;
 use base64::Engine as _;
@@ -10,8 +11,10 @@ use std::path::{Component, Path, PathBuf};
 use std::sync::Mutex;
 
 /// A folder that files are written below.
+#[derive(Debug)]
 pub struct Folder {
     path: PathBuf,
+    drawn: Drawn,
     written: Mutex<BTreeMap<String, Content>>,
 }
 
@@ -45,7 +48,17 @@ impl Content {
 impl Folder {
     /// The folder at a path, in which nothing has been written yet.
     pub fn new(path: &Path) -> Self {
-        Self { path: path.to_path_buf(), written: Mutex::default() }
+        Self::of(path, &Drawn::default())
+    }
+
+    /// The same, with what is wanted of every figure.
+    pub fn of(path: &Path, drawn: &Drawn) -> Self {
+        Self { path: path.to_path_buf(), drawn: drawn.clone(), written: Mutex::default() }
+    }
+
+    /// What is wanted of every figure.
+    pub fn drawn(&self) -> &Drawn {
+        &self.drawn
     }
 
     /// Where it is.

@@ -24,6 +24,8 @@ use std::path::{Path, PathBuf};
 const TITLE: &str = "Rubber in frictional contact: model and experiment";
 /// Bytes of a page that is still opened at once on a phone; drawings of an earlier run are left out beyond.
 const LARGEST: usize = 4_900_000;
+/// Shortest wall time \[s\] that a history keeps.
+const NOTED: f64 = 0.05;
 /// Arguments of the command.
 #[derive(Debug, Clone, Args)]
 pub struct Arguments {
@@ -118,7 +120,7 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     let mut view = plain.with_gates(&judged).with_baseline(against);
     // Times of parts out of the cache say nothing.
     let seconds = if provenance.fixed || kept > 0 { Vec::new() } else { provenance.timings.clone() };
-    let record = view.record(seconds.into_iter().collect());
+    let record = view.record(seconds.into_iter().filter(|(_, seconds)| *seconds >= NOTED).collect());
     let file = past.as_ref().map(|past| past.path().to_path_buf());
     if let Some(past) = past {
         view = past.with(view, record.clone(), &results)?;

@@ -1,5 +1,6 @@
 //! From scenarios to outcomes, drawings and the files beside the report.
 
+use super::drawn::{Drawn, Format};
 use super::folder::Folder;
 use crate::atlas;
 use crate::compare::Comparison;
@@ -122,14 +123,22 @@ pub fn trial(summary: &Summary, out: &Folder) -> Result<Vec<FigureInput>> {
     drawn(figures::trial::REGISTRY, summary, "figures", out)
 }
 
-/// Writes the three files of a drawing into the folder `id` below `out`.
+/// Writes those files of a drawing that are wanted into the folder `id` below `out`.
 pub(super) fn write(drawing: Drawing, id: &str, out: &Folder) -> Result<FigureInput> {
-    let png = figures::png(&drawing.svg, PNG_SCALE).map_err(|why| Error::Unfinished(why.to_string()))?;
-    let contents = [("svg", drawing.svg.as_bytes()), ("png", &png), ("csv", drawing.csv.as_bytes())];
+    let Drawn { format, preset } = out.drawn();
     let mut names = Vec::new();
-    for (kind, bytes) in contents {
-        let name = format!("{id}/{}.{kind}", drawing.name);
-        out.write(&name, bytes)?;
+    for kind in [Format::Svg, Format::Png, Format::Csv].into_iter().filter(|kind| format.contains(kind)) {
+        let bytes = match (kind, preset) {
+            (Format::Svg, None) => drawing.svg.clone().into_bytes(),
+            (Format::Svg, Some(preset)) => preset.svg(&drawing.svg).into_bytes(),
+            (Format::Png, None) => {
+                figures::png(&drawing.svg, PNG_SCALE).map_err(|e| Error::Unfinished(e.to_string()))?
+            }
+            (Format::Png, Some(preset)) => preset.png(&drawing.svg).map_err(|e| Error::Unfinished(e.to_string()))?,
+            (Format::Csv, _) => drawing.csv.clone().into_bytes(),
+        };
+        let name = format!("{id}/{}.{}", drawing.name, kind.ending());
+        out.write(&name, &bytes)?;
         names.push(name);
     }
     let Drawing { name, title, caption, alt, svg, csv, notes, reading } = drawing;

@@ -53,6 +53,8 @@ pub fn draw(pairs: &[Pair], id: &str, tolerance: f64) -> Result<Drawing, FigureE
     differing.sort_by(|a, b| b.difference().total_cmp(&a.difference()));
     let (all, worst) = (differing.len(), differing[0].difference());
     differing.truncate(MOST);
+    // In the order of the run, which is that of the other figures.
+    differing.sort_by_key(|pair| pairs.iter().position(|other| std::ptr::eq(other, *pair)));
     let title = format!("Before and now: {id}");
     let alt =
         format!("Amplitude against frequency of {}, before dashed and now solid.", count(differing.len(), "curve"));

@@ -80,7 +80,7 @@ pub fn draw(series: &[Series], name: &str, title: &str) -> Result<Drawing, Figur
     })?;
     let mut table = Table::new(&["value", "unit", "run", "number"]);
     for one in series {
-        for (place, value) in one.values.iter().enumerate() {
+        for (place, value) in one.values.iter().enumerate().skip(first) {
             table.row([one.name.clone(), one.kind.unit().into(), (place + 1).to_string(), cell(*value)]);
         }
     }

@@ -23,6 +23,7 @@ pub mod loops;
 pub mod marks;
 pub mod orbits;
 pub mod pen;
+pub mod preset;
 pub mod question;
 pub mod regime_map;
 pub mod resonance;

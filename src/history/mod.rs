@@ -38,6 +38,12 @@ impl Kind {
         }
     }
 
+    /// Least scatter that is reckoned with, relative to the level: what rounding and the solvers' tolerances leave, and
+    /// what a busy machine does to times.
+    fn scatter(self) -> f64 {
+        if self == Self::Time { 0.1 } else { 1e-4 }
+    }
+
     /// Whether less is better; of a frequency neither is.
     pub fn falls(self) -> bool {
         self != Self::Frequency
@@ -64,7 +70,7 @@ pub struct Record {
     pub errors: BTreeMap<String, f64>,
     /// Peak frequencies \[Hz\] by scenario and curve.
     pub peaks: BTreeMap<String, f64>,
-    /// Wall times \[s\] of the parts; empty where times are left out, or where a part came from the cache.
+    /// Wall times \[s\] of the parts that take time; empty where times are left out, or where a part came from the cache.
     pub seconds: BTreeMap<String, f64>,
 }
 
@@ -97,7 +103,7 @@ pub fn series(records: &[Record], times: bool) -> Vec<Series> {
     };
     let one = |kind: Kind, field: Field, name: String| {
         let values: Vec<f64> = records.iter().map(|r| field(r).get(&name).copied().unwrap_or(f64::NAN)).collect();
-        let steps = steps(&values);
+        let steps = steps(&values, kind.scatter());
         Series { name, kind, values, steps }
     };
     wanted.flat_map(|&(kind, field)| names(field).into_iter().map(move |name| one(kind, field, name))).collect()

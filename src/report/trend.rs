@@ -44,10 +44,15 @@ impl ReportView {
         let moved = match (steps.len(), records.len()) {
             (_, 1) => "This is the first run".to_string(),
             (0, n) => format!("In {n} runs no error and no peak moved to another level"),
-            (steps, n) => format!(
-                "In {n} runs there are {steps} steps: {worse} of an error upwards, {better} downwards, {} of a peak",
-                steps - worse - better
-            ),
+            (all, n) => {
+                let kinds = [
+                    (worse, "of an error upwards"),
+                    (better, "of an error downwards"),
+                    (all - worse - better, "of a peak frequency"),
+                ];
+                let told = kinds.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}"));
+                format!("Steps in {n} runs: {}", told.collect::<Vec<_>>().join(", "))
+            }
         };
         let mut notes = Vec::new();
         let this = records.last();
