@@ -12,7 +12,7 @@ use std::path::{Component, Path, PathBuf};
 
 /// Most scenarios whose curves are drawn.
 const DRAWN: usize = 4;
-/// Changes of one kind told on the terminal.
+/// Changes of one kind, and inputs, told on the terminal.
 const TOLD: usize = 10;
 
 /// Frequency \[Hz\] and amplitude \[rad\] by name of the curve, in the order of the file.
@@ -130,7 +130,7 @@ pub fn words(view: &BaselineView) -> Vec<String> {
             lines.push(format!("  {}: and {} more", verdict.words(), all.len() - TOLD));
         }
     }
-    for input in &view.inputs {
+    for input in view.inputs.iter().take(TOLD) {
         let what = match (input.before.is_empty(), input.after.is_empty()) {
             (true, _) => "is new".into(),
             (_, true) => "is gone".into(),
@@ -138,6 +138,9 @@ pub fn words(view: &BaselineView) -> Vec<String> {
             _ => format!("has other values: {}", input.keys.join("; ")),
         };
         lines.push(format!("  input {} ({}) {what}", input.id, input.path));
+    }
+    if view.inputs.len() > TOLD {
+        lines.push(format!("  and {} more inputs", view.inputs.len() - TOLD));
     }
     lines
 }

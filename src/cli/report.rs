@@ -125,8 +125,7 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     if let Some(past) = past {
         view = past.with(view, record.clone(), &results)?;
     }
-    let page = report::render(&view).map_err(|why| Error::Unfinished(why.to_string()))?;
-    let page = if page.len() > LARGEST { without_pictures(&view)? } else { page };
+    let page = page(&view)?;
     let json = report::json(&view).map_err(|why| Error::Unfinished(why.to_string()))?;
     files::replace(&out.join("report.json"), json.as_bytes())?;
     files::replace(&out.join("report.html"), page.as_bytes())?;
@@ -148,11 +147,19 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     gates::passed(&judged)
 }
 
-/// The page without the drawings of an earlier run, which stay among the files.
-fn without_pictures(view: &ReportView) -> Result<String> {
+/// The page with as many drawings of an earlier run as it may hold; all of them are among the files.
+fn page(view: &ReportView) -> Result<String> {
     let mut view = view.clone();
-    view.baseline.iter_mut().flat_map(|baseline| &mut baseline.pictures).for_each(|picture| picture.svg.clear());
-    report::render(&view).map_err(|why| Error::Unfinished(why.to_string()))
+    loop {
+        let page = report::render(&view).map_err(|why| Error::Unfinished(why.to_string()))?;
+        let pictures = view.baseline.iter_mut().flat_map(|baseline| &mut baseline.pictures);
+        let mut held: Vec<_> = pictures.filter(|picture| !picture.svg.is_empty()).collect();
+        if page.len() <= LARGEST || held.is_empty() {
+            return Ok(page);
+        }
+        let half = held.len() / 2;
+        held.drain(half..).for_each(|picture| picture.svg.clear());
+    }
 }
 
 /// The atlas of effects, and whether an earlier run has kept it.
