@@ -117,6 +117,15 @@ fn curves_pictures_and_inputs_that_differ_are_shown() {
     let page = read(dir, "output/report.html");
     assert!(page.contains("class=\"swap\"") && page.contains("rig.torsional_stiffness: 990 N m"));
 
+    // The same page again from its JSON, and nothing in a JSON that was changed leads out of its folder.
+    stickslip(dir).args(["--from", "output", "--out", "again"]).assert().success();
+    assert!(read(dir, "again/report.html") == page);
+    let text = read(dir, "output/report.json");
+    let outside = text.replace("\"before\": \"baseline/rig/resonance.svg\"", "\"before\": \"../rig/resonance.svg\"");
+    assert!(outside != text);
+    std::fs::write(dir.join("output/outside.json"), outside).unwrap();
+    stickslip(dir).args(["--from", "output/outside.json"]).assert().code(2).stderr(contains("outside its folder"));
+
     // The same input, the same bytes; the folder of the results may be the baseline itself.
     report(dir, &["--baseline", "base", "--out", "other"]).assert().success();
     assert!(read(dir, "other/report.html") == page);

@@ -95,10 +95,10 @@ fn what_the_program_writes_obeys_the_published_schemas() {
         command.current_dir(root).env("XDG_CACHE_HOME", root).args(arguments).assert().success();
     };
     run(&["report", "rig.toml", "--out", "before", "--history", "runs"]);
-    // Another stiffness, so that there are curves, pictures and inputs that differ.
+    // Other frequencies, so that there are curves, pictures and inputs that differ.
     let text = std::fs::read_to_string(root.join("rig.toml")).unwrap();
-    assert!(text.contains("torsional_stiffness = 990"));
-    std::fs::write(root.join("rig.toml"), text.replace("torsional_stiffness = 990", "torsional_stiffness = 1000"))
+    assert!(text.contains("points = 7"));
+    std::fs::write(root.join("rig.toml"), text.replace("points = 7", "points = 9"))
         .unwrap();
     run(&["report", "rig.toml", "--no-cache", "--baseline", "before", "--history", "runs"]);
     let report = read(root.join("output/report.json"));

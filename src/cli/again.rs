@@ -1,6 +1,6 @@
 //! `stickslip report --from report.json`: the page made again from the files of an earlier run.
 
-use super::report::Arguments;
+use super::report::{Arguments, page};
 use super::{Global, gates, say};
 use crate::error::{Error, Result};
 use crate::report::{self, Passed, ReportView};
@@ -29,7 +29,10 @@ pub fn execute(from: &Path, arguments: &Arguments, global: &Global) -> Result<()
             *place = text(&folder.join(&file.name))?;
         }
     }
-    let page = report::render(&view).map_err(|why| Error::Unfinished(why.to_string()))?;
+    for picture in view.baseline.iter_mut().flat_map(|baseline| &mut baseline.pictures) {
+        picture.svg = text(&folder.join(&picture.before))?;
+    }
+    let page = page(&view)?;
     let target = if out.as_os_str().is_empty() { PathBuf::from("report.html") } else { out.join("report.html") };
     files::replace(&target, page.as_bytes())?;
     let extras = arguments.extras.write(&view)?;

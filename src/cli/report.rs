@@ -148,7 +148,7 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
 }
 
 /// The page with as many drawings of an earlier run as it may hold; all of them are among the files.
-fn page(view: &ReportView) -> Result<String> {
+pub(super) fn page(view: &ReportView) -> Result<String> {
     let mut view = view.clone();
     loop {
         let page = report::render(&view).map_err(|why| Error::Unfinished(why.to_string()))?;

@@ -26,15 +26,23 @@ pub fn read(text: &str) -> Result<ReportView, (String, &'static str)> {
             return Err((format!("names a figure by the id `{}`", short(&figure.anchor)), help));
         }
         for file in &mut figure.files {
-            let inside = |part: Component<'_>| matches!(part, Component::Normal(_));
-            if !Path::new(&file.name).components().all(inside) || file.name.contains('\\') {
-                let help = "it was changed by hand; make it again with `stickslip report`";
-                return Err((format!("names a file outside its folder: `{}`", short(&file.name)), help));
-            }
-            file.href = anchor::href(&file.name);
+            file.href = link(&file.name)?;
         }
     }
+    for picture in view.baseline.iter_mut().flat_map(|baseline| &mut baseline.pictures) {
+        picture.href = link(&picture.before)?;
+    }
     Ok(view)
+}
+
+/// The link to a file beside the report.
+fn link(name: &str) -> Result<String, (String, &'static str)> {
+    let inside = |part: Component<'_>| matches!(part, Component::Normal(_));
+    if !Path::new(name).components().all(inside) || name.contains('\\') {
+        let help = "it was changed by hand; make it again with `stickslip report`";
+        return Err((format!("names a file outside its folder: `{}`", short(name)), help));
+    }
+    Ok(anchor::href(name))
 }
 
 /// Every figure of a report.
