@@ -98,8 +98,7 @@ fn what_the_program_writes_obeys_the_published_schemas() {
     // Other frequencies, so that there are curves, pictures and inputs that differ.
     let text = std::fs::read_to_string(root.join("rig.toml")).unwrap();
     assert!(text.contains("points = 7"));
-    std::fs::write(root.join("rig.toml"), text.replace("points = 7", "points = 9"))
-        .unwrap();
+    std::fs::write(root.join("rig.toml"), text.replace("points = 7", "points = 9")).unwrap();
     run(&["report", "rig.toml", "--no-cache", "--baseline", "before", "--history", "runs"]);
     let report = read(root.join("output/report.json"));
     for list in ["changes", "inputs", "figures", "pictures"] {
