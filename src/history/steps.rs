@@ -1,9 +1,10 @@
 //! Steps of a series: binary segmentation of the series under a running median of three, with a penalty of Schwarz's kind.
 //!
-//! A piece is cut where two constant levels leave the least sum of squares, if that makes n ln(RSS/n) smaller by more than
-//! three times ln n: one for the second level, one for the place, one for good measure. Pieces have two values or more, so
-//! a step shows from its second run on, and a single run that stands out is none. Of numbers that scatter, such as times,
-//! the caller says by how much at least, so that what is left under the median is not taken for certain.
+//! A piece is cut where two constant levels leave the least sum of squares, if that is less than the sum about one level by
+//! more than three times ln n in units of the variance of the scatter: one for the second level, one for the place, one for
+//! good measure. The scatter is estimated from the differences of successive values, by their median, so that steps are no
+//! part of it; the caller says how large it is at least. Pieces have two values or more, so a step shows from its second
+//! run on, and a single run that stands out is none.
 
 use crate::statistics::median;
 
@@ -29,8 +30,11 @@ pub fn steps(values: &[f64], scatter: f64) -> Vec<Step> {
     let (places, known): (Vec<usize>, Vec<f64>) =
         values.iter().copied().enumerate().filter(|(_, value)| value.is_finite()).unzip();
     let smooth = running_median(&known);
+    let scale = known.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    let deviation = deviation(&known).max(scatter * scale);
+    let least = PENALTY * (known.len() as f64).ln() * deviation.powi(2);
     let mut cuts = Vec::new();
-    segment(&smooth, scatter, 0, &mut cuts);
+    segment(&smooth, least, 0, &mut cuts);
     cuts.sort_unstable();
     let ends: Vec<usize> = std::iter::once(0).chain(cuts.iter().copied()).chain([known.len()]).collect();
     let level = |piece: usize| median(known[ends[piece]..ends[piece + 1]].iter().copied());
@@ -38,16 +42,25 @@ pub fn steps(values: &[f64], scatter: f64) -> Vec<Step> {
     cuts.iter().enumerate().map(step).collect()
 }
 
-fn running_median(values: &[f64]) -> Vec<f64> {
-    let at = |index: usize| match (index.checked_sub(1), values.get(index + 1)) {
-        (Some(before), Some(&after)) => median([values[before], values[index], after]),
-        _ => values[index],
-    };
-    (0..values.len()).map(at).collect()
+/// Standard deviation of values that scatter about a level with steps.
+fn deviation(values: &[f64]) -> f64 {
+    // Of normal differences, the median of the magnitude is 0.6745 deviations, each of which is that of two values.
+    median(values.windows(2).map(|pair| (pair[1] - pair[0]).abs())) / (0.6745 * std::f64::consts::SQRT_2)
 }
 
-/// Cuts a piece that begins at `start` of the whole, and what comes of it.
-fn segment(values: &[f64], scatter: f64, start: usize, cuts: &mut Vec<usize>) {
+/// The median of each value and its neighbours; at the ends, of the outermost three.
+fn running_median(values: &[f64]) -> Vec<f64> {
+    let n = values.len();
+    let at = |index: usize| {
+        let start = index.saturating_sub(1).min(n.saturating_sub(3));
+        median(values[start..n.min(start + 3)].iter().copied())
+    };
+    (0..n).map(at).collect()
+}
+
+/// Cuts a piece that begins at `start` of the whole where that takes more than `least` from its sum of squares, and what
+/// comes of it.
+fn segment(values: &[f64], least: f64, start: usize, cuts: &mut Vec<usize>) {
     let n = values.len();
     if n < 2 * LEAST {
         return;
@@ -56,17 +69,13 @@ fn segment(values: &[f64], scatter: f64, start: usize, cuts: &mut Vec<usize>) {
         let mean = part.iter().sum::<f64>() / part.len() as f64;
         part.iter().map(|value| (value - mean).powi(2)).sum::<f64>()
     };
-    let scale = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
-    let floor = n as f64 * (scatter * scale).powi(2);
-    let cost = |sum: f64| n as f64 * (sum + floor).ln();
     let cut = |at: usize| (at, squares(&values[..at]) + squares(&values[at..]));
     let best = (LEAST..=n - LEAST).map(cut).min_by(|a, b| a.1.total_cmp(&b.1));
     let Some((at, sum)) = best else { return };
-    // A series of zeros has no scale and no step.
-    if scale > 0.0 && cost(squares(values)) - cost(sum) > PENALTY * (n as f64).ln() {
+    if squares(values) - sum > least {
         cuts.push(start + at);
-        segment(&values[..at], scatter, start, cuts);
-        segment(&values[at..], scatter, start + at, cuts);
+        segment(&values[..at], least, start, cuts);
+        segment(&values[at..], least, start + at, cuts);
     }
 }
 
