@@ -241,3 +241,24 @@ fn interrupted_work_leaves_no_half_written_file() {
     assert_eq!(status.code(), Some(3));
     assert_eq!(contents(&dir.path().join("output")), []);
 }
+
+#[test]
+fn figures_come_in_the_formats_and_sizes_asked_for() {
+    let dir = tempfile::tempdir().unwrap();
+    small(dir.path());
+    let run = |more: &[&str]| {
+        let mut command = stickslip(dir.path());
+        command.args(["run", "small.toml", "--quiet"]).args(more);
+        command.assert()
+    };
+    run(&["--format", "svg", "--preset", "double-column", "--out", "print"]).success();
+    let names: Vec<String> = contents(&dir.path().join("print/small")).into_iter().map(|(name, _)| name).collect();
+    assert!(names.iter().all(|name| name.ends_with(".svg") || name == "curves.csv") && names.len() > 1, "{names:?}");
+    let svg = std::fs::read_to_string(dir.path().join("print/small/resonance.svg")).unwrap();
+    assert!(svg.contains(" width=\"183.00mm\" "));
+    run(&["--format", "png", "--preset", "web", "--out", "web"]).success();
+    let png = std::fs::read(dir.path().join("web/small/resonance.png")).unwrap();
+    assert_eq!(u32::from_be_bytes(png[16..20].try_into().unwrap()), 1100);
+    run(&["--format", "pdf"]).code(2).stderr(predicates::str::contains("svg, png, csv"));
+    run(&["--preset", "poster"]).code(2).stderr(predicates::str::contains("double-column"));
+}
