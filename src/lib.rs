@@ -15,10 +15,13 @@
 //! * [`verification`] - numbers that prove the solvers in every run.
 //! * [`claims`] - the ledger of published statements, each computed and judged.
 //! * [`gate`] - what a scenario or the command line demands, judged.
+//! * [`history`] - a record of every run, and where its values moved from one level to another.
 //! * [`trial`] - blind trials of the discovery: planted causes, sealed answers, scores.
 //! * [`figures`] - outcome or comparison in, SVG, PNG and CSV out; never simulates.
+//! * [`cache`] - results of earlier runs, kept under a hash of everything that they follow from.
 //! * [`report`] - serialisable views, rendered as HTML and written as JSON.
 pub mod atlas;
+pub mod cache;
 pub mod claims;
 pub mod cli;
 pub mod compare;
@@ -29,6 +32,7 @@ pub mod figures;
 pub mod files;
 pub mod fit;
 pub mod gate;
+pub mod history;
 pub mod measurement;
 pub mod model;
 pub mod question;

@@ -103,6 +103,49 @@
     if (kind === "PNG") save(await pixels(figure.asFile()), name);
   });
 
+  // Figures of an earlier run over those of this one: a slider between the two, or the one in place of the other.
+  const picture = (svg, name) => element("img", { src: `data:image/svg+xml;charset=utf-8,${encodeURIComponent(svg)}`, alt: name });
+  const overlay = async (swap) => {
+    const figure = document.getElementById(swap.dataset.now);
+    const drawing = figure?.querySelector(".drawing svg");
+    if (!drawing || swap.querySelector(".stack")) return;
+    const copy = drawing.cloneNode(true);
+    all("[data-overlay]", copy).forEach((node) => node.remove());
+    copy.setAttribute("xmlns", "http://www.w3.org/2000/svg");
+    const title = figure.querySelector(".title").firstChild.textContent.trim();
+    const now = picture(new XMLSerializer().serializeToString(copy), `${title}, now`);
+    const before = picture(await (await unpack(swap.dataset.packed)).text(), `${title}, before`);
+    const stack = element("div", { class: "stack" });
+    stack.append(now, before);
+    const label = element("label", {}, "Now ");
+    const slider = element("input", { type: "range", min: 0, max: 100, value: 50, "aria-label": `Share of ${title} shown as before` });
+    label.append(slider, " Before");
+    const slide = () => { before.style.clipPath = `inset(0 ${100 - slider.value}% 0 0)`; };
+    slider.addEventListener("input", slide);
+    const flicker = element("button", { type: "button" }, "Flicker");
+    const still = matchMedia("(prefers-reduced-motion: reduce)");
+    let timer = 0;
+    const turn = () => { slider.value = slider.value > 50 ? 0 : 100; slide(); };
+    const stop = () => { clearInterval(timer); timer = 0; flicker.textContent = "Flicker"; };
+    flicker.addEventListener("click", () => {
+      if (timer) { stop(); return; }
+      turn();
+      if (still.matches) return;
+      timer = setInterval(turn, 800);
+      flicker.textContent = "Stop";
+    });
+    swap.addEventListener("toggle", () => { if (!swap.open) stop(); });
+    slider.addEventListener("pointerdown", stop);
+    slide();
+    const tools = element("p", { class: "slide" });
+    tools.append(label, flicker);
+    swap.append(tools, stack);
+  };
+  for (const swap of all(".swap")) {
+    swap.hidden = false;
+    swap.addEventListener("toggle", () => { if (swap.open) overlay(swap); });
+  }
+
   // Links of sections and figures go to the clipboard too, where the browser lets them.
   document.addEventListener("click", async (event) => {
     const link = event.target.closest?.(".permalink");

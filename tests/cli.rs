@@ -6,7 +6,7 @@ use std::path::Path;
 
 fn stickslip(dir: &Path) -> Command {
     let mut command = Command::cargo_bin("stickslip").unwrap();
-    command.current_dir(dir).env("SOURCE_DATE_EPOCH", "0");
+    command.current_dir(dir).env("SOURCE_DATE_EPOCH", "0").env("XDG_CACHE_HOME", dir);
     command
 }
 
@@ -60,7 +60,10 @@ fn report_gives_the_same_bytes_for_any_number_of_threads() {
     small(dir.path());
     for threads in ["1", "2", "5"] {
         let out = format!("out{threads}");
-        stickslip(dir.path()).args(["report", "small.toml", "--out", &out, "--threads", threads]).assert().success();
+        stickslip(dir.path())
+            .args(["report", "small.toml", "--no-cache", "--out", &out, "--threads", threads])
+            .assert()
+            .success();
     }
     let one = contents(&dir.path().join("out1"));
     assert!(one.iter().any(|(name, _)| name == "report.html") && one.iter().any(|(name, _)| name.ends_with(".png")));
@@ -237,4 +240,25 @@ fn interrupted_work_leaves_no_half_written_file() {
     let status = child.wait().unwrap();
     assert_eq!(status.code(), Some(3));
     assert_eq!(contents(&dir.path().join("output")), []);
+}
+
+#[test]
+fn figures_come_in_the_formats_and_sizes_asked_for() {
+    let dir = tempfile::tempdir().unwrap();
+    small(dir.path());
+    let run = |more: &[&str]| {
+        let mut command = stickslip(dir.path());
+        command.args(["run", "small.toml", "--quiet"]).args(more);
+        command.assert()
+    };
+    run(&["--format", "svg", "--preset", "double-column", "--out", "print"]).success();
+    let names: Vec<String> = contents(&dir.path().join("print/small")).into_iter().map(|(name, _)| name).collect();
+    assert!(names.iter().all(|name| name.ends_with(".svg") || name == "curves.csv") && names.len() > 1, "{names:?}");
+    let svg = std::fs::read_to_string(dir.path().join("print/small/resonance.svg")).unwrap();
+    assert!(svg.contains(" width=\"183.00mm\" "));
+    run(&["--format", "png", "--preset", "web", "--out", "web"]).success();
+    let png = std::fs::read(dir.path().join("web/small/resonance.png")).unwrap();
+    assert_eq!(u32::from_be_bytes(png[16..20].try_into().unwrap()), 1100);
+    run(&["--format", "pdf"]).code(2).stderr(predicates::str::contains("svg, png, csv"));
+    run(&["--preset", "poster"]).code(2).stderr(predicates::str::contains("double-column"));
 }

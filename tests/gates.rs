@@ -8,7 +8,7 @@ use std::path::Path;
 
 fn stickslip(dir: &Path) -> Command {
     let mut command = Command::cargo_bin("stickslip").unwrap();
-    command.current_dir(dir).env("SOURCE_DATE_EPOCH", "0");
+    command.current_dir(dir).env("SOURCE_DATE_EPOCH", "0").env("XDG_CACHE_HOME", dir);
     command
 }
 

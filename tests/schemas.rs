@@ -91,9 +91,22 @@ fn what_the_program_writes_obeys_the_published_schemas() {
     let gate = "\n[sweep]\nfrequency = { from = \"60 Hz\", to = \"90 Hz\", points = 7 }\nspeed = \"20 mm/s\"\nload = \"20 N\"\ndrive = \"2.5 um\"\n[gate]\nmax_chi2_per_point = 1e9\nclaims = [\"full-slip-equals-no-contact\"]\n";
     std::fs::write(root.join("rig.toml"), format!("{text}{gate}")).unwrap();
     let run = |arguments: &[&str]| {
-        Command::cargo_bin("stickslip").unwrap().current_dir(root).args(arguments).assert().success();
+        let mut command = Command::cargo_bin("stickslip").unwrap();
+        command.current_dir(root).env("XDG_CACHE_HOME", root).args(arguments).assert().success();
     };
-    run(&["report", "rig.toml"]);
+    run(&["report", "rig.toml", "--out", "before", "--history", "runs"]);
+    // Other frequencies, so that there are curves, pictures and inputs that differ.
+    let text = std::fs::read_to_string(root.join("rig.toml")).unwrap();
+    assert!(text.contains("points = 7"));
+    std::fs::write(root.join("rig.toml"), text.replace("points = 7", "points = 9")).unwrap();
+    run(&["report", "rig.toml", "--no-cache", "--baseline", "before", "--history", "runs"]);
+    let report = read(root.join("output/report.json"));
+    for list in ["changes", "inputs", "figures", "pictures"] {
+        assert!(!report["baseline"][list].as_array().unwrap().is_empty(), "{list}");
+    }
+    let lines = std::fs::read_to_string(root.join("runs/history.jsonl")).unwrap();
+    std::fs::write(root.join("record.json"), lines.lines().next().unwrap()).unwrap();
+    obeys("history", &root.join("record.json"));
     run(&["compare", "rig.toml", "--json", "comparison.json"]);
     run(&["discover", "rig.toml", "--json", "discovery.json"]);
     run(&["trial", "--effects", "none", "--seeds", "1", "--max-effects", "1", "--json", "trial.json"]);

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use serde::Deserialize;
 
 /// Verdict on a statement.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Verdict {
     /// The relation holds.
     Reproduced,

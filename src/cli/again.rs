@@ -1,6 +1,6 @@
 //! `stickslip report --from report.json`: the page made again from the files of an earlier run.
 
-use super::report::Arguments;
+use super::report::{Arguments, page};
 use super::{Global, gates, say};
 use crate::error::{Error, Result};
 use crate::report::{self, Passed, ReportView};
@@ -22,13 +22,17 @@ pub fn execute(from: &Path, arguments: &Arguments, global: &Global) -> Result<()
         for file in &figure.files {
             let place = match file.kind.as_str() {
                 "SVG" => &mut figure.svg,
-                "CSV" => &mut figure.csv,
+                // The first table is what is shown; others go with it.
+                "CSV" if figure.csv.is_empty() => &mut figure.csv,
                 _ => continue,
             };
             *place = text(&folder.join(&file.name))?;
         }
     }
-    let page = report::render(&view).map_err(|why| Error::Unfinished(why.to_string()))?;
+    for picture in view.baseline.iter_mut().flat_map(|baseline| &mut baseline.pictures) {
+        picture.svg = text(&folder.join(&picture.before))?;
+    }
+    let page = page(&view)?;
     let target = if out.as_os_str().is_empty() { PathBuf::from("report.html") } else { out.join("report.html") };
     files::replace(&target, page.as_bytes())?;
     let extras = arguments.extras.write(&view)?;
@@ -48,7 +52,11 @@ pub fn load(path: &Path) -> Result<ReportView> {
         .map_err(|(why, help)| Error::Input(format!("error: {} {why}\n  = help: {help}", path.display())))
 }
 
-fn text(path: &Path) -> Result<String> {
+/// The text of an ordinary file of no absurd size.
+///
+/// # Errors
+/// [`Error::Input`] where it is none, [`Error::Io`] where it cannot be read.
+pub fn text(path: &Path) -> Result<String> {
     let refuse =
         |why: &str, help: &str| Err(Error::Input(format!("error: {} {why}\n  = help: {help}", path.display())));
     let metadata = std::fs::metadata(path).map_err(Error::io("read", path))?;

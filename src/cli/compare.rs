@@ -1,5 +1,6 @@
 //! `stickslip compare`: the model against measurements, and where it fails.
 
+use super::folder::Folder;
 use super::gates::{self, GateLimits};
 use super::{Global, Json, Stamped, say, simulate};
 use crate::compare::{self, Comparison, Options};
@@ -10,7 +11,7 @@ use crate::gate;
 use crate::measurement::{self, Table};
 use crate::scenario::{self, Formulation, Scenario};
 use crate::units;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Regions shown on the terminal.
 const REGIONS: usize = 8;
@@ -23,7 +24,7 @@ pub struct Job<'a> {
     /// Where the JSON goes, if anywhere.
     pub json: Option<&'a Json>,
     /// Folder of the figures, if they are wanted.
-    pub out: Option<&'a PathBuf>,
+    pub out: Option<&'a Folder>,
     /// Seed of the fit.
     pub seed: u32,
     /// Gates in place of the scenario's own.
@@ -36,7 +37,7 @@ pub fn execute(job: &Job<'_>, global: &Global) -> Result<()> {
     let (mut scenario, table) = with_measurements(path)?;
     limits.apply(&mut scenario.gate);
     if let Some(out) = out {
-        files::prepare(out)?;
+        files::prepare(out.path())?;
     }
     let comparison = compare::compare(&scenario, &table, &Options { seed });
     let judged = gate::of_comparison(&scenario.gate, &comparison);
@@ -50,7 +51,7 @@ pub fn execute(job: &Job<'_>, global: &Global) -> Result<()> {
         }
         let names = drawn.iter().flatten().flat_map(|figure| &figure.files);
         for (name, out) in names.zip(std::iter::repeat(out)) {
-            say(global, &format!("  {}", out.map_or_else(|| name.into(), |out| out.join(name)).display()));
+            say(global, &format!("  {}", out.map_or_else(|| name.into(), |out| out.path().join(name)).display()));
         }
         gates::told(&judged, global);
     }

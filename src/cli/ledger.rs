@@ -1,10 +1,12 @@
 //! The claims of a report: which ledger, whether it has what the gates name, and how a judged claim is shown.
 
+use crate::cache::Key;
 use crate::claims::{self, Judged, Relation};
 use crate::error::{Error, Result};
 use crate::report::{ClaimView, Verdict, anchor, format};
 use crate::scenario::diagnostic::{nearest, quote, whole_file};
 use crate::scenario::{self, Scenario};
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// Ledger and rig of the claims, below a scenarios folder.
@@ -16,6 +18,15 @@ pub struct Ledger {
     text: String,
     file: String,
     rig: Scenario,
+}
+
+/// Every claim as the report shows it, and its verdict by id.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Claims {
+    /// In the order of the ledger.
+    pub views: Vec<ClaimView>,
+    /// Likewise.
+    pub verdicts: Vec<(String, claims::Verdict)>,
 }
 
 /// A scenario of the paper, where there is one: claims and atlas are for these.
@@ -63,14 +74,21 @@ impl Ledger {
         if problems.is_empty() { Ok(()) } else { Err(Error::Input(problems.join("\n\n"))) }
     }
 
+    /// Name of its judged claims in a cache.
+    pub fn key(&self) -> Key {
+        Key::of("claims", &(&self.text, &self.file, &self.rig))
+    }
+
     /// Computes and judges every claim.
-    pub fn judge(&self) -> Result<Vec<Judged>> {
-        claims::judge(&self.text, &self.file, &self.rig)
+    pub fn views(&self) -> Result<Claims> {
+        let judged = claims::judge(&self.text, &self.file, &self.rig)?;
+        let verdicts = judged.iter().map(|claim| (claim.id.clone(), claim.verdict)).collect();
+        Ok(Claims { views: judged.iter().map(view).collect(), verdicts })
     }
 }
 
 /// A judged claim as the report shows it.
-pub fn view(claim: &Judged) -> ClaimView {
+fn view(claim: &Judged) -> ClaimView {
     let show = |value: f64| number(value, claim.unit);
     let (expected, tolerance) = match claim.expected {
         Relation::AtLeast(bound) => (format!("at least {}", show(bound)), String::new()),

@@ -1,21 +1,28 @@
 //! The command line: one file per command, each an `execute` that reads as a table of contents.
 
+pub mod accept;
 pub mod add;
 mod again;
+mod baseline;
 mod bounds;
 pub mod check;
 pub mod compare;
 pub mod discover;
+mod drawn;
 pub mod effects;
 mod extension;
 mod extras;
+mod folder;
 mod gates;
 pub mod init;
 mod json;
+mod keep;
 mod ledger;
+mod past;
 mod question;
 pub mod report;
 pub mod run;
+mod sections;
 mod select;
 mod shell;
 mod simulate;
@@ -25,6 +32,7 @@ pub mod trial;
 use crate::discover::Options;
 use crate::error::{Error, Result};
 use clap::{Args, Parser, Subcommand};
+use folder::Folder;
 use json::{Json, Stamped};
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -64,6 +72,8 @@ enum Command {
         /// Folder of the results
         #[arg(long, default_value = "output", value_name = "DIR")]
         out: PathBuf,
+        #[command(flatten)]
+        drawn: drawn::Drawn,
     },
     /// Compare the model with measurements, and tell where it fails
     Compare {
@@ -75,6 +85,8 @@ enum Command {
         /// Write the figures below this folder, as SVG, PNG and CSV
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
+        #[command(flatten)]
+        drawn: drawn::Drawn,
         /// Seed of the quasi-random starts of the fit
         #[arg(long, value_name = "N", default_value_t = 0)]
         seed: u32,
@@ -120,6 +132,8 @@ enum Command {
         #[arg(long, value_name = "N", default_value_t = 0)]
         seed: u32,
     },
+    /// Make a report the baseline of later ones, after saying what differs
+    Accept(accept::Arguments),
     /// Plant causes, hide the answers, search, score: the program examines itself
     Trial(trial::Arguments),
     /// Read and validate only
@@ -189,9 +203,10 @@ pub fn run(cli: Cli) -> Result<()> {
     }
     match cli.command {
         Command::Report(arguments) => report::execute(&arguments, &global),
-        Command::Run { scenario, out } => run::execute(&scenario, &out, &global),
-        Command::Compare { scenario, json, out, seed, gates } => {
+        Command::Run { scenario, out, drawn } => run::execute(&scenario, &Folder::of(&out, &drawn), &global),
+        Command::Compare { scenario, json, out, drawn, seed, gates } => {
             let json = json.map(Json::from);
+            let out = out.map(|out| Folder::of(&out, &drawn));
             let (json, out) = (json.as_ref(), out.as_ref());
             compare::execute(&compare::Job { path: &scenario, json, out, seed, limits: &gates }, &global)
         }
@@ -203,6 +218,7 @@ pub fn run(cli: Cli) -> Result<()> {
             let job = add::Job { effect: &effect, path: &scenario, output: output.as_deref(), dry_run, remove, seed };
             add::execute(&job, &global)
         }
+        Command::Accept(arguments) => accept::execute(&arguments, &global),
         Command::Trial(arguments) => trial::execute(&arguments, &global),
         Command::Check { scenarios } => check::execute(&scenarios),
         Command::Effects { name } => effects::execute(name.as_deref()),

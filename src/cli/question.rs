@@ -1,15 +1,15 @@
 //! The question of a scenario: its answer beside the figures of the sweep.
 
+use super::folder::Folder;
 use super::simulate;
 use crate::error::{Error, Result};
+use crate::figures;
 use crate::question::{self, Answer};
 use crate::report::FigureInput;
 use crate::scenario::Scenario;
-use crate::{figures, files};
-use std::path::Path;
 
 /// Answers the question of a scenario, where it asks one, and writes figure, table and JSON below `out`.
-pub(super) fn answer(scenario: &Scenario, out: &Path) -> Result<Option<(Answer, Vec<FigureInput>)>> {
+pub(super) fn answer(scenario: &Scenario, out: &Folder) -> Result<Option<(Answer, Vec<FigureInput>)>> {
     simulate::go_on()?;
     let Some(answer) = question::answer(scenario) else { return Ok(None) };
     let drawing = figures::question::draw(&answer).map_err(|why| Error::Unfinished(why.to_string()))?;
@@ -18,7 +18,7 @@ pub(super) fn answer(scenario: &Scenario, out: &Path) -> Result<Option<(Answer, 
         serde_json::to_string_pretty(&question::json(&answer)).map_err(|why| Error::Unfinished(why.to_string()))?;
     for (kind, text) in [("csv", question::table(&answer)), ("json", json + "\n")] {
         let name = format!("{}/{}-effects.{kind}", scenario.id, figures::question::NAME);
-        files::replace(&out.join(&name), text.as_bytes())?;
+        out.write(&name, text.as_bytes())?;
         figure.files.push(name);
     }
     Ok(Some((answer, vec![figure])))

@@ -1,26 +1,31 @@
 //! `stickslip report`: everything, and one page about it.
 
 use super::again;
+use super::baseline::{self, Baseline};
 use super::extras::Extras;
+use super::folder::Folder;
 use super::gates::{self, GateLimits, Verdicts};
-use super::ledger::{self, Ledger, of_paper};
-use super::{Global, compare, question, say, select, simulate};
-use crate::compare::Comparison;
-use crate::discover::{self, Discovery};
+use super::keep::{self, CacheOptions, Illustrated};
+use super::ledger::{Ledger, of_paper};
+use super::past::{self, Past};
+use super::sections::{self, Clock};
+use super::{Global, compare, say, select, simulate};
+use crate::cache::{Cache, Key};
 use crate::error::{Error, Result};
 use crate::gate::{self, Judged};
-use crate::measurement::Table;
-use crate::report::{self, CheckView, FigureInput, Provenance, ReportView, ScenarioView, format};
+use crate::report::{self, CheckView, EffectView, FigureView, Provenance, ReportView, format};
 use crate::scenario::{self, Scenario};
-use crate::sweep::Outcome;
 use crate::{figures, files, verification};
 use clap::Args;
-use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 /// Title of the page.
 const TITLE: &str = "Rubber in frictional contact: model and experiment";
+/// Bytes of a page that is still opened at once on a phone; drawings of an earlier run are left out beyond.
+const LARGEST: usize = 4_900_000;
+/// Shortest wall time \[s\] that a history keeps.
+const NOTED: f64 = 0.05;
 /// Arguments of the command.
 #[derive(Debug, Clone, Args)]
 pub struct Arguments {
@@ -32,6 +37,15 @@ pub struct Arguments {
     /// Make the page again from the report.json of an earlier run and the files beside it; nothing is simulated
     #[arg(long, value_name = "FILE", conflicts_with_all = ["scenarios", "max_rms_error", "max_chi2", "verdict"])]
     from: Option<PathBuf>,
+    /// Compare with an earlier run: its folder or its report.json
+    #[arg(long, value_name = "DIR|FILE", conflicts_with = "from")]
+    baseline: Option<PathBuf>,
+    /// Gate: nothing may be worse than in the baseline
+    #[arg(long, requires = "baseline")]
+    no_regression: bool,
+    /// Folder with a record of every run, extended by this one; draws errors, peaks and times by run
+    #[arg(long, value_name = "DIR", conflicts_with = "from")]
+    history: Option<PathBuf>,
     /// Files for pipelines.
     #[command(flatten)]
     pub extras: Extras,
@@ -39,11 +53,14 @@ pub struct Arguments {
     limits: GateLimits,
     #[command(flatten)]
     verdict: Verdicts,
+    #[command(flatten)]
+    cache: CacheOptions,
 }
 
 /// Simulates the scenarios, draws, judges claims and gates, and writes `report.html` and `report.json`.
 pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
-    let Arguments { scenarios: paths, out, from, extras, limits, verdict } = arguments;
+    let Arguments { scenarios: paths, out, from, baseline, no_regression, history, extras, limits, verdict, cache } =
+        arguments;
     if let Some(from) = from {
         return again::execute(from, arguments, global);
     }
@@ -63,53 +80,65 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     let ledger = Ledger::find(&scenarios)?;
     let inputs = scenarios.iter().map(|s| s.path.as_path()).chain(tables.iter().flatten().map(|t| t.file.as_path()));
     extras.refuse(inputs)?;
+    let baseline = baseline.as_deref().map(Baseline::load).transpose()?;
+    let past = history.as_deref().map(Past::load).transpose()?;
     files::prepare(out)?;
+    let cache = cache.open()?;
+    let results = Folder::new(out);
     let mut clock = Clock::start();
-    let outcomes = scenarios.iter().map(|s| simulate::outcome(s, global.quiet)).collect::<Result<Vec<_>>>()?;
-    clock.lap("sweeps");
-    let figures = simulate::figures(&outcomes, out)?;
-    clock.lap("figures");
-    let compared = compared(&scenarios, &tables, out)?;
-    clock.lap("comparisons");
-    let discovered = discovered(&scenarios, &tables, out)?;
-    clock.lap("discoveries");
-    let answered = scenarios.iter().map(|s| question::answer(s, out)).collect::<Result<Vec<_>>>()?;
-    clock.lap("questions");
-    let claims = ledger.map_or(Ok(Vec::new()), |ledger| ledger.judge())?;
+    let work: Vec<_> = scenarios.iter().zip(&tables).collect();
+    let (sections, mut kept) = sections::make(&work, &cache, &results, &mut clock, global.quiet)?;
+    let claims =
+        ledger.as_ref().map(|ledger| keep::or_compute(&cache, &ledger.key(), || ledger.views())).transpose()?;
     clock.lap("claims");
-    let atlas = if of_paper(&scenarios).is_some() { simulate::atlas(&scenario::paper(), out)? } else { Vec::new() };
+    let atlas = of_paper(&scenarios).map(|_| atlas(&cache, &results)).transpose()?;
     clock.lap("atlas");
-    let mut checks = verification::run();
-    checks.extend(verification::numerical_error(&outcomes));
+    let verified = keep::or_compute(&cache, &Key::of("verification", &scenario::paper()), || Ok(verified()))?;
     clock.lap("verification");
+    let whole = [claims.as_ref().map(|(_, kept)| *kept), atlas.as_ref().map(|(_, kept)| *kept), Some(verified.1)];
+    kept += whole.iter().flatten().filter(|kept| **kept).count();
+    let parts = sections.len() + whole.iter().flatten().count();
 
-    let sections = outcomes.iter().zip(&figures).zip(compared.iter().zip(&discovered));
-    let sections = sections.map(|((o, f), (c, d))| section(o, f, c.as_ref(), d.as_ref()));
-    let asked = sections.zip(&answered).map(|(view, answered)| match answered {
-        Some((answer, figures)) => view.with_question(answer, figures),
-        None => view,
+    let (claims, atlas) = (claims.unwrap_or_default().0, atlas.unwrap_or_default().0);
+    let verdicts = &claims.verdicts;
+    let gates = scenarios.iter().zip(&sections).flat_map(|(scenario, section)| {
+        section.gates.iter().cloned().chain(gate::of_claims(&scenario.gate, &scenario.id, verdicts))
     });
-    let sections = asked.collect();
+    let mut judged: Vec<Judged> = gates.collect();
+    let (sections, points): (Vec<_>, Vec<_>) =
+        sections.into_iter().map(|section| (section.view, section.points)).unzip();
+    let mut checks = verified.0;
+    checks.extend(verification::numerical_error(points.concat()).iter().map(check_view));
     let mut provenance = Provenance::from_environment(&command(paths), rayon::current_num_threads());
     provenance.timings = clock.laps;
-    let judged: Vec<Judged> = scenarios
-        .iter()
-        .zip(compared.iter().zip(&discovered))
-        .flat_map(|(s, (c, d))| {
-            let of_comparison = c.iter().flat_map(|(c, _)| gate::of_comparison(&s.gate, c));
-            let of_discovery = d.iter().flat_map(|(d, _)| gate::of_discovery(&s.gate, d));
-            of_comparison.chain(of_discovery).chain(gate::of_claims(&s.gate, &s.id, &claims)).collect::<Vec<_>>()
-        })
-        .collect();
-    let claims = claims.iter().map(ledger::view).collect();
-    let checks = checks.iter().map(check_view).collect();
-    let view = ReportView::assemble(TITLE, claims, sections, atlas, checks, &provenance).with_gates(&judged);
-    let page = report::render(&view).map_err(|why| Error::Unfinished(why.to_string()))?;
+    let plain = ReportView::assemble(TITLE, claims.views, sections, atlas.0, checks, &provenance);
+    let against = match &baseline {
+        Some(baseline) => Some(baseline.against(&plain.clone().with_gates(&judged), &results)?),
+        None => None,
+    };
+    judged.extend(against.as_ref().filter(|_| *no_regression).map(baseline::no_regression));
+    let mut view = plain.with_gates(&judged).with_baseline(against);
+    // Times of parts out of the cache say nothing.
+    let seconds = if provenance.fixed || kept > 0 { Vec::new() } else { provenance.timings.clone() };
+    let record = view.record(seconds.into_iter().filter(|(_, seconds)| *seconds >= NOTED).collect());
+    let file = past.as_ref().map(|past| past.path().to_path_buf());
+    if let Some(past) = past {
+        view = past.with(view, record.clone(), &results)?;
+    }
+    let page = page(&view)?;
     let json = report::json(&view).map_err(|why| Error::Unfinished(why.to_string()))?;
     files::replace(&out.join("report.json"), json.as_bytes())?;
     files::replace(&out.join("report.html"), page.as_bytes())?;
+    if let Some(file) = file {
+        crate::history::append(&file, &record)?;
+    }
     let extras = extras.write(&view)?;
     say(global, &view.summary.sentence);
+    if let Some(folder) = cache.folder() {
+        say(global, &format!("  {kept} of {parts} parts as an earlier run left them in {}", folder.display()));
+    }
+    view.baseline.iter().flat_map(baseline::words).for_each(|line| say(global, &line));
+    past::words(&view).iter().for_each(|line| say(global, line));
     for (part, seconds) in &provenance.timings {
         say(global, &format!("  {part}: {seconds:.2} s"));
     }
@@ -118,65 +147,45 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     gates::passed(&judged)
 }
 
-/// A comparison and a discovery, each with its figures.
-type Compared = (Comparison, Vec<FigureInput>);
-type Discovered = (Discovery, Vec<FigureInput>);
-
-/// Compares every scenario that has measurements, and draws that.
-fn compared(scenarios: &[Scenario], tables: &[Option<Table>], out: &Path) -> Result<Vec<Option<Compared>>> {
-    let one = |(scenario, table): (&Scenario, &Option<Table>)| {
-        let Some(table) = table else { return Ok(None) };
-        simulate::go_on()?;
-        let comparison = compare::compare(scenario, table);
-        let figures = simulate::comparison(&comparison, out)?;
-        Ok(Some((comparison, figures)))
-    };
-    scenarios.iter().zip(tables).map(one).collect()
-}
-
-/// Looks for what is missing in every scenario that has measurements, and draws that.
-fn discovered(scenarios: &[Scenario], tables: &[Option<Table>], out: &Path) -> Result<Vec<Option<Discovered>>> {
-    let one = |(scenario, table): (&Scenario, &Option<Table>)| {
-        let Some(table) = table else { return Ok(None) };
-        simulate::go_on()?;
-        let discovery = discover::discover(scenario, table, &discover::Options::default());
-        let figures = simulate::discovery(&discovery, out)?;
-        Ok(Some((discovery, figures)))
-    };
-    // One table keeps few threads busy towards its end.
-    scenarios.par_iter().zip(tables).map(one).collect()
-}
-
-fn section(
-    outcome: &Outcome,
-    figures: &[FigureInput],
-    compared: Option<&Compared>,
-    discovered: Option<&Discovered>,
-) -> ScenarioView {
-    let mut view = report::scenario_view(outcome, figures);
-    if let Some((comparison, figures)) = compared {
-        view = view.with_comparison(comparison, figures);
-    }
-    match discovered {
-        Some((discovery, figures)) => view.with_discovery(discovery, figures),
-        None => view,
+/// The page with as many drawings of an earlier run as it may hold; all of them are among the files.
+pub(super) fn page(view: &ReportView) -> Result<String> {
+    let mut view = view.clone();
+    loop {
+        let page = report::render(&view).map_err(|why| Error::Unfinished(why.to_string()))?;
+        let pictures = view.baseline.iter_mut().flat_map(|baseline| &mut baseline.pictures);
+        let mut held: Vec<_> = pictures.filter(|picture| !picture.svg.is_empty()).collect();
+        if page.len() <= LARGEST || held.is_empty() {
+            return Ok(page);
+        }
+        let half = held.len() / 2;
+        held.drain(half..).for_each(|picture| picture.svg.clear());
     }
 }
 
-/// Wall times of the parts.
-struct Clock {
-    last: Instant,
-    laps: Vec<(String, f64)>,
+/// The atlas of effects, and whether an earlier run has kept it.
+fn atlas(cache: &Cache, out: &Folder) -> Result<(Atlas, bool)> {
+    let rig = scenario::paper();
+    let key = Key::of("atlas", &rig);
+    if let Some(kept) = keep::get(cache, &key, out)? {
+        return Ok((kept, true));
+    }
+    let atlas = Atlas(simulate::atlas(&rig, out)?);
+    keep::put(cache, &key, &atlas, &[], out);
+    Ok((atlas, false))
 }
 
-impl Clock {
-    fn start() -> Self {
-        Self { last: Instant::now(), laps: Vec::new() }
+/// The sections of the atlas.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+struct Atlas(Vec<EffectView>);
+
+impl Illustrated for Atlas {
+    fn figures(&mut self) -> Vec<&mut FigureView> {
+        self.0.iter_mut().map(|effect| &mut effect.figure).collect()
     }
-    fn lap(&mut self, part: &str) {
-        self.laps.push((part.into(), self.last.elapsed().as_secs_f64()));
-        self.last = Instant::now();
-    }
+}
+
+fn verified() -> Vec<CheckView> {
+    verification::run().iter().map(check_view).collect()
 }
 
 /// The command that makes the report again.

@@ -1,12 +1,13 @@
 //! `stickslip run`: simulate one scenario, compare it with its measurements, find what is missing, draw it.
 
+use super::folder::Folder;
 use super::{Global, compare, gates, say, select, simulate};
 use crate::error::{Error, Result};
 use crate::{discover, files, gate, question};
 use std::path::{Path, PathBuf};
 
 /// Simulates the scenario, compares it where it names measurements, writes its figures and `curves.csv` below `out`.
-pub fn execute(path: &Path, out: &Path, global: &Global) -> Result<()> {
+pub fn execute(path: &Path, results: &Folder, global: &Global) -> Result<()> {
     if path.is_dir() {
         return Err(Error::Input(format!(
             "error: {} is a folder\n  = help: name one scenario file, or use `stickslip report {}`",
@@ -15,12 +16,13 @@ pub fn execute(path: &Path, out: &Path, global: &Global) -> Result<()> {
         )));
     }
     let scenarios = select::scenarios(&[PathBuf::from(path)])?;
+    let out = results.path();
     let mut judged = Vec::new();
     for scenario in &scenarios {
         let table = compare::table(scenario)?;
         files::prepare(out)?;
         let outcome = simulate::outcome(scenario, global.quiet)?;
-        let figures = simulate::figures(std::slice::from_ref(&outcome), out)?;
+        let figures = simulate::figures(std::slice::from_ref(&outcome), results)?;
         let folder = out.join(&scenario.id);
         let points: usize = outcome.curves.iter().map(|curve| curve.states.len()).sum();
         if scenario.sweep.is_some() {
@@ -32,15 +34,15 @@ pub fn execute(path: &Path, out: &Path, global: &Global) -> Result<()> {
         let mut figures: Vec<_> = figures.into_iter().flatten().collect();
         if let Some(table) = &table {
             let comparison = compare::compare(scenario, table);
-            figures.extend(simulate::comparison(&comparison, out)?);
+            figures.extend(simulate::comparison(&comparison, results)?);
             compare::words(&comparison).iter().for_each(|line| say(global, line));
             let discovery = discover::discover(scenario, table, &discover::Options::default());
-            figures.extend(simulate::discovery(&discovery, out)?);
+            figures.extend(simulate::discovery(&discovery, results)?);
             super::discover::words(&discovery).iter().for_each(|line| say(global, line));
             judged.extend(gate::of_comparison(&scenario.gate, &comparison));
             judged.extend(gate::of_discovery(&scenario.gate, &discovery));
         }
-        if let Some((answer, drawn)) = super::question::answer(scenario, out)? {
+        if let Some((answer, drawn)) = super::question::answer(scenario, results)? {
             figures.extend(drawn);
             question::lines(&answer).iter().for_each(|line| say(global, line));
         }

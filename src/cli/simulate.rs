@@ -1,17 +1,17 @@
 //! From scenarios to outcomes, drawings and the files beside the report.
 
+use super::drawn::{Drawn, Format};
+use super::folder::Folder;
 use crate::atlas;
 use crate::compare::Comparison;
 use crate::discover::Discovery;
 use crate::error::{Error, Result};
 use crate::figures::{self, Drawing, Figure, FigureError};
-use crate::files;
 use crate::report::{self, EffectView, FigureInput};
 use crate::scenario::Scenario;
 use crate::sweep::{self, Outcome};
 use crate::trial::Summary;
 use rayon::prelude::*;
-use std::path::Path;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -58,7 +58,7 @@ fn chosen(scenario: &Scenario) -> Vec<&'static dyn Figure> {
 
 /// Draws the figures of every outcome and writes them with the curves below `out`; what the report needs of them, per
 /// outcome.
-pub fn figures(outcomes: &[Outcome], out: &Path) -> Result<Vec<Vec<FigureInput>>> {
+pub fn figures(outcomes: &[Outcome], out: &Folder) -> Result<Vec<Vec<FigureInput>>> {
     let jobs: Vec<(&Outcome, &dyn Figure)> =
         outcomes.iter().flat_map(|outcome| chosen(&outcome.scenario).into_iter().map(move |f| (outcome, f))).collect();
     let drawn: Vec<Option<FigureInput>> = jobs
@@ -78,14 +78,14 @@ pub fn figures(outcomes: &[Outcome], out: &Path) -> Result<Vec<Vec<FigureInput>>
         .collect::<Result<_>>()?;
     outcomes.par_iter().filter(|outcome| !outcome.curves.is_empty()).try_for_each(|outcome| {
         go_on()?;
-        files::replace(&out.join(&outcome.scenario.id).join("curves.csv"), curves(outcome).as_bytes())
+        out.write(&curves_name(&outcome.scenario.id), curves(outcome).as_bytes())
     })?;
     let mut drawn = drawn.into_iter();
     Ok(outcomes.iter().map(|o| drawn.by_ref().take(chosen(&o.scenario).len()).flatten().collect()).collect())
 }
 
 /// Draws the atlas of effects on the rig of `scenario` and writes it below `out`; the sections of the report.
-pub fn atlas(scenario: &Scenario, out: &Path) -> Result<Vec<EffectView>> {
+pub fn atlas(scenario: &Scenario, out: &Folder) -> Result<Vec<EffectView>> {
     let entries = atlas::run(scenario);
     let drawn = entries.par_iter().map(|entry| {
         go_on()?;
@@ -100,7 +100,7 @@ fn drawn<T: Sync + 'static>(
     registry: &[&'static dyn Figure<T>],
     subject: &T,
     id: &str,
-    out: &Path,
+    out: &Folder,
 ) -> Result<Vec<FigureInput>> {
     go_on()?;
     let drawings = figures::drawings(registry, subject).map_err(|why| Error::Unfinished(why.to_string()))?;
@@ -109,32 +109,45 @@ fn drawn<T: Sync + 'static>(
 }
 
 /// Draws the figures of a comparison that its measurements can fill, and writes them below `out`.
-pub fn comparison(comparison: &Comparison, out: &Path) -> Result<Vec<FigureInput>> {
+pub fn comparison(comparison: &Comparison, out: &Folder) -> Result<Vec<FigureInput>> {
     drawn(figures::comparison::REGISTRY, comparison, &comparison.scenario.id, out)
 }
 
 /// Draws the figures of a discovery that it can fill, and writes them below `out`.
-pub fn discovery(discovery: &Discovery, out: &Path) -> Result<Vec<FigureInput>> {
+pub fn discovery(discovery: &Discovery, out: &Folder) -> Result<Vec<FigureInput>> {
     drawn(figures::discovery::REGISTRY, discovery, &discovery.explanation().comparison.scenario.id, out)
 }
 
 /// Draws the figures of a series of trials and writes them below `out`.
-pub fn trial(summary: &Summary, out: &Path) -> Result<Vec<FigureInput>> {
+pub fn trial(summary: &Summary, out: &Folder) -> Result<Vec<FigureInput>> {
     drawn(figures::trial::REGISTRY, summary, "figures", out)
 }
 
-/// Writes the three files of a drawing into the folder `id` below `out`.
-pub(super) fn write(drawing: Drawing, id: &str, out: &Path) -> Result<FigureInput> {
-    let png = figures::png(&drawing.svg, PNG_SCALE).map_err(|why| Error::Unfinished(why.to_string()))?;
-    let contents = [("svg", drawing.svg.as_bytes()), ("png", &png), ("csv", drawing.csv.as_bytes())];
+/// Writes those files of a drawing that are wanted into the folder `id` below `out`.
+pub(super) fn write(drawing: Drawing, id: &str, out: &Folder) -> Result<FigureInput> {
+    let Drawn { format, preset } = out.drawn();
     let mut names = Vec::new();
-    for (kind, bytes) in contents {
-        let name = format!("{id}/{}.{kind}", drawing.name);
-        files::replace(&out.join(&name), bytes)?;
+    for kind in [Format::Svg, Format::Png, Format::Csv].into_iter().filter(|kind| format.contains(kind)) {
+        let bytes = match (kind, preset) {
+            (Format::Svg, None) => drawing.svg.clone().into_bytes(),
+            (Format::Svg, Some(preset)) => preset.svg(&drawing.svg).into_bytes(),
+            (Format::Png, None) => {
+                figures::png(&drawing.svg, PNG_SCALE).map_err(|e| Error::Unfinished(e.to_string()))?
+            }
+            (Format::Png, Some(preset)) => preset.png(&drawing.svg).map_err(|e| Error::Unfinished(e.to_string()))?,
+            (Format::Csv, _) => drawing.csv.clone().into_bytes(),
+        };
+        let name = format!("{id}/{}.{}", drawing.name, kind.ending());
+        out.write(&name, &bytes)?;
         names.push(name);
     }
     let Drawing { name, title, caption, alt, svg, csv, notes, reading } = drawing;
     Ok(FigureInput { name, title, caption, alt, svg, csv, notes, reading, files: names })
+}
+
+/// Name of the file with every steady state of the scenario `id`.
+pub fn curves_name(id: &str) -> String {
+    format!("{id}/curves.csv")
 }
 
 /// Every steady state of an outcome as CSV.

@@ -1,5 +1,6 @@
 //! `stickslip trial`: causes planted, hidden, searched for, and the searches scored.
 
+use super::folder::Folder;
 use super::simulate::{self, go_on};
 use super::{Global, Json, say};
 use crate::error::{Error, Result};
@@ -82,7 +83,7 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
         let inputs: Vec<_> = a.conditions.iter().map(PathBuf::as_path).collect();
         json.write(&summary, &inputs)?;
     }
-    let drawn = simulate::trial(&summary, &options.out)?;
+    let drawn = simulate::trial(&summary, &Folder::new(&options.out))?;
     if !json.as_ref().is_some_and(Json::to_standard_output) {
         for line in words(&summary) {
             say(global, &line);

@@ -6,6 +6,7 @@
 
 pub mod atlas;
 pub mod axes;
+pub mod baseline;
 pub mod canvas;
 pub mod clip;
 pub mod collapse;
@@ -15,12 +16,14 @@ pub mod data;
 pub mod discovery;
 pub mod formulations;
 pub mod friction_independence;
+pub mod history;
 mod hooks;
 pub mod legend;
 pub mod loops;
 pub mod marks;
 pub mod orbits;
 pub mod pen;
+pub mod preset;
 pub mod question;
 pub mod regime_map;
 pub mod resonance;

@@ -156,10 +156,10 @@ pub fn of_discovery(gate: &Gate, d: &Discovery) -> Vec<Judged> {
     list
 }
 
-/// The claims that a scenario demands.
-pub fn of_claims(gate: &Gate, id: &str, claims: &[claims::Judged]) -> Vec<Judged> {
+/// The claims that a scenario demands, of the verdicts on them by id.
+pub fn of_claims(gate: &Gate, id: &str, claims: &[(String, claims::Verdict)]) -> Vec<Judged> {
     let one = |wanted: &String| {
-        let verdict = claims.iter().find(|claim| claim.id == *wanted).map(|claim| claim.verdict);
+        let verdict = claims.iter().find(|(id, _)| id == wanted).map(|(_, verdict)| *verdict);
         let found = match verdict {
             Some(claims::Verdict::Reproduced) => "reproduced",
             Some(claims::Verdict::Caveat) => "reproduced with a caveat",

@@ -1,7 +1,7 @@
 //! A report read back from its JSON, so that the page can be made again without simulating.
 
 use super::anchor;
-use super::view::{FigureView, ReportView, SCHEMA};
+use super::view::{FigureView, ReportView, SCHEMA, ScenarioView};
 use serde_json::Value;
 use std::path::{Component, Path};
 
@@ -26,25 +26,42 @@ pub fn read(text: &str) -> Result<ReportView, (String, &'static str)> {
             return Err((format!("names a figure by the id `{}`", short(&figure.anchor)), help));
         }
         for file in &mut figure.files {
-            let inside = |part: Component<'_>| matches!(part, Component::Normal(_));
-            if !Path::new(&file.name).components().all(inside) || file.name.contains('\\') {
-                let help = "it was changed by hand; make it again with `stickslip report`";
-                return Err((format!("names a file outside its folder: `{}`", short(&file.name)), help));
-            }
-            file.href = anchor::href(&file.name);
+            file.href = link(&file.name)?;
         }
+    }
+    for picture in view.baseline.iter_mut().flat_map(|baseline| &mut baseline.pictures) {
+        picture.href = link(&picture.before)?;
     }
     Ok(view)
 }
 
+/// The link to a file beside the report.
+fn link(name: &str) -> Result<String, (String, &'static str)> {
+    let inside = |part: Component<'_>| matches!(part, Component::Normal(_));
+    if !Path::new(name).components().all(inside) || name.contains('\\') {
+        let help = "it was changed by hand; make it again with `stickslip report`";
+        return Err((format!("names a file outside its folder: `{}`", short(name)), help));
+    }
+    Ok(anchor::href(name))
+}
+
 /// Every figure of a report.
 pub fn figures(view: &mut ReportView) -> impl Iterator<Item = &mut FigureView> {
-    let of_scenarios = view.scenarios.iter_mut().flat_map(|scenario| {
-        let compared = scenario.comparison.iter_mut().flat_map(|c| c.figures.iter_mut().chain(&mut c.more));
-        let discovered = scenario.discovery.iter_mut().flat_map(|d| d.figures.iter_mut().chain(&mut d.more));
-        scenario.figures.iter_mut().chain(compared).chain(discovered)
-    });
-    of_scenarios.chain(view.atlas.iter_mut().map(|effect| &mut effect.figure))
+    let of_scenarios = view.scenarios.iter_mut().flat_map(ScenarioView::figures_mut);
+    let of_baseline = view.baseline.iter_mut().flat_map(|baseline| &mut baseline.figures);
+    let of_history = view.history.iter_mut().flat_map(|history| &mut history.figures);
+    let of_runs = of_baseline.chain(of_history).chain(&mut view.provenance.times);
+    of_scenarios.chain(view.atlas.iter_mut().map(|effect| &mut effect.figure)).chain(of_runs)
+}
+
+impl ScenarioView {
+    /// Every figure of the section.
+    pub fn figures_mut(&mut self) -> impl Iterator<Item = &mut FigureView> {
+        let compared = self.comparison.iter_mut().flat_map(|c| c.figures.iter_mut().chain(&mut c.more));
+        let discovered = self.discovery.iter_mut().flat_map(|d| d.figures.iter_mut().chain(&mut d.more));
+        let asked = self.question.iter_mut().flat_map(|question| &mut question.figures);
+        self.figures.iter_mut().chain(compared).chain(discovered).chain(asked)
+    }
 }
 
 fn short(text: &str) -> String {

@@ -30,7 +30,11 @@ impl ReportView {
             let discovery = scenario.discovery.as_ref().map(|d| &d.anchor).filter(|_| discovered);
             discovery.or(comparison).unwrap_or(&scenario.anchor).clone()
         });
-        let anchor = if judged.gate == "claims" { Some("claims".into()) } else { place };
+        let anchor = match judged.gate.as_str() {
+            "claims" => Some("claims".into()),
+            "no_regression" => Some("baseline".into()),
+            _ => place,
+        };
         GateView {
             scenario: judged.scenario.clone(),
             anchor: anchor.unwrap_or_else(|| "summary".into()),

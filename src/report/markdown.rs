@@ -1,7 +1,11 @@
 //! The report as a short Markdown text, for the summary page of a pipeline.
 
-use super::verdict::Tone;
+use super::baseline_view::ChangeView;
+use super::verdict::{Change, Tone};
 use super::view::{Headline, ReportView};
+
+/// Most changes in the summary.
+const CHANGES: usize = 30;
 
 /// What to know first: the sentence, the gates, the tables of measurements, what deserves attention.
 pub fn markdown(view: &ReportView) -> String {
@@ -13,6 +17,22 @@ pub fn markdown(view: &ReportView) -> String {
             let cells = [&gate.scenario, &gate.gate, &gate.found.text, &gate.demanded.text].map(|cell| escape(cell));
             text += &format!("| {} {words} | {} |\n", Tone::of(words).symbol(), cells.join(" | "));
         }
+    }
+    if let Some(baseline) = &view.baseline {
+        text += &format!("\n## Against an earlier run: {}\n\n{}\n", escape(&baseline.path), escape(&baseline.sentence));
+        let judged = |change: &&ChangeView| [Change::Regressed, Change::Improved].contains(&change.verdict);
+        let told: Vec<&ChangeView> = baseline.changes.iter().filter(judged).collect();
+        if !told.is_empty() {
+            text += "\n| | where | value | before | now |\n|---|---|---|---|---|\n";
+        }
+        for c in told.iter().take(CHANGES) {
+            let words = c.verdict.words();
+            let cells = [&c.subject, &c.what, &c.before.text, &c.after.text].map(|cell| escape(cell));
+            text += &format!("| {} {words} | {} |\n", Tone::of(words).symbol(), cells.join(" | "));
+        }
+    }
+    if let Some(history) = &view.history {
+        text += &format!("\n## History\n\n{}\n", escape(&history.sentence));
     }
     text += &list("Model against measurements", &view.summary.compared);
     text += &list("What deserves attention", &view.summary.headlines);

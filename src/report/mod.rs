@@ -8,6 +8,8 @@
 mod again;
 pub mod anchor;
 mod atlas;
+mod baseline;
+mod baseline_view;
 mod comparison;
 mod comparison_view;
 mod discovery;
@@ -27,11 +29,15 @@ mod render;
 mod scenario;
 mod summary;
 pub mod svg;
+mod trend;
+mod values;
 mod verdict;
 mod view;
 
 pub use again::{figures, read};
 pub use atlas::effect_view;
+pub use baseline::{TOLERANCE, baseline};
+pub use baseline_view::{BaselineView, ChangeView, ChangedInputView, HistoryView, PictureView, StepChangeView};
 pub use comparison::comparison_view;
 pub use discovery::discovery_view;
 pub use glossary::glossary;
@@ -42,7 +48,9 @@ pub use provenance::{Provenance, SECTION as PROVENANCE_SECTION};
 pub use question::question_view;
 pub use render::{RenderError, json, render};
 pub use scenario::{FigureInput, scenario_view};
-pub use verdict::{Agreement, Completeness, Found, Match, Passed, Tone, Verdict};
+pub use trend::{Trend, figure_view};
+pub use values::{Value, values};
+pub use verdict::{Agreement, Change, Completeness, Found, Match, Passed, Tone, Verdict};
 pub use view::{
     AbleView, AxisView, CandidateView, CheckView, ClaimView, ComparisonView, CurveView, DiscoveryView,
     EffectParameterView, EffectView, EquationView, FigureView, FileView, FittedView, GateView, Headline, InputView,

@@ -87,6 +87,8 @@ impl Provenance {
             arch: host(std::env::consts::ARCH),
             threads: self.threads.map_or("-".into(), |threads| threads.to_string()),
             timings: self.timings.iter().map(timing).collect(),
+            times: None,
+            slower: Vec::new(),
         }
     }
 }

@@ -20,6 +20,8 @@ const TEMPLATES: &[(&str, &str)] = &[
     ("macros.html.j2", include_str!("../../templates/partials/macros.html.j2")),
     ("summary.html.j2", include_str!("../../templates/partials/summary.html.j2")),
     ("gates.html.j2", include_str!("../../templates/partials/gates.html.j2")),
+    ("baseline.html.j2", include_str!("../../templates/partials/baseline.html.j2")),
+    ("history.html.j2", include_str!("../../templates/partials/history.html.j2")),
     ("claims.html.j2", include_str!("../../templates/partials/claims.html.j2")),
     ("scenario.html.j2", include_str!("../../templates/partials/scenario.html.j2")),
     ("comparison.html.j2", include_str!("../../templates/partials/comparison.html.j2")),
@@ -50,20 +52,13 @@ pub fn render(view: &ReportView) -> Result<String, RenderError> {
         (figure.anchor.clone(), Value::from_safe_string(svg))
     };
     let table = |figure: &FigureView| (figure.anchor.clone(), packed::packed(&figure.csv));
-    let of_scenarios = view.scenarios.iter().flat_map(|scenario| &scenario.figures);
-    let comparisons = view.scenarios.iter().filter_map(|scenario| scenario.comparison.as_ref());
-    let of_comparisons = comparisons.flat_map(|comparison| comparison.figures.iter().chain(&comparison.more));
-    let discoveries = view.scenarios.iter().filter_map(|scenario| scenario.discovery.as_ref());
-    let of_discoveries = discoveries.flat_map(|discovery| discovery.figures.iter().chain(&discovery.more));
-    let questions = view.scenarios.iter().filter_map(|scenario| scenario.question.as_ref());
-    let of_questions = questions.flat_map(|question| &question.figures);
-    let of_effects = view.atlas.iter().map(|effect| &effect.figure);
-    let all: Vec<&FigureView> =
-        of_scenarios.chain(of_comparisons).chain(of_discoveries).chain(of_questions).chain(of_effects).collect();
+    let all = view.figures();
     let drawings: BTreeMap<String, Value> = all.iter().map(|figure| drawing(figure)).collect();
     let tables: BTreeMap<String, String> = all.iter().map(|figure| table(figure)).collect();
     let environment = environment()?;
     let page = environment.get_template("report.html.j2")?;
+    let pictures = view.baseline.iter().flat_map(|baseline| &baseline.pictures);
+    let earlier: BTreeMap<&str, String> = pictures.map(|p| (p.before.as_str(), packed::packed(&p.svg))).collect();
     let policy = format!(
         "default-src 'none'; script-src {}; style-src {}; img-src data:; base-uri 'none'; form-action 'none'",
         packed::source(SCRIPT),
@@ -71,12 +66,30 @@ pub fn render(view: &ReportView) -> Result<String, RenderError> {
     );
     let [style, script] = [STYLE, SCRIPT].map(|text| Value::from_safe_string(text.into()));
     let report = Value::from(Serde(view));
-    Ok(page.render(context! { report, drawings, tables, policy, style, script })?)
+    Ok(page.render(context! { report, drawings, tables, earlier, policy, style, script })?)
 }
 
 /// The same view as JSON: indented, keys in the order of the types, a line feed at the end.
 pub fn json(view: &ReportView) -> Result<String, RenderError> {
     Ok(serde_json::to_string_pretty(view)? + "\n")
+}
+
+impl ReportView {
+    /// Every figure of the page.
+    pub fn figures(&self) -> Vec<&FigureView> {
+        let of_scenarios = self.scenarios.iter().flat_map(|scenario| &scenario.figures);
+        let comparisons = self.scenarios.iter().filter_map(|scenario| scenario.comparison.as_ref());
+        let of_comparisons = comparisons.flat_map(|comparison| comparison.figures.iter().chain(&comparison.more));
+        let discoveries = self.scenarios.iter().filter_map(|scenario| scenario.discovery.as_ref());
+        let of_discoveries = discoveries.flat_map(|discovery| discovery.figures.iter().chain(&discovery.more));
+        let questions = self.scenarios.iter().filter_map(|scenario| scenario.question.as_ref());
+        let of_questions = questions.flat_map(|question| &question.figures);
+        let of_effects = self.atlas.iter().map(|effect| &effect.figure);
+        let of_baseline = self.baseline.iter().flat_map(|baseline| &baseline.figures);
+        let of_history = self.history.iter().flat_map(|history| &history.figures).chain(&self.provenance.times);
+        let of_input = of_scenarios.chain(of_comparisons).chain(of_discoveries).chain(of_questions).chain(of_effects);
+        of_input.chain(of_baseline).chain(of_history).collect()
+    }
 }
 
 fn environment() -> Result<Environment<'static>, minijinja::Error> {

@@ -10,7 +10,8 @@ use super::view::{
 };
 
 /// Ids of the page's own sections.
-pub const SECTIONS: [&str; 8] = ["top", "content", "summary", "claims", "atlas", "verification", "symbols", SECTION];
+pub const SECTIONS: [&str; 10] =
+    ["top", "content", "summary", "baseline", "history", "claims", "atlas", "verification", "symbols", SECTION];
 
 const PAPER: &str = "The experiment of Nakano and others (Frontiers in Mechanical Engineering 5:9, 2019), simulated from its printed \
     values: what each claim comes to, the figures with their numbers, and how far these can be trusted.";
@@ -73,6 +74,8 @@ impl ReportView {
             lead: if claims.is_empty() { PLAIN } else { PAPER }.into(),
             summary: SummaryView::of(&claims, &scenarios, &verification),
             gates: Vec::new(),
+            baseline: None,
+            history: None,
             provenance: provenance.view(&scenarios),
             claims,
             scenarios,

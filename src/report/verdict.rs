@@ -45,12 +45,14 @@ impl Tone {
         let matches = Match::ALL.iter().map(|v| (v.words(), v.tone()));
         let found = Found::ALL.iter().map(|v| (v.words(), v.tone()));
         let gates = Passed::ALL.iter().map(|v| (v.words(), v.tone()));
+        let changes = Change::ALL.iter().map(|v| (v.words(), v.tone()));
         claims
             .chain(scenarios)
             .chain(checks)
             .chain(matches)
             .chain(found)
             .chain(gates)
+            .chain(changes)
             .find(|(w, _)| *w == words)
             .map_or(Self::Open, |(_, tone)| tone)
     }
@@ -290,6 +292,52 @@ impl Passed {
     }
 }
 
+/// What became of a value since an earlier run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Change {
+    /// It is worse.
+    #[serde(rename = "regressed")]
+    Regressed,
+    /// It is another one, for good or bad.
+    #[serde(rename = "changed")]
+    Changed,
+    /// Only the earlier run had it.
+    #[serde(rename = "gone")]
+    Gone,
+    /// Only this run has it.
+    #[serde(rename = "new")]
+    New,
+    /// It is better.
+    #[serde(rename = "improved")]
+    Improved,
+}
+
+impl Change {
+    /// All of them, the most serious first.
+    pub const ALL: [Self; 5] = [Self::Regressed, Self::Changed, Self::Gone, Self::New, Self::Improved];
+
+    /// The words of the report and of the JSON.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Regressed => "regressed",
+            Self::Changed => "changed",
+            Self::Gone => "gone",
+            Self::New => "new",
+            Self::Improved => "improved",
+        }
+    }
+
+    /// How it is to be read.
+    pub fn tone(self) -> Tone {
+        match self {
+            Self::Regressed => Tone::Bad,
+            Self::Changed => Tone::Caveat,
+            Self::Gone | Self::New => Tone::Open,
+            Self::Improved => Tone::Good,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -309,6 +357,10 @@ mod tests {
             assert_eq!(Tone::of(verdict.words()), verdict.tone());
         }
         for verdict in Passed::ALL {
+            assert_eq!(serde_json::to_value(verdict).unwrap(), verdict.words());
+            assert_eq!(Tone::of(verdict.words()), verdict.tone());
+        }
+        for verdict in Change::ALL {
             assert_eq!(serde_json::to_value(verdict).unwrap(), verdict.words());
             assert_eq!(Tone::of(verdict.words()), verdict.tone());
         }

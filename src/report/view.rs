@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+pub use super::baseline_view::{BaselineView, HistoryView, StepChangeView};
 pub use super::comparison_view::{ComparisonView, FittedView, MatchView, OutlierView, PeakView};
 pub use super::discovery_view::{CandidateView, DiscoveryView, NextView, NotTestableView, StepView};
 pub use super::question_view::{AbleView, QuestionView, SettingView};
@@ -41,6 +42,12 @@ pub struct ReportView {
     pub atlas: Vec<EffectView>,
     /// The numbers that prove the solvers.
     pub verification: Vec<CheckView>,
+    /// This run against an earlier one, where there is one to hold it against.
+    #[serde(default)]
+    pub baseline: Option<BaselineView>,
+    /// The runs before, where they are kept.
+    #[serde(default)]
+    pub history: Option<HistoryView>,
     /// The equations of the model without effects.
     #[serde(default)]
     pub equations: Vec<EquationView>,
@@ -426,6 +433,12 @@ pub struct ProvenanceView {
     pub threads: String,
     /// Wall times.
     pub timings: Vec<TimingView>,
+    /// Wall times of the runs that are kept, this one included.
+    #[serde(default)]
+    pub times: Option<FigureView>,
+    /// Where they moved.
+    #[serde(default)]
+    pub slower: Vec<StepChangeView>,
 }
 
 /// An input file.

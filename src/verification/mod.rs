@@ -9,7 +9,7 @@ mod literature;
 mod two_solvers;
 
 pub use energy::energy_balance;
-pub use two_solvers::numerical_error;
+pub use two_solvers::{Compared, numerical_error, solved_twice};
 
 use crate::model::contact::Problem;
 use crate::model::{Model, Operation};

@@ -16,20 +16,26 @@ const POINTS: usize = 6;
 const PLAN: Plan = Plan { steps: 4000, cycles: 400, settled: 1e-8, window: 1 };
 
 /// A point solved both ways.
-struct Compared {
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Compared {
+    /// Which point.
     place: String,
+    /// Whether its contact is a continuum of sliders.
     continuum: bool,
     /// Relative difference in amplitude or difference in phase \[rad\], whichever is larger; `None` where the time
     /// integration did not settle.
     difference: Option<f64>,
 }
 
+/// A sample of the points of a scenario, each solved both ways.
+pub fn solved_twice(outcome: &Outcome) -> Vec<Compared> {
+    sample(outcome).par_iter().map(|&(c, f)| compare(outcome, c, f)).collect()
+}
+
 /// The numerical part of the error budget: the largest difference of the two solvers over a sample of the points of all
 /// scenarios, a check for contacts of one slider and one for those of a continuum, each where there are such points.
 /// The time integration shares only the statement of the laws with the periodic solver.
-pub fn numerical_error(outcomes: &[Outcome]) -> Vec<Check> {
-    let sample: Vec<_> = outcomes.iter().flat_map(|o| sample(o).into_iter().map(move |(c, f)| (o, c, f))).collect();
-    let compared: Vec<Compared> = sample.par_iter().map(|&(outcome, c, f)| compare(outcome, c, f)).collect();
+pub fn numerical_error(compared: Vec<Compared>) -> Vec<Check> {
     let (continua, single): (Vec<_>, Vec<_>) = compared.into_iter().partition(|point| point.continuum);
     // The fixed steps of the time integration do not stop at the events of the many sliders of a continuum.
     let checks = [("Two solvers", single, 1e-5), ("Two solvers, continua of sliders", continua, 1e-4)];

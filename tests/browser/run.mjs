@@ -266,6 +266,37 @@ try {
     await phone.finish();
   });
 
+  await step("an earlier run over this one, with slider, keys and flicker; links without script", async () => {
+    const page = await open(hostile);
+    check((await page.locator("#baseline .changes tbody tr").count()) > 0, "no change is told");
+    check((await page.locator("#history figure svg").count()) === 1, "the history is not drawn");
+    const swap = page.locator(".swap").first();
+    await swap.locator("summary").click();
+    const before = swap.locator(".stack img").nth(1);
+    await before.waitFor();
+    check((await swap.locator(".stack img").evaluateAll((all) => all.every((one) => one.naturalWidth > 500))), "no drawing");
+    const clip = () => before.evaluate((one) => one.style.clipPath);
+    const half = await clip();
+    await swap.locator("input").focus();
+    await page.keyboard.press("End");
+    check((await clip()) !== half && /inset\(0(px)? 0%/.test(await clip()), `the slider shows ${await clip()}`);
+    const flicker = swap.locator("button");
+    await flicker.click();
+    check((await flicker.innerText()) === "Stop" && /100%/.test(await clip()), "the flicker does not start");
+    await page.waitForTimeout(900);
+    check(/inset\(0(px)? 0%/.test(await clip()), "the flicker does not turn");
+    await flicker.click();
+    check((await flicker.innerText()) === "Flicker", "the flicker does not stop");
+    await picture(page, "baseline");
+    await violations(page);
+    await narrow(page, "baseline");
+    await page.finish();
+    const plain = await open(hostile, { javaScriptEnabled: false });
+    check((await plain.locator(".swap").first().isHidden()), "a dead control");
+    check((await plain.locator(".pictures a").count()) >= 2, "no links to the earlier drawings");
+    await plain.finish();
+  });
+
   await step("axe", async () => {
     for (const [colorScheme, viewport] of [["light", DESKTOP], ["dark", PHONE]]) {
       const page = await open(folder, { colorScheme, viewport });
