@@ -15,7 +15,7 @@ use crate::error::{Error, Result};
 use crate::gate::{self, Judged};
 use crate::report::{self, CheckView, EffectView, FigureView, Provenance, ReportView, format};
 use crate::scenario::{self, Scenario};
-use crate::{figures, files, verification};
+use crate::{figures, files, trial, verification};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -111,7 +111,10 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     checks.extend(verification::numerical_error(points.concat()).iter().map(check_view));
     let mut provenance = Provenance::from_environment(&command(paths), rayon::current_num_threads());
     provenance.timings = clock.laps;
-    let plain = ReportView::assemble(TITLE, claims.views, sections, atlas.0, checks, &provenance);
+    let mut plain = ReportView::assemble(TITLE, claims.views, sections, atlas.0, checks, &provenance);
+    if let Some(summary) = trial::committed().filter(|_| tables.iter().any(Option::is_some)) {
+        plain = plain.with_trust(summary, &simulate::trial(summary, &results)?);
+    }
     let against = match &baseline {
         Some(baseline) => Some(baseline.against(&plain.clone().with_gates(&judged), &results)?),
         None => None,

@@ -40,6 +40,9 @@ pub struct Arguments {
     /// Write the scores as JSON; - for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Hold the trials against those of an earlier run, as --json wrote it: exit status 1 where another thing is named
+    #[arg(long, value_name = "FILE")]
+    agree: Option<PathBuf>,
     /// First seed
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u32,
@@ -65,6 +68,7 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
         Some(path) => Bench::of(&scenario::load(path)?)?,
         None => trial::practice(),
     };
+    let before = a.agree.as_deref().map(trial::load).transpose()?;
     files::prepare(&options.out)?;
     let bar = bar(global, options.causes.len() * options.noise.len() * options.seeds as usize);
     let done = |record: &Record, fresh: bool| {
@@ -92,7 +96,25 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
             say(global, &format!("  {}", options.out.join(name).display()));
         }
     }
-    Ok(())
+    before.map_or(Ok(()), |before| agree(&summary, &before, global))
+}
+
+/// Whether the trials name what those of an earlier run named.
+fn agree(summary: &Summary, before: &Summary, global: &Global) -> Result<()> {
+    let both = trial::agreement(summary, before);
+    let differ: Vec<String> =
+        both.iter().filter(|b| !b.agree()).map(|b| format!("  {}: {}, before {}", b.id, b.now, b.before)).collect();
+    if both.is_empty() {
+        return Err(Error::Gate(
+            "error: none of the trials is among those of the earlier run\n  = help: the same causes, seeds, noise and conditions".into(),
+        ));
+    }
+    if differ.is_empty() {
+        say(global, &format!("{} trials name what they named before", both.len()));
+        return Ok(());
+    }
+    let title = format!("error: {} of {} trials name another thing than before", differ.len(), both.len());
+    Err(Error::Gate(format!("{title}\n{}", differ.join("\n"))))
 }
 
 /// A share given as `1 %` or `0.01`.

@@ -51,7 +51,8 @@ pub fn figures(view: &mut ReportView) -> impl Iterator<Item = &mut FigureView> {
     let of_baseline = view.baseline.iter_mut().flat_map(|baseline| &mut baseline.figures);
     let of_history = view.history.iter_mut().flat_map(|history| &mut history.figures);
     let of_runs = of_baseline.chain(of_history).chain(&mut view.provenance.times);
-    of_scenarios.chain(view.atlas.iter_mut().map(|effect| &mut effect.figure)).chain(of_runs)
+    let of_trust = view.trust.iter_mut().flat_map(|trust| &mut trust.figures);
+    of_scenarios.chain(view.atlas.iter_mut().map(|effect| &mut effect.figure)).chain(of_trust).chain(of_runs)
 }
 
 impl ScenarioView {

@@ -30,6 +30,7 @@ mod scenario;
 mod summary;
 pub mod svg;
 mod trend;
+mod trust;
 mod values;
 mod verdict;
 mod view;

@@ -5,11 +5,13 @@ use super::comparison::{none, shown};
 use super::format::{percent, quantity, setting};
 use super::question_view::{AbleView, QuestionView, SettingView};
 use super::scenario::{FigureInput, figure};
-use super::view::ScenarioView;
+use super::view::{Quantity, ScenarioView};
 use crate::question::{Answer, Deciding, Hypothesis, Setting, why_not};
 
 /// Noise of a reading that is assumed where none is known.
 const ASSUMED_NOISE: f64 = 0.01;
+/// Relative accuracy that is demanded of a steady state.
+const SOLVED: f64 = 1e-5;
 
 impl ScenarioView {
     /// The section with the answer to its question.
@@ -44,7 +46,7 @@ fn story(answer: &Answer) -> Vec<String> {
             words(c.drive, "m"),
             percent(d.lower, 2),
             quantity(d.shift_hz, "Hz", 2),
-            percent(d.ends[0].abs().max(d.ends[1].abs()), 2),
+            difference(d.ends[0].abs().max(d.ends[1].abs())),
         ),
         format!(
             "Each effect is tried alone at V = {}, rig and contact as they are. It can, where its peak is lower by {} or \
@@ -88,8 +90,13 @@ fn view(h: &Hypothesis, at: &Setting) -> SettingView {
         rms: shown(100.0 * f.rms, "%", 2),
         peak_frequency: f.peak.map_or(none(), |peak| shown(peak.frequency_hz, "Hz", 3)),
         peak_amplitude: f.peak.map_or(none(), |peak| shown(peak.amplitude_rad, "rad", 3)),
-        ends: shown(100.0 * ends, "%", 2),
+        ends: Quantity { value: Some(100.0 * ends), text: difference(ends) },
     }
+}
+
+/// A difference in percent; one below the accuracy of the solver is said to be that.
+fn difference(share: f64) -> String {
+    if share < SOLVED { format!("< {}", percent(SOLVED, 1)) } else { percent(share, 2) }
 }
 
 fn deciding(d: &Deciding) -> Vec<String> {

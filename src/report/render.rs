@@ -29,6 +29,7 @@ const TEMPLATES: &[(&str, &str)] = &[
     ("question.html.j2", include_str!("../../templates/partials/question.html.j2")),
     ("figure.html.j2", include_str!("../../templates/partials/figure.html.j2")),
     ("atlas.html.j2", include_str!("../../templates/partials/atlas.html.j2")),
+    ("trust.html.j2", include_str!("../../templates/partials/trust.html.j2")),
     ("verification.html.j2", include_str!("../../templates/partials/verification.html.j2")),
     ("symbols.html.j2", include_str!("../../templates/partials/symbols.html.j2")),
     ("provenance.html.j2", include_str!("../../templates/partials/provenance.html.j2")),
@@ -86,9 +87,10 @@ impl ReportView {
         let of_questions = questions.flat_map(|question| &question.figures);
         let of_effects = self.atlas.iter().map(|effect| &effect.figure);
         let of_baseline = self.baseline.iter().flat_map(|baseline| &baseline.figures);
+        let of_trust = self.trust.iter().flat_map(|trust| &trust.figures);
         let of_history = self.history.iter().flat_map(|history| &history.figures).chain(&self.provenance.times);
         let of_input = of_scenarios.chain(of_comparisons).chain(of_discoveries).chain(of_questions).chain(of_effects);
-        of_input.chain(of_baseline).chain(of_history).collect()
+        of_input.chain(of_trust).chain(of_baseline).chain(of_history).collect()
     }
 }
 

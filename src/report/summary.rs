@@ -76,6 +76,7 @@ impl ReportView {
             gates: Vec::new(),
             baseline: None,
             history: None,
+            trust: None,
             provenance: provenance.view(&scenarios),
             claims,
             scenarios,

@@ -6,6 +6,7 @@ pub use super::baseline_view::{BaselineView, HistoryView, StepChangeView};
 pub use super::comparison_view::{ComparisonView, FittedView, MatchView, OutlierView, PeakView};
 pub use super::discovery_view::{CandidateView, DiscoveryView, NextView, NotTestableView, StepView};
 pub use super::question_view::{AbleView, QuestionView, SettingView};
+pub use super::trust::TrustView;
 use super::verdict::{Agreement, Completeness, Passed, Verdict};
 
 /// Schema of `report.json`.
@@ -48,6 +49,9 @@ pub struct ReportView {
     /// The runs before, where they are kept.
     #[serde(default)]
     pub history: Option<HistoryView>,
+    /// How far the search can be trusted, where the report has one.
+    #[serde(default)]
+    pub trust: Option<TrustView>,
     /// The equations of the model without effects.
     #[serde(default)]
     pub equations: Vec<EquationView>,

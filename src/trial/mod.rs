@@ -3,10 +3,13 @@
 //!
 //! `cause` lists what is planted, `outside` holds causes that the catalogue does not have; `draw` chooses strengths,
 //! `generate` integrates, `visible` says whether the data could show it; `table` adds noise and writes what the search
-//! reads, `answer` what it must not; `examine` searches, `score` judges, `record` keeps a finished trial, `summary` counts.
+//! reads, `answer` what it must not; `examine` searches, `score` judges, `record` keeps a finished trial, `summary` counts,
+//! `agreement` holds two runs against each other, `committed` is the result that comes with the program.
 
+mod agreement;
 mod answer;
 mod cause;
+mod committed;
 mod conditions;
 mod draw;
 mod examine;
@@ -20,8 +23,10 @@ mod summary;
 mod table;
 mod visible;
 
+pub use agreement::{Both, agreement, load};
 pub use answer::{Answer, Draws, Seal, open, seal};
 pub use cause::{Cause, Kind, causes};
+pub use committed::{COMMAND, committed};
 pub use conditions::{Bench, practice};
 pub use draw::{Planted, draw};
 pub use examine::{Estimate, Found, Rung, examine};

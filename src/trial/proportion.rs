@@ -1,12 +1,12 @@
 //! Shares of trials with Wilson's interval.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// 97.5 % quantile of the normal distribution.
 const Z: f64 = 1.959_963_984_540_054;
 
 /// So many of so many, with Wilson's 95 % interval of the share.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Proportion {
     /// Successes.
     pub successes: usize,

@@ -4,13 +4,13 @@ use super::proportion::Proportion;
 use super::record::Record;
 use super::score::{Score, Share};
 use super::{Options, VISIBLE, program};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Version of the JSON.
 pub const SCHEMA: &str = "stickslip.trial/1";
 
 /// Scores over some trials.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Scores {
     /// Level of noise; `None` for all together.
     pub noise: Option<f64>,
@@ -39,7 +39,7 @@ pub struct Scores {
 }
 
 /// How one cause fared.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ByCause {
     /// Its name.
     pub cause: String,
@@ -54,7 +54,7 @@ pub struct ByCause {
 }
 
 /// Intervals of one parameter over all trials in which what was planted was found.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Coverage {
     /// Its key.
     pub key: String,
@@ -63,11 +63,11 @@ pub struct Coverage {
     /// All intervals, open ones too, that hold the truth.
     pub all: Proportion,
     /// Median of estimate over truth less one.
-    pub median_bias: f64,
+    pub median_bias: Option<f64>,
 }
 
 /// Planted against named.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Confusion {
     /// Names of the rows.
     pub planted: Vec<String>,
@@ -78,9 +78,10 @@ pub struct Confusion {
 }
 
 /// Everything about a series of trials.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
-    schema: &'static str,
+    /// [`SCHEMA`].
+    pub schema: String,
     /// Version of the program.
     pub program: String,
     /// Builds that the results come from.
@@ -125,7 +126,7 @@ pub fn summarise(records: Vec<Record>, options: &Options, points: usize) -> Summ
         }
     };
     Summary {
-        schema: SCHEMA,
+        schema: SCHEMA.into(),
         program: program(),
         builds: unique(records.iter().map(|r| r.build.clone())),
         points,
@@ -189,7 +190,7 @@ fn coverage(records: &[Record]) -> Vec<Coverage> {
         Coverage {
             identified: Proportion::count(mine().filter(|p| p.identified).map(|p| Some(p.covered))),
             all: Proportion::count(mine().map(|p| Some(p.covered))),
-            median_bias: median(mine().map(|p| p.bias).collect()).unwrap_or(f64::NAN),
+            median_bias: median(mine().map(|p| p.bias).collect()),
             key,
         }
     };

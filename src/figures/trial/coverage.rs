@@ -74,7 +74,7 @@ impl Figure<Summary> for Intervals {
         for c in &summary.coverage {
             let p = c.identified;
             let numbers = [p.successes as f64, p.of as f64, p.low, p.high, c.all.successes as f64, c.all.of as f64];
-            let cells = numbers.into_iter().chain([c.median_bias]).map(cell);
+            let cells = numbers.into_iter().chain([c.median_bias.unwrap_or(f64::NAN)]).map(cell);
             table.row(std::iter::once(c.key.clone()).chain(cells));
         }
         let svg = draw(&rows, self.title(), &alt)?;

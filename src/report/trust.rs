@@ -1,0 +1,158 @@
+//! How far the search can be trusted, from the trials that come with the program.
+
+use super::format::quantity;
+use super::scenario::{FigureInput, figure};
+use super::view::{FigureView, ReportView};
+use crate::trial::{ByCause, COMMAND, Kind, Proportion, Score, Scores, Summary};
+use serde::{Deserialize, Serialize};
+
+/// The section of the page.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TrustView {
+    /// The result in a sentence.
+    pub sentence: String,
+    /// What was done.
+    pub method: String,
+    /// The command that made it.
+    pub command: String,
+    /// Shares over all trials.
+    pub scores: Vec<ScoreView>,
+    /// How each cause fared.
+    pub causes: Vec<CauseView>,
+    /// The figures.
+    pub figures: Vec<FigureView>,
+}
+
+/// A share of the trials.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ScoreView {
+    /// Of what.
+    pub what: String,
+    /// How many of how many.
+    pub count: String,
+    /// The share.
+    pub share: String,
+    /// Wilson's 95 % interval.
+    pub interval: String,
+}
+
+/// One cause.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CauseView {
+    /// Its name.
+    pub cause: String,
+    /// Trials.
+    pub trials: usize,
+    /// Right verdicts.
+    pub verdict: String,
+    /// The truth named, or in a declared tie.
+    pub named: String,
+    /// What else was named, with how often.
+    pub instead: String,
+    /// Draws that the data could not show, or that had no steady state somewhere.
+    pub not_drawn: usize,
+}
+
+impl ReportView {
+    /// The report with the section on how far the search can be trusted.
+    pub fn with_trust(mut self, summary: &Summary, figures: &[FigureInput]) -> Self {
+        self.trust = Some(view(summary, figures));
+        self
+    }
+}
+
+fn view(s: &Summary, figures: &[FigureInput]) -> TrustView {
+    let all = &s.scores[0];
+    let noise: Vec<String> = noise_levels(s).iter().map(|n| quantity(100.0 * n, "%", 2)).collect();
+    let right = |p: &Proportion| format!("{} of {}", p.successes, p.of);
+    let mut sentence = format!("In blind trials the verdict was right in {}", right(&all.verdict));
+    if all.named.of > 0 {
+        sentence += &format!("; planted effects were named, or in a declared tie, in {}", right(&all.named));
+    }
+    if all.false_alarm.of > 0 {
+        sentence += &format!("; false alarms where nothing was planted: {}", right(&all.false_alarm));
+    }
+    if all.flagged.of > 0 {
+        sentence += &format!("; causes outside the catalogue were called unexplained in {}", right(&all.flagged));
+    }
+    let method = format!(
+        "{} trials: causes drawn over the ranges of the catalogue, measured by plain time integration at {} points each with noise \
+         of {}{}, sealed, searched for in the table alone, opened and scored. Draws that leave the calibrated base with χ² \
+         below {} per reading are invisible and counted apart.",
+        all.trials,
+        s.points,
+        noise.join(", "),
+        if s.phase { "" } else { ", without phases" },
+        quantity(s.visible, "1", 2)
+    );
+    let command = COMMAND.trim().into();
+    TrustView {
+        sentence: sentence + ".",
+        method,
+        command,
+        scores: scores(all),
+        causes: s.causes.iter().map(|cause| cause_view(s, cause)).collect(),
+        figures: figures.iter().map(|input| figure("trust", input)).collect(),
+    }
+}
+
+fn noise_levels(s: &Summary) -> Vec<f64> {
+    let mut levels: Vec<f64> = s.trials.iter().map(|record| record.answer.noise).collect();
+    levels.sort_by(f64::total_cmp);
+    levels.dedup();
+    levels
+}
+
+fn scores(all: &Scores) -> Vec<ScoreView> {
+    let rows = [
+        ("right verdict", &all.verdict),
+        ("right effect named first", &all.first),
+        ("planted effects named, or in a declared tie", &all.named),
+        ("exactly what was planted named", &all.exact),
+        ("false alarms where nothing was planted", &all.false_alarm),
+        ("causes outside the catalogue called unexplained", &all.flagged),
+        ("right recalibration", &all.recalibration),
+        ("95 % intervals that hold the truth", &all.coverage),
+    ];
+    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    let row = |(what, p): (&str, &Proportion)| {
+        Some(ScoreView {
+            what: what.into(),
+            count: format!("{} of {}", p.successes, p.of),
+            share: percent(p.share?),
+            interval: format!("{:.0} to {}", 100.0 * p.low, percent(p.high)),
+        })
+    };
+    rows.into_iter().filter_map(row).collect()
+}
+
+fn cause_view(s: &Summary, cause: &ByCause) -> CauseView {
+    let x = &cause.scores;
+    let mine: Vec<_> = s.trials.iter().filter(|record| record.answer.cause == cause.cause).collect();
+    let kind = mine.first().map(|record| record.answer.kind);
+    let named = match kind {
+        Some(Kind::Recalibration) => &x.recalibration,
+        Some(Kind::None | Kind::Outside) => &x.verdict,
+        _ => &x.named,
+    };
+    let mut others: Vec<(String, usize)> = Vec::new();
+    let missed = |score: &Score| !score.verdict || score.named == Some(false) || score.recalibration == Some(false);
+    for record in mine.iter().filter(|record| record.score.as_ref().is_some_and(missed)) {
+        let Some(found) = &record.found else { continue };
+        let label = found.label();
+        match others.iter_mut().find(|(name, _)| *name == label) {
+            Some((_, count)) => *count += 1,
+            None => others.push((label, 1)),
+        }
+    }
+    let instead: Vec<String> =
+        others.iter().map(|(name, n)| if *n > 1 { format!("{name} ({n})") } else { name.clone() }).collect();
+    CauseView {
+        cause: cause.cause.clone(),
+        trials: x.trials,
+        verdict: format!("{} of {}", x.verdict.successes, x.verdict.of),
+        named: format!("{} of {}", named.successes, named.of),
+        instead: instead.join("; "),
+        not_drawn: cause.invisible + cause.unsteady,
+    }
+}
