@@ -2,7 +2,7 @@
 
 use super::MARGIN;
 use super::hypothesis::{Addition, Hypothesis};
-use super::sampling::Base;
+use super::sampling::{Base, at_stated_values};
 use super::search::{Data, explore, lead, on_all};
 use crate::compare::{self, Comparison, calibrate, conditions_of};
 use crate::effects::Effect;
@@ -40,7 +40,8 @@ pub fn fit_addition(scenario: &Scenario, table: &Table, effect: &'static dyn Eff
     let stated = compare::problem(&model, &keys, [], Tolerance::default()).values();
     let data = Data::new(&table.points, &of_condition, base.threshold, stated, seed);
     let from = Hypothesis { additions: Vec::new(), model, fit: base.fit, estimate: None, bic: f64::INFINITY };
-    let explored = explore(&data, &from, &Base::new(&data, &from), addition, None);
+    let explored =
+        explore(&data, &from, &Base::new(&data, &from), at_stated_values(&data, &from).as_ref(), addition, None);
     let led = lead(&data, explored.begin(&data, &from)).map(|attempt| attempt.finished(&data));
     let mut best = explored.found(&from, led).hypothesis;
     best.fit = on_all(&data, &best.model, &best.fit);

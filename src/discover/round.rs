@@ -2,7 +2,7 @@
 
 use super::forward::Search;
 use super::hypothesis::{Addition, Hypothesis, compatible};
-use super::sampling::{Base, Hint};
+use super::sampling::{Base, Hint, at_stated_values};
 use super::search::{Attempt, Explored, Found, explore, lead, on_all};
 use rayon::prelude::*;
 
@@ -78,11 +78,12 @@ impl Search<'_> {
             .filter(|a| !from.additions.contains(a) && compatible(&self.base, &with(a)))
             .collect();
         let base = Base::new(data, from);
+        let stated = at_stated_values(data, from);
         let explored: Vec<Explored> = fitting
             .par_iter()
             .map(|&addition| {
                 let hint = first.and_then(|round| round.hint(addition));
-                explore(data, from, &base, addition, hint.as_ref())
+                explore(data, from, &base, stated.as_ref(), addition, hint.as_ref())
             })
             .collect();
         let share = data.part.len() as f64 / data.points.len() as f64;

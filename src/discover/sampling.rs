@@ -17,6 +17,9 @@ const UNTOUCHED: f64 = 0.1;
 /// Samples about values that may be a local minimum, and how far they reach on the natural scale of a parameter.
 const ABOUT: (u32, f64) = (32, 2.0);
 
+/// Distance, on its natural scale, from which on a calibrated value is far off the stated one.
+const FAR: f64 = 1.0;
+
 /// What an earlier search of an addition tells a later one.
 #[derive(Debug, Clone)]
 pub struct Hint {
@@ -28,8 +31,9 @@ pub struct Hint {
 
 /// What samples tell.
 pub struct Look {
-    /// The samples, each as strong as a linear estimate wants it, the most promising first.
-    pub starts: Vec<Model>,
+    /// The samples, each as strong as a linear estimate wants it, with the sum of squares over the part after as much of its
+    /// change as is best in that estimate; the most promising first.
+    pub starts: Vec<(f64, Model)>,
     /// Sum of squares over the part after as much of one sample's change as is best, in a linear estimate.
     pub after: f64,
     /// Largest change that a sample makes beyond what the parameters before it can imitate: sum of squares over the part.
@@ -72,8 +76,20 @@ pub fn look(data: &Data<'_>, base: &Base, addition: Addition, samples: &[Model],
         tried.push((least, best));
     }
     tried.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let starts = tried.into_iter().map(|(_, model)| model).collect();
-    Look { starts, after, visibility, strongest, touched }
+    Look { starts: tried, after, visibility, strongest, touched }
+}
+
+impl Look {
+    /// Two looks as one.
+    pub fn and(mut self, other: Self) -> Self {
+        self.starts.extend(other.starts);
+        self.starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+        if other.visibility > self.visibility {
+            (self.visibility, self.strongest) = (other.visibility, other.strongest);
+        }
+        self.touched.iter_mut().zip(other.touched).for_each(|(touched, other)| *touched |= other);
+        Self { after: self.after.min(other.after), ..self }
+    }
 }
 
 /// The model with the strength of the addition times `share`, within its bounds; as it is where its law states no single
@@ -171,6 +187,19 @@ pub fn about(model: &Model, addition: Addition, seed: u32) -> Vec<Model> {
         parameters.iter().zip(&values).zip(shares).map(|((p, &x), share)| p.moved(x, step(share))).collect()
     };
     (0..count).map(|number| problem.model(&moved(number))).collect()
+}
+
+/// The calibrated base at the values that the scenario states, if the calibration has carried one far off: there an addition
+/// may have nothing left to act on.
+pub fn at_stated_values(data: &Data<'_>, from: &Hypothesis) -> Option<(Hypothesis, Base)> {
+    let mut both = from.fit.parameters.iter().zip(from.fit.values.iter().zip(&data.stated));
+    if !from.additions.is_empty() || !both.any(|(p, (&a, &b))| p.natural_distance(a, b) > FAR) {
+        return None;
+    }
+    let mut there = from.clone();
+    there.fit.values.clone_from(&data.stated);
+    let base = Base::new(data, &there);
+    Some((there, base))
 }
 
 /// A point of a quasi-random sequence in the unit cube.

@@ -104,25 +104,37 @@ pub struct Found {
     pub touched: Vec<bool>,
 }
 
-/// Looks at samples of one more addition to `from`.
-pub fn explore(data: &Data<'_>, from: &Hypothesis, base: &Base, addition: Addition, hint: Option<&Hint>) -> Explored {
-    let samples = samples(&from.fitted(), addition, data.seed, hint.map(|h| h.values.as_slice()));
+/// Looks at samples of one more addition to a hypothesis, at its own values and at the `other` place.
+pub fn explore(
+    data: &Data<'_>,
+    from: &Hypothesis,
+    base: &Base,
+    other: Option<&(Hypothesis, Base)>,
+    addition: Addition,
+    hint: Option<&Hint>,
+) -> Explored {
+    let known = hint.map(|h| h.values.as_slice());
+    let samples_of = |from: &Hypothesis| samples(&from.fitted(), addition, data.seed, known);
+    let samples = samples_of(from);
     let scale = data.points.len() as f64 / data.part.len() as f64;
     let rest = base.rest();
-    let look = look(data, base, addition, &samples, hint);
+    let mut found = look(data, base, addition, &samples, hint);
+    if let Some((from, base)) = other {
+        found = found.and(look(data, base, addition, &samples_of(from), hint));
+    }
     let readings = base.readings() as f64 * scale;
     Explored {
         addition,
         before: robust_chi2(&rest, data.threshold),
         before_ranked: robust_chi2(&rest, HUBER),
-        after: look.after,
+        after: found.after,
         needed: addition.keys().len() as f64 * readings.ln() + 3.0 * MARGIN,
         scale,
-        visibility: look.visibility * scale,
-        strongest: look.strongest,
-        touched: look.touched,
+        visibility: found.visibility * scale,
+        strongest: found.strongest,
+        touched: found.touched,
         costly: on_part(data, &samples[0], Vec::new()).has_continuum(),
-        starts: look.starts,
+        starts: found.starts.into_iter().map(|(_, model)| model).collect(),
     }
 }
 
@@ -149,6 +161,7 @@ impl Explored {
         let there = on_part(data, &attempt.model, attempt.fit.parameters.clone()).model(&attempt.fit.values);
         let samples = about(&there, self.addition, data.seed);
         let starts = look(data, &Base::new(data, &near), self.addition, &samples, None).starts;
+        let starts: Vec<Model> = starts.into_iter().map(|(_, model)| model).collect();
         let other = lead(data, self.begin_at(data, &near, &starts)).map(|other| other.finished(data));
         other.filter(|other| other.fit.objective < attempt.fit.objective).unwrap_or(attempt)
     }
@@ -249,6 +262,7 @@ pub fn lead(data: &Data<'_>, attempts: Vec<Attempt>) -> Option<Attempt> {
     continued.min_by(|a, b| a.fit.objective.total_cmp(&b.fit.objective))
 }
 
+/// A part of the points at the accuracy of a search.
 pub fn on_part<'a>(data: &Data<'a>, model: &Model, parameters: Vec<Parameter>) -> Problem<'a> {
     Problem::new(model.clone(), data.part.iter().copied(), parameters, Tolerance::COARSE)
 }
