@@ -276,3 +276,15 @@ fn names_of_causes_are_read_and_unknown_ones_refused() {
     assert!(trial::causes(&["lugre+partial-slip"]).is_err());
     assert!(outside::find("outside-run-out").is_some());
 }
+
+/// The calibration without the roller's compliance takes the contact to a thousandth of its stiffness, where a roller that
+/// gives way changes nothing: the search has to look at the stated contact as well.
+#[test]
+fn an_effect_is_found_that_the_calibration_has_hidden() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = Options { seed: 0, ..options(&["roller-compliance"], folder.path().into()) };
+    let record = trial::single(&trial::practice(), &options, &options.causes[0], 0, 0.01, "").unwrap();
+    let (score, found) = (record.score.unwrap(), record.found.unwrap());
+    assert_eq!(score.exact, Some(true), "{}", found.label());
+    assert!(found.steps[0].chi2_per_point > 5.0 && score.final_error < 1.1, "{:?}", found.steps);
+}
