@@ -39,7 +39,7 @@ const SQUARED: f64 = 1e-4;
 /// Relative change over a cycle below which the next may be the last, and is observed.
 const LAST: f64 = 1e-3;
 /// Most cycles where the contact may come to rest: there is a closed form for that.
-const MAX_CYCLES_AT_REST: usize = 50;
+const MAX_CYCLES_AT_REST: usize = 150;
 
 /// Finds the periodic solution from `guess` (or from the system's own first guess). Errors say why in words.
 pub fn solve(system: &dyn HybridSystem, guess: Option<&Start>, tolerance: &Tolerance) -> Result<Periodic, String> {
