@@ -25,7 +25,7 @@ pub struct Region {
     pub points: usize,
     /// Mean residual of the amplitude, model minus measurement, in standard deviations.
     pub mean_residual_sigma: f64,
-    /// Mean relative error of the amplitude, model over measurement \[%\].
+    /// Mean relative error of the amplitude, model over measurement \[%\], where the model has an answer.
     pub mean_residual_percent: f64,
     /// Mean error of the phase \[deg\], where measured.
     pub mean_phase_deg: Option<f64>,
@@ -89,8 +89,11 @@ fn ranges(curve: &[&Compared], significance: f64) -> Vec<(usize, usize)> {
 }
 
 fn region(index: usize, condition: &ConditionMetrics, part: &[&Compared], total: f64) -> Region {
-    let n = part.len() as f64;
-    let mean = |value: &dyn Fn(&Compared) -> f64| part.iter().map(|p| value(p)).sum::<f64>() / n;
+    let over = |some: &[&Compared], value: &dyn Fn(&Compared) -> f64| {
+        some.iter().map(|p| value(p)).sum::<f64>() / some.len() as f64
+    };
+    let answered = answered(part);
+    let mean = |value: &dyn Fn(&Compared) -> f64| over(&answered, value);
     let phase = part.iter().all(|p| p.phase_residual.is_some());
     let mut region = Region {
         setting: condition.setting,
@@ -98,9 +101,9 @@ fn region(index: usize, condition: &ConditionMetrics, part: &[&Compared], total:
         frequency_from_hz: part[0].point.frequency,
         frequency_to_hz: part[part.len() - 1].point.frequency,
         points: part.len(),
-        mean_residual_sigma: mean(&|p| p.amplitude_residual),
+        mean_residual_sigma: over(part, &|p| p.amplitude_residual),
         mean_residual_percent: mean(&|p| p.error_percent()),
-        mean_phase_deg: phase.then(|| mean(&|p| p.phase_error().unwrap_or(0.0).to_degrees())),
+        mean_phase_deg: (phase && !answered.is_empty()).then(|| mean(&|p| p.phase_error().unwrap_or(0.0).to_degrees())),
         share_of_chi2: part.iter().map(|p| misfit(p)).sum::<f64>() / total,
         sentence: String::new(),
     };
@@ -108,13 +111,23 @@ fn region(index: usize, condition: &ConditionMetrics, part: &[&Compared], total:
     region
 }
 
+/// The points at which the model has an answer.
+fn answered<'a>(part: &[&'a Compared]) -> Vec<&'a Compared> {
+    part.iter().copied().filter(|p| p.error_percent().is_finite()).collect()
+}
+
 /// The region in plain words.
 fn sentence(region: &Region, condition: &ConditionMetrics, part: &[&Compared]) -> String {
     let amplitudes: f64 = part.iter().map(|p| p.amplitude_residual.powi(2)).sum();
     let phases: f64 = part.iter().filter_map(|p| p.phase_residual).map(|r| r * r).sum();
     let mut said = Vec::new();
-    if amplitudes >= 0.3 * phases {
-        said.push(amplitude_words(region, part));
+    let answered = answered(part);
+    let silent = part.len() - answered.len();
+    if amplitudes >= 0.3 * phases && !answered.is_empty() {
+        said.push(amplitude_words(region, &answered));
+    }
+    if silent > 0 {
+        said.push(format!("has no steady state at {silent} of its {} points", part.len()));
     }
     let inside = |f: f64| f >= region.frequency_from_hz && f <= region.frequency_to_hz;
     if let (Some(model), Some(measured)) = (condition.model_peak, condition.measured_peak) {
@@ -182,4 +195,64 @@ pub fn words(setting: &Setting) -> String {
         setting.load,
         units::format(setting.drive, "m")
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Metrics;
+    use super::*;
+    use crate::fit::Prediction;
+    use crate::measurement::Point;
+    use crate::solver::Status;
+
+    /// The model 30 % and ten standard deviations too high everywhere, where it has an answer.
+    fn point(row: usize, answers: bool) -> Compared {
+        let (speed, load, drive) = (0.02, 20.0, 2.5e-6);
+        let point = Point {
+            row,
+            line: row + 1,
+            speed,
+            load,
+            drive,
+            frequency: 60.0 + row as f64,
+            amplitude: 1e-6,
+            phase: None,
+            amplitude_sd: 3e-8,
+            phase_sd: None,
+            mean: None,
+            replicates: 1,
+        };
+        let status = if answers { Status::Steady } else { Status::Failed("none".into()) };
+        let model = Prediction { amplitude: if answers { 1.3e-6 } else { f64::NAN }, phase: 0.0, status };
+        Compared {
+            point,
+            condition: 0,
+            model,
+            amplitude_residual: if answers { 10.0 } else { 4.0 },
+            phase_residual: None,
+        }
+    }
+
+    fn told(answers: [bool; 4]) -> Region {
+        let points: Vec<Compared> = answers.into_iter().enumerate().map(|(row, answers)| point(row, answers)).collect();
+        let setting = Setting { speed: 0.02, load: 20.0, drive: 2.5e-6 };
+        let metrics = Metrics::over(points.iter());
+        let condition = ConditionMetrics { setting, metrics, model_peak: None, measured_peak: None };
+        regions(&points, &[condition]).remove(0)
+    }
+
+    #[test]
+    fn points_without_an_answer_are_counted_and_not_averaged() {
+        let region = told([true, true, false, true]);
+        assert!(
+            region.sentence.contains("is 30 % too high and has no steady state at 1 of its 4 points"),
+            "{}",
+            region.sentence
+        );
+        assert!((region.mean_residual_percent - 30.0).abs() < 1e-9);
+        let region = told([false; 4]);
+        assert!(region.sentence.contains("the model has no steady state at 4 of its 4 points;"), "{}", region.sentence);
+        let region = told([true; 4]);
+        assert!(region.sentence.contains("the model is 30 % too high;"), "{}", region.sentence);
+    }
 }

@@ -111,14 +111,5 @@ pub fn draw(pairs: &[Pair], id: &str, tolerance: f64) -> Result<Drawing, FigureE
         "A solid line that leaves its dashed one where nothing was meant to change.",
         "See among the changed inputs whether that follows from one of them; if not, from the program.",
     ];
-    Ok(Drawing {
-        name: "baseline".into(),
-        title,
-        caption,
-        alt,
-        svg,
-        csv: table.finish(),
-        notes: Vec::new(),
-        reading: reading.map(String::from),
-    })
+    Ok(Drawing::new(("baseline", &title), (caption, alt), (svg, table.finish()), reading))
 }

@@ -90,16 +90,7 @@ pub fn draw(series: &[Series], name: &str, title: &str) -> Result<Drawing, Figur
         "Look up the run where the step is in the table, and what was changed for it; then compare with the run before it \
          by --baseline.",
     ];
-    Ok(Drawing {
-        name: name.into(),
-        title: title.into(),
-        caption,
-        alt,
-        svg,
-        csv: table.finish(),
-        notes: Vec::new(),
-        reading: reading.map(String::from),
-    })
+    Ok(Drawing::new((name, title), (caption, alt), (svg, table.finish()), reading))
 }
 
 /// What is drawn: first what moved, then in order.

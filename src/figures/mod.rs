@@ -86,8 +86,19 @@ impl Drawing {
         (svg, csv): (String, String),
         notes: Vec<(String, String)>,
     ) -> Self {
-        let (name, title) = (figure.name().into(), figure.title().into());
-        Self { name, title, caption, alt, svg, csv, notes, reading: figure.reading().map(String::from) }
+        let drawing = Self::new((figure.name(), figure.title()), (caption, alt), (svg, csv), figure.reading());
+        Self { notes, ..drawing }
+    }
+
+    /// A drawing without key numbers: name of its files and title, caption and text alternative, SVG and CSV, how to read it.
+    fn new(
+        (name, title): (&str, &str),
+        (caption, alt): (String, String),
+        (svg, csv): (String, String),
+        reading: [&str; 3],
+    ) -> Self {
+        let reading = reading.map(String::from);
+        Self { name: name.into(), title: title.into(), caption, alt, svg, csv, notes: Vec::new(), reading }
     }
 }
 

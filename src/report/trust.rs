@@ -1,6 +1,6 @@
 //! How far the search can be trusted, from the trials that come with the program.
 
-use super::format::quantity;
+use super::format::{NONE, quantity};
 use super::scenario::{FigureInput, figure};
 use super::view::{FigureView, ReportView};
 use crate::trial::{ByCause, COMMAND, Kind, Proportion, Score, Scores, Summary};
@@ -15,6 +15,8 @@ pub struct TrustView {
     pub method: String,
     /// The command that made it.
     pub command: String,
+    /// The program that made it, with its builds.
+    pub program: String,
     /// Shares over all trials.
     pub scores: Vec<ScoreView>,
     /// How each cause fared.
@@ -86,10 +88,12 @@ fn view(s: &Summary, figures: &[FigureInput]) -> TrustView {
         quantity(s.visible, "1", 2)
     );
     let command = COMMAND.trim().into();
+    let program = format!("{}, build {}", s.program, s.builds.join(", "));
     TrustView {
         sentence: sentence + ".",
         method,
         command,
+        program,
         scores: scores(all),
         causes: s.causes.iter().map(|cause| cause_view(s, cause)).collect(),
         figures: figures.iter().map(|input| figure("trust", input)).collect(),
@@ -131,9 +135,10 @@ fn cause_view(s: &Summary, cause: &ByCause) -> CauseView {
     let mine: Vec<_> = s.trials.iter().filter(|record| record.answer.cause == cause.cause).collect();
     let kind = mine.first().map(|record| record.answer.kind);
     let named = match kind {
-        Some(Kind::Recalibration) => &x.recalibration,
-        Some(Kind::None | Kind::Outside) => &x.verdict,
-        _ => &x.named,
+        Some(Kind::Effect | Kind::Pair) => Some(&x.named),
+        Some(Kind::Recalibration) => Some(&x.recalibration),
+        // The verdict says it all.
+        Some(Kind::None | Kind::Outside) | None => None,
     };
     let mut others: Vec<(String, usize)> = Vec::new();
     let missed = |score: &Score| !score.verdict || score.named == Some(false) || score.recalibration == Some(false);
@@ -151,7 +156,7 @@ fn cause_view(s: &Summary, cause: &ByCause) -> CauseView {
         cause: cause.cause.clone(),
         trials: x.trials,
         verdict: format!("{} of {}", x.verdict.successes, x.verdict.of),
-        named: format!("{} of {}", named.successes, named.of),
+        named: named.map_or(NONE.into(), |p| format!("{} of {}", p.successes, p.of)),
         instead: instead.join("; "),
         not_drawn: cause.invisible + cause.unsteady,
     }
