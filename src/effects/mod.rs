@@ -113,6 +113,10 @@ pub trait Effect: Sync {
     fn torque(&self, _p: &[f64], _th: f64, _w: f64) -> Option<Law> {
         None
     }
+    /// Whether the torque has a kink in its slope, over which steps of high order lose it.
+    fn torque_is_kinked(&self) -> bool {
+        false
+    }
     /// Damping \[N m s/rad\] added to the arm of stiffness `k` \[N m/rad\] driven at `omega` \[rad/s\].
     fn damping(&self, _p: &[Dual], _k: Dual, _omega: f64) -> Option<Dual> {
         None

@@ -44,6 +44,9 @@ impl Effect for QuadraticDamping {
         LIST
     }
 
+    fn torque_is_kinked(&self) -> bool {
+        true
+    }
     fn torque(&self, p: &[f64], _th: f64, w: f64) -> Option<Law> {
         let square = w.abs() * w;
         Some(Law {

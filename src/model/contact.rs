@@ -101,7 +101,6 @@ struct Point {
     mu_psi: f64,
     mu_heat: f64,
     heat_factor: f64,
-    torque: Law,
 }
 
 impl Problem {
@@ -252,6 +251,22 @@ impl Problem {
         self.speed + self.roller.map_or(0.0, |i| z[i + 1]) - self.b * (forcing.velocity + z[1])
     }
 
+    /// The force of the contact on the arm at relative speed `v`, of which `d` stretches the bristles.
+    fn pull(&self, z: &[f64], v: f64, d: f64) -> f64 {
+        self.kc * z[self.x] + self.cc * d + self.state(self.q, z) + self.sigma2 * v
+    }
+
+    /// Torque of the laws on the arm, with its slopes by the angle and the angular velocity.
+    fn torque(&self, th: f64, w: f64) -> Law {
+        let mut torque = Law::default();
+        for law in self.laws.iter().filter_map(|(e, p)| e.torque(p, th, w)) {
+            torque.value += law.value;
+            torque.d_first += law.d_first;
+            torque.d_second += law.d_second;
+        }
+        torque
+    }
+
     fn point(&self, forcing: &Forcing, z: &[f64], s: f64) -> Point {
         let (th, w) = (forcing.angle + z[0], forcing.velocity + z[1]);
         let v = self.relative_speed(forcing, z);
@@ -259,19 +274,11 @@ impl Problem {
         let normal = self.load + self.load_stiffness * self.b * th;
         let loaded = normal > 0.0;
         let normal = normal.max(0.0);
-        let force = self.kc * z[self.x] + self.cc * d + self.state(self.q, z) + self.sigma2 * v;
+        let force = self.pull(z, v, d);
         let argument = if self.rate_element { v.abs() } else { s.abs() };
         let (mu, mu_s, mu_psi, mu_heat, heat_factor) =
             self.friction(argument, self.state(self.psi, z), self.state(self.heat, z));
-        let mut torque = Law::default();
-        for (effect, p) in &self.laws {
-            if let Some(law) = effect.torque(p, th, w) {
-                torque.value += law.value;
-                torque.d_first += law.d_first;
-                torque.d_second += law.d_second;
-            }
-        }
-        Point { th, w, v, d, normal, loaded, force, mu, mu_s, mu_psi, mu_heat, heat_factor, torque }
+        Point { th, w, v, d, normal, loaded, force, mu, mu_s, mu_psi, mu_heat, heat_factor }
     }
 
     fn force_scale(&self) -> f64 {

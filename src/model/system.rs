@@ -7,6 +7,8 @@ use super::continuum::Element;
 
 /// Most differential states a system can have.
 pub const MAX_STATES: usize = 8;
+/// Most rows that are not affine in one mode: the arm's under a torque law, heat and interface state.
+pub const MAX_NONLINEAR: usize = 3;
 /// Most columns of parameter derivatives a system can hand out.
 pub const MAX_COLUMNS: usize = 48;
 
@@ -109,7 +111,14 @@ pub trait HybridSystem {
     /// Magnitude of s.
     fn slip_scale(&self) -> f64;
     /// The forcing at time t.
-    fn forcing(&self, t: f64) -> Forcing;
+    fn forcing(&self, t: f64) -> Forcing {
+        let (sine, cosine) = (std::f64::consts::TAU / self.period() * t).sin_cos();
+        self.forcing_at(sine, cosine)
+    }
+    /// The forcing at the phase with this sine and cosine.
+    fn forcing_at(&self, sine: f64, cosine: f64) -> Forcing;
+    /// Whether a slope of the rates has a kink within a mode.
+    fn is_kinked(&self) -> bool;
     /// f, g and their Jacobians.
     fn evaluate(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut Evaluation);
     /// g and its Jacobian alone.
@@ -131,6 +140,9 @@ pub trait HybridSystem {
     /// before), or without one the branch that a cycle started in full motion would be on. Several branches can be
     /// consistent with the same states, so that a periodic motion has to end on the one on which it started.
     fn enter(&self, forcing: &Forcing, z: &[f64], last: Option<(Mode, f64)>) -> (Mode, f64);
+    /// Whether a contact in these states, over a roller at rest, would hold the stuck motion for ever: it strengthens as it
+    /// rests, and is strong enough already.
+    fn locks(&self, z: &[f64]) -> bool;
     /// A first guess of the periodic state at time 0.
     fn initial_state(&self) -> [f64; MAX_STATES];
     /// Deflections under the mean force: what a start taken from a neighbouring problem is measured from.

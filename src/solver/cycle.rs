@@ -26,6 +26,10 @@ const SAME_ORBIT: f64 = 1e-6;
 const MAX_EVENTS: usize = 1000;
 /// States this many times their first guess, and a thousand times as many times their scale, are on their way to infinity.
 const UNBOUNDED: f64 = 1e3;
+/// How many times more steps a kink asks for.
+const KINKED: f64 = 4.0 / 3.0;
+/// Ratio of neighbouring sizes of step: a power of it is that of coarse steps to fine ones.
+const RUNG: f64 = 0.840_896_415_253_714_5;
 /// Most steps in one period.
 const MAX_STEPS: usize = 20_000;
 
@@ -135,6 +139,8 @@ pub struct Integrator<'a> {
     pub observe: bool,
     /// Whether steps may be coarser than the tolerance asks for: enough for a search that is still far off.
     pub coarse: bool,
+    /// Sizes of the first steps in each mode, from the start of the cycle or an event on, as shares of the largest.
+    firsts: Vec<((Mode, bool), f64)>,
     /// Steps integrated so far.
     spent: usize,
 }
@@ -150,6 +156,7 @@ impl<'a> Integrator<'a> {
             orbit: None,
             observe: true,
             coarse: false,
+            firsts: Vec::new(),
             spent: 0,
         }
     }
@@ -306,7 +313,7 @@ impl<'a> Integrator<'a> {
         // The method damps an oscillation by (w h)^5/7200 a radian; that must be little against its own damping.
         let ratio = system.damping_ratio().clamp(1e-6, 1.0);
         let needed = std::f64::consts::TAU / (7200.0 * NUMERICAL_DAMPING * ratio).powf(0.2) / tolerance.relief();
-        let steps = tolerance.steps as f64;
+        let steps = tolerance.steps as f64 * if system.is_kinked() { KINKED } else { 1.0 };
         let largest = period / if tolerance.roughness.is_finite() { needed.max(steps) } else { steps }
             * if coarse { COARSE } else { 1.0 };
         let slip_scale = system.slip_scale();
@@ -316,6 +323,7 @@ impl<'a> Integrator<'a> {
             stepper.accept(None);
         }
         let (mut t, mut z, mut h) = (0.0, *start, largest);
+        let mut first = true;
         let moved = system.project(&system.forcing(0.0), &mut z);
         let entered = system.enter(&system.forcing(0.0), &z, entry);
         let (mut mode, mut s) = entered;
@@ -362,7 +370,7 @@ impl<'a> Integrator<'a> {
                     };
                     parts.push(Part::Leg(Box::new((stretch, leg.clone()))));
                 }
-                (t, z, s, h) = (leg.time, leg.state, leg.slip, largest);
+                (t, z, s, h, first) = (leg.time, leg.state, leg.slip, largest, true);
                 if leg.ended {
                     cycle.events += 1;
                     if cycle.events > MAX_EVENTS {
@@ -380,9 +388,14 @@ impl<'a> Integrator<'a> {
                 return Err(format!("given up after {} steps", self.tolerance.budget));
             }
             let stepper = stepper.get_or_insert_default();
+            let opening = (mode, t == 0.0);
+            if first && let Some((_, share)) = self.firsts.iter().find(|(known, _)| *known == opening) {
+                h = rung(largest, share * largest);
+            }
             let mut size = h.min(period - t);
             let mut event = false;
-            let at_start = system.event(&system.forcing(t), &z, s, mode);
+            let forcing = system.forcing(t);
+            let at_start = system.event(&forcing, &z, s, mode);
             let mut e;
             loop {
                 if size < 1e-10 * period {
@@ -391,8 +404,10 @@ impl<'a> Integrator<'a> {
                         t / period
                     ));
                 }
-                if !stepper.step(system, t, &z, s, size, mode) {
-                    size *= 0.25;
+                // What fills the cycle up is of a size of its own.
+                let lasting = size < period - t;
+                if !stepper.step(system, &forcing, &z, s, size, mode, lasting) {
+                    size = rung(largest, 0.25 * size);
                     continue;
                 }
                 e = at_stages(system, stepper, mode);
@@ -401,20 +416,29 @@ impl<'a> Integrator<'a> {
                         / (EVENT_ROUGHNESS * e.iter().fold(1e-7, |m: f64, e| m.max(e.abs()))),
                 );
                 if roughness > 1.0 && size > 1e-6 * period {
-                    size *= (0.9 / roughness.cbrt()).clamp(0.2, 0.7);
+                    size = rung(largest, size * (0.9 / roughness.cbrt()).clamp(0.2, 0.7));
                     continue;
                 }
-                h = (size * (0.9 / roughness.max(1e-9).cbrt()).min(2.0)).min(largest);
+                h = rung(largest, size * (0.9 / roughness.max(1e-9).cbrt()).min(2.0));
                 break;
             }
+            if std::mem::take(&mut first) && size < period - t {
+                // Smaller from cycle to cycle only: with other steps each time the cycles would not converge to rounding.
+                let share = size / largest;
+                match self.firsts.iter_mut().find(|(known, _)| *known == opening) {
+                    Some((_, least)) => *least = least.min(share),
+                    None => self.firsts.push((opening, share)),
+                }
+            }
             if crosses(at_start, e) {
-                let start = Start { system, time: t, z: &z, slip: s, mode, event: at_start };
+                let start = Start { system, time: t, forcing: &forcing, z: &z, slip: s, mode, event: at_start };
                 let shorter = start.shorten(stepper, size, e, located)?;
                 (size, event) = (shorter.size, shorter.ended);
-                h = if event { largest } else { size };
+                h = if event { largest } else { rung(largest, size) };
+                first = event;
             }
             // Tangents and observables of the accepted step.
-            stepper.tangent(system, size, &mut tangents);
+            stepper.tangent(system, &mut tangents);
             let weight = 2.0 * size / period;
             let mut through = [[[0.0; MAX_STATES]; MAX_STATES]; 3];
             for i in 0..3 {
@@ -468,14 +492,37 @@ impl<'a> Integrator<'a> {
     }
 }
 
+/// The largest of few sizes of step that is not above `size`: what a size makes of a step is kept for the next one.
+fn rung(largest: f64, size: f64) -> f64 {
+    let mut rung = largest;
+    while rung > size {
+        rung *= RUNG;
+    }
+    rung
+}
+
 pub(super) fn identity() -> Matrix {
     std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }))
 }
 
+/// The leading rows of the product of two matrices of order `n`.
 fn multiply(rows: usize, n: usize, a: &Matrix, b: &Matrix, out: &mut Matrix) {
+    match n {
+        3 => product(rows, 3, a, b, out),
+        4 => product(rows, 4, a, b, out),
+        _ => product(rows, n, a, b, out),
+    }
+}
+
+#[inline(always)]
+fn product(rows: usize, n: usize, a: &Matrix, b: &Matrix, out: &mut Matrix) {
     for i in 0..rows {
         for j in 0..n {
-            out[i][j] = (0..n).map(|k| a[i][k] * b[k][j]).sum();
+            let mut sum = 0.0;
+            for k in 0..n {
+                sum += a[i][k] * b[k][j];
+            }
+            out[i][j] = sum;
         }
     }
 }

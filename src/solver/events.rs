@@ -1,7 +1,7 @@
 //! Where a mode ends within a step: the event function on the polynomial through its start and its stages.
 
 use super::radau::{C, State, Stepper};
-use crate::model::system::{HybridSystem, Mode};
+use crate::model::system::{Forcing, HybridSystem, Mode};
 
 /// Largest deviation of the event function from its polynomial over a step, relative to its own size: with more, a crossing
 /// could not be told from a wiggle of the polynomial.
@@ -83,6 +83,8 @@ pub struct Start<'a> {
     pub system: &'a dyn HybridSystem,
     /// Time \[s\].
     pub time: f64,
+    /// The forcing.
+    pub forcing: &'a Forcing,
     /// States.
     pub z: &'a State,
     /// Algebraic unknown.
@@ -103,7 +105,7 @@ pub struct Shorter {
 
 impl Start<'_> {
     fn step(&self, stepper: &mut Stepper, size: f64) -> Result<[f64; 3], String> {
-        if stepper.step(self.system, self.time, self.z, self.slip, size, self.mode) {
+        if stepper.step(self.system, self.forcing, self.z, self.slip, size, self.mode, false) {
             return Ok(at_stages(self.system, stepper, self.mode));
         }
         Err(format!("an event at {:.4} of the cycle could not be located", self.time / self.system.period()))

@@ -3,13 +3,26 @@
 // Indices run over several matrices at once here.
 #![allow(clippy::needless_range_loop)]
 
-/// Largest order: three stages of all states and the algebraic unknown.
-pub const MAX_ORDER: usize = 3 * (crate::model::system::MAX_STATES + 1);
+use super::elimination::MAX_UNKNOWNS;
+
+/// Largest order: the unknowns of three stages.
+pub const MAX_ORDER: usize = 3 * MAX_UNKNOWNS;
+
+/// Calls a method with the order, and with it as a constant where it is common, so that the compiler unrolls the loops.
+macro_rules! of_order {
+    ($self:ident.$method:ident$([$width:ident])?($($argument:expr),*)) => {
+        match $self.order {
+            3 => $self.$method::<3$(, $width)?>($($argument),*),
+            6 => $self.$method::<6$(, $width)?>($($argument),*),
+            9 => $self.$method::<9$(, $width)?>($($argument),*),
+            _ => $self.$method::<MAX_ORDER$(, $width)?>($($argument),*),
+        }
+    };
+}
 
 /// A factorised square matrix.
 pub struct Lu {
     order: usize,
-    rows: Box<[[f64; MAX_ORDER]; MAX_ORDER]>,
     columns: Box<[[f64; MAX_ORDER]; MAX_ORDER]>,
     inverse: [f64; MAX_ORDER],
     pivots: [usize; MAX_ORDER],
@@ -17,11 +30,9 @@ pub struct Lu {
 
 impl Default for Lu {
     fn default() -> Self {
-        let zero = [[0.0; MAX_ORDER]; MAX_ORDER];
         Self {
             order: 0,
-            rows: Box::new(zero),
-            columns: Box::new(zero),
+            columns: Box::new([[0.0; MAX_ORDER]; MAX_ORDER]),
             inverse: [0.0; MAX_ORDER],
             pivots: [0; MAX_ORDER],
         }
@@ -29,49 +40,48 @@ impl Default for Lu {
 }
 
 impl Lu {
-    /// The matrix to be filled before [`Lu::factorise`]; only the leading `order` rows and columns count.
-    pub fn matrix(&mut self, order: usize) -> &mut [[f64; MAX_ORDER]; MAX_ORDER] {
+    /// The matrix to be filled before [`Lu::factorise`], column by column; only the leading `order` columns and rows count.
+    pub fn columns(&mut self, order: usize) -> &mut [[f64; MAX_ORDER]; MAX_ORDER] {
         self.order = order;
-        &mut self.rows
+        &mut self.columns
     }
 
     /// Factorises; false where the matrix is singular to working precision.
     pub fn factorise(&mut self) -> bool {
-        let n = self.order;
+        of_order!(self.eliminate())
+    }
+
+    fn eliminate<const N: usize>(&mut self) -> bool {
+        let n = if N == MAX_ORDER { self.order } else { N };
         for k in 0..n {
+            let column = &self.columns[k];
             let mut best = k;
             for i in k + 1..n {
-                if self.rows[i][k].abs() > self.rows[best][k].abs() {
+                if column[i].abs() > column[best].abs() {
                     best = i;
                 }
             }
             self.pivots[k] = best;
             if best != k {
-                let (upper, lower) = self.rows.split_at_mut(best);
-                upper[k][..n].swap_with_slice(&mut lower[0][..n]);
+                self.columns[..n].iter_mut().for_each(|column| column.swap(k, best));
             }
-            let pivot = self.rows[k][k];
+            let pivot = self.columns[k][k];
             if pivot.abs() < 1e-280 || !pivot.is_finite() {
                 return false;
             }
             let inverse = 1.0 / pivot;
             self.inverse[k] = inverse;
-            let (upper, lower) = self.rows.split_at_mut(k + 1);
-            let top = &upper[k][k + 1..n];
-            for row in lower[..n - k - 1].iter_mut() {
-                let factor = row[k] * inverse;
-                row[k] = factor;
-                if factor != 0.0 {
-                    for (r, t) in row[k + 1..n].iter_mut().zip(top) {
-                        *r -= factor * t;
-                    }
-                }
+            // Of fixed length, with zeros where nothing is taken off: that is faster than loops of varying length.
+            let mut factors = [0.0; N];
+            for i in k + 1..n {
+                factors[i] = self.columns[k][i] * inverse;
+                self.columns[k][i] = factors[i];
             }
-        }
-        // Columns side by side, for substitutions that update a whole column at once.
-        for k in 0..n {
-            for i in 0..n {
-                self.columns[k][i] = self.rows[i][k];
+            for column in &mut self.columns[k + 1..n] {
+                let x = column[k];
+                for (r, l) in column[..N].iter_mut().zip(&factors) {
+                    *r -= x * l;
+                }
             }
         }
         true
@@ -79,16 +89,19 @@ impl Lu {
 
     /// Solves in place for one right side.
     pub fn solve(&self, b: &mut [f64]) {
-        let n = self.order;
+        of_order!(self.substitute(b))
+    }
+
+    fn substitute<const N: usize>(&self, b: &mut [f64]) {
+        let n = if N == MAX_ORDER { self.order } else { N };
         let b = &mut b[..n];
         for k in 0..n {
             b.swap(k, self.pivots[k]);
         }
         for k in 0..n {
             let (done, rest) = b.split_at_mut(k + 1);
-            let x = done[k];
             for (r, l) in rest.iter_mut().zip(&self.columns[k][k + 1..n]) {
-                *r -= x * l;
+                *r -= done[k] * l;
             }
         }
         for k in (0..n).rev() {
@@ -100,59 +113,56 @@ impl Lu {
         }
     }
 
+    /// Solves in place for `W` right sides, the columns of `b`.
+    pub fn solve_block<const W: usize>(&self, b: &mut [[f64; W]]) {
+        of_order!(self.substitute_block[W](b))
+    }
+
+    fn substitute_block<const N: usize, const W: usize>(&self, b: &mut [[f64; W]]) {
+        let n = if N == MAX_ORDER { self.order } else { N };
+        let b = &mut b[..n];
+        for k in 0..n {
+            b.swap(k, self.pivots[k]);
+        }
+        for k in 0..n {
+            let x = b[k];
+            for i in k + 1..n {
+                for (r, x) in b[i].iter_mut().zip(&x) {
+                    *r -= self.columns[k][i] * x;
+                }
+            }
+        }
+        for k in (0..n).rev() {
+            let x = b[k].map(|x| x * self.inverse[k]);
+            b[k] = x;
+            for i in 0..k {
+                for (r, x) in b[i].iter_mut().zip(&x) {
+                    *r -= self.columns[k][i] * x;
+                }
+            }
+        }
+    }
+
     /// Solves in place with the transposed matrix for `W` right sides, the columns of `b`.
     pub fn solve_transposed<const W: usize>(&self, b: &mut [[f64; W]]) {
         let n = self.order;
         for k in 0..n {
-            let (done, rest) = b[..n].split_at_mut(k + 1);
-            let x = &mut done[k];
-            for x in x.iter_mut() {
-                *x *= self.inverse[k];
-            }
-            for (row, u) in rest.iter_mut().zip(&self.rows[k][k + 1..n]) {
-                for (r, x) in row.iter_mut().zip(&*x) {
-                    *r -= u * x;
+            for i in 0..k {
+                for column in 0..W {
+                    b[k][column] -= self.columns[k][i] * b[i][column];
                 }
             }
+            b[k] = b[k].map(|x| x * self.inverse[k]);
         }
-        for k in (1..n).rev() {
-            let (rest, done) = b.split_at_mut(k);
-            for (row, l) in rest.iter_mut().zip(&self.rows[k][..k]) {
-                for (r, x) in row.iter_mut().zip(&done[0]) {
-                    *r -= l * x;
+        for k in (0..n).rev() {
+            for i in k + 1..n {
+                for column in 0..W {
+                    b[k][column] -= self.columns[k][i] * b[i][column];
                 }
             }
         }
         for k in (0..n).rev() {
             b.swap(k, self.pivots[k]);
-        }
-    }
-
-    /// Solves in place for `W` right sides, the columns of `b`.
-    pub fn solve_block<const W: usize>(&self, b: &mut [[f64; W]]) {
-        let n = self.order;
-        for k in 0..n {
-            b.swap(k, self.pivots[k]);
-        }
-        for k in 1..n {
-            let (done, rest) = b.split_at_mut(k);
-            for (x, l) in done.iter().zip(&self.rows[k][..k]) {
-                for (r, x) in rest[0].iter_mut().zip(x) {
-                    *r -= l * x;
-                }
-            }
-        }
-        for k in (0..n).rev() {
-            let (rest, done) = b.split_at_mut(k + 1);
-            let row = &mut rest[k];
-            for (x, u) in done.iter().zip(&self.rows[k][k + 1..n]) {
-                for (r, x) in row.iter_mut().zip(x) {
-                    *r -= u * x;
-                }
-            }
-            for r in row {
-                *r *= self.inverse[k];
-            }
         }
     }
 }
@@ -166,9 +176,11 @@ mod tests {
         let a = [[0.0, 2.0, 1.0], [1.0, -1.0, 3.0], [4.0, 0.5, -2.0]];
         let x = [1.5, -2.0, 0.25];
         let mut lu = Lu::default();
-        let matrix = lu.matrix(3);
+        let columns = lu.columns(3);
         for i in 0..3 {
-            matrix[i][..3].copy_from_slice(&a[i]);
+            for j in 0..3 {
+                columns[j][i] = a[i][j];
+            }
         }
         assert!(lu.factorise());
         let mut b: Vec<f64> = a.iter().map(|row| row.iter().zip(&x).map(|(a, x)| a * x).sum()).collect();
@@ -188,9 +200,9 @@ mod tests {
         let mut block: Vec<[f64; 2]> = (0..3).map(|j| [transposed(j, |x| x), transposed(j, |x| x * x)]).collect();
         lu.solve_transposed(&mut block);
         assert!(block.iter().zip(x).all(|(b, x)| (b[0] - x).abs() < 1e-14 && (b[1] - x * x).abs() < 1e-14));
-        let matrix = lu.matrix(2);
-        matrix[0][..2].copy_from_slice(&[1.0, 2.0]);
-        matrix[1][..2].copy_from_slice(&[2.0, 4.0]);
+        let columns = lu.columns(2);
+        columns[0][..2].copy_from_slice(&[1.0, 2.0]);
+        columns[1][..2].copy_from_slice(&[2.0, 4.0]);
         assert!(!lu.factorise());
     }
 }

@@ -7,12 +7,13 @@
 //!   Z = E z + K (1, sin wt, cos wt) + H U,
 //!
 //! with matrices that depend on the mode and the size of the step only and are kept from step to step. Newton's method then
-//! has three unknowns where only the law of friction is not affine, whatever the number of states.
+//! has three unknowns where only the law of friction is not affine, whatever the number of states. Where the constraint is
+//! affine, s is eliminated with the states, and none is left if the rates are, too.
 
 // Indices run over several matrices at once here.
 #![allow(clippy::needless_range_loop)]
 
-use super::elimination::Elimination;
+use super::elimination::{Eliminations, MAX_UNKNOWNS};
 use super::harmonic::Complex;
 use super::lu::{Lu, MAX_ORDER};
 use crate::model::system::{Evaluation, Forcing, HybridSystem, MAX_STATES, Mode};
@@ -30,6 +31,24 @@ pub const A: [[f64; 3]; 3] = [
 /// States of all systems are at most this many.
 pub type State = [f64; MAX_STATES];
 
+/// Calls a method with the numbers of states and of unknowns of a stage, and with the first and the order of the equations as
+/// constants where they are common, so that the compiler unrolls the loops.
+macro_rules! sized {
+    (($n:expr, $m:expr), $self:ident.$method:ident($($argument:expr),*)) => {
+        match ($n, $m) {
+            (3, 1) => $self.$method::<3, 3>((3, 1), $($argument),*),
+            (3, 2) => $self.$method::<3, 6>((3, 2), $($argument),*),
+            (4, 1) => $self.$method::<4, 3>((4, 1), $($argument),*),
+            (4, 2) => $self.$method::<4, 6>((4, 2), $($argument),*),
+            (4, 3) => $self.$method::<4, 9>((4, 3), $($argument),*),
+            sizes => $self.$method::<MAX_STATES, MAX_ORDER>(sizes, $($argument),*),
+        }
+    };
+}
+
+/// Values of the unknowns at a stage.
+type Values = [f64; MAX_UNKNOWNS];
+
 /// A step that was taken, as far as its adjoint needs it.
 #[derive(Debug, Clone)]
 pub struct Taken {
@@ -45,12 +64,11 @@ pub struct Taken {
     pub z: [State; 3],
     /// Algebraic unknown at the stages.
     pub s: [f64; 3],
-    rates: [State; 3],
 }
 
 /// Stage values and the factorised Jacobian of the last step taken.
 pub struct Stepper {
-    eliminated: Box<Elimination>,
+    eliminations: Eliminations,
     lu: Lu,
     evaluations: [Evaluation; 3],
     /// Forcing at the stages.
@@ -59,10 +77,10 @@ pub struct Stepper {
     pub z: [State; 3],
     /// Algebraic unknown at the stages.
     pub s: [f64; 3],
-    /// Rates of the rows that are not affine, at the stages.
-    rates: [State; 3],
+    /// The unknowns at the stages.
+    values: [Values; 3],
     /// Size and mode of the last step that was accepted, with its unknowns, from which the next is guessed.
-    last: Option<(Mode, f64, [f64; 3], [State; 3])>,
+    last: Option<(Mode, f64, [Values; 3])>,
     /// Newton iterations of all steps.
     pub iterations: usize,
 }
@@ -70,13 +88,13 @@ pub struct Stepper {
 impl Default for Stepper {
     fn default() -> Self {
         Self {
-            eliminated: Box::default(),
+            eliminations: Eliminations::default(),
             lu: Lu::default(),
             evaluations: Default::default(),
             forcing: Default::default(),
             z: [[0.0; MAX_STATES]; 3],
             s: [0.0; 3],
-            rates: [[0.0; MAX_STATES]; 3],
+            values: [[0.0; MAX_UNKNOWNS]; 3],
             last: None,
             iterations: 0,
         }
@@ -84,53 +102,59 @@ impl Default for Stepper {
 }
 
 impl Stepper {
-    /// Takes a step of size `h` from (t, z, s); the stages hold the result (the last one is the end). False where Newton
-    /// does not converge.
-    pub fn step(&mut self, system: &dyn HybridSystem, t: f64, z: &State, s: f64, h: f64, mode: Mode) -> bool {
-        let n = system.states();
-        let (scales, slip_scale) = (system.scales(), system.slip_scale());
-        if !self.eliminated.fit(system, mode, h) {
+    /// Takes a step of size `h` from (z, s) under `forcing`; the stages hold the result (the last one is the end). Says in
+    /// `lasting` whether more steps of this size are to be expected. False where Newton does not converge.
+    #[allow(clippy::too_many_arguments)]
+    pub fn step(
+        &mut self,
+        system: &dyn HybridSystem,
+        forcing: &Forcing,
+        z: &State,
+        s: f64,
+        h: f64,
+        mode: Mode,
+        lasting: bool,
+    ) -> bool {
+        if !self.eliminations.fit(system, mode, h, lasting) {
             return false;
         }
-        self.forcing = C.map(|c| system.forcing(t + c * h));
-        let count = self.eliminated.count;
-        self.guess(system, t, z, s, h, mode);
-        // Z without the unknowns; the forcing at the start by way of that at the end.
-        let start = system.forcing(t);
-        let parts = [1.0, start.sine, start.cosine];
+        let (sine, cosine) = (forcing.sine, forcing.cosine);
+        let eliminated = self.eliminations.current();
+        let (n, m) = (system.states(), eliminated.unknowns.len());
+        self.forcing = eliminated.turn.map(|(s, c)| system.forcing_at(sine * c + cosine * s, cosine * c - sine * s));
         let mut base = [[0.0; MAX_STATES]; 3];
-        for i in 0..3 {
-            for j in 0..n {
-                let (from_start, from_forcing) = (&self.eliminated.start[i][j], &self.eliminated.forced[i][j]);
-                base[i][j] = (0..n).map(|l| from_start[l] * z[l]).sum::<f64>()
-                    + (0..3).map(|part| from_forcing[part] * parts[part]).sum::<f64>();
-            }
+        sized!((n, m), self.base(forcing, z, &mut base));
+        if m == 0 {
+            self.states(n, m, &base);
+            return true;
         }
-        let straight = self.eliminated.affine.constraint && count == 0;
+        self.guess(system, forcing, z, s, h, mode);
         let mut previous = f64::INFINITY;
         for _ in 0..25 {
             self.iterations += 1;
-            self.states(n, count, &base);
-            self.evaluate(system, count, mode);
-            if !self.factorise(n, count, h, &scales, slip_scale) {
+            self.states(n, m, &base);
+            self.evaluate(system, mode);
+            if !self.factorise(n, m) {
                 return false;
             }
+            let eliminated = self.eliminations.current();
             let mut delta = [0.0; MAX_ORDER];
-            let m = 1 + count;
             for i in 0..3 {
-                delta[i * m] = -self.evaluations[i].g;
-                for (index, &j) in self.eliminated.rows[..count].iter().enumerate() {
-                    delta[i * m + 1 + index] = h / scales[j] * (self.rates[i][index] - self.evaluations[i].f[j]);
+                let e = &self.evaluations[i];
+                for u in 0..m {
+                    delta[i * m + u] = match eliminated.unknowns.row(u) {
+                        None => -e.g,
+                        Some(j) => (self.values[i][u] - e.f[j]) / eliminated.units[u],
+                    };
                 }
             }
             self.lu.solve(&mut delta);
             let mut size = 0.0f64;
             for i in 0..3 {
-                self.s[i] += delta[i * m] * slip_scale;
-                size = size.max(delta[i * m].abs());
-                for (index, &j) in self.eliminated.rows[..count].iter().enumerate() {
-                    self.rates[i][index] += delta[i * m + 1 + index] * scales[j] / h;
-                    size = size.max(delta[i * m + 1 + index].abs());
+                for u in 0..m {
+                    let delta = delta[i * m + u];
+                    self.values[i][u] += delta * eliminated.units[u];
+                    size = size.max(delta.abs());
                 }
             }
             if !size.is_finite() {
@@ -138,8 +162,8 @@ impl Stepper {
             }
             // Converged, as far as the squaring of errors by Newton's method tells, or as close as rounding lets it come.
             let ratio = if previous.is_finite() { size / previous } else { 1.0 };
-            if straight || size * ratio * ratio < 1e-12 || size < 1e-10 || (size < 1e-6 && ratio > 0.5) {
-                self.states(n, count, &base);
+            if size * ratio * ratio < 1e-12 || size < 1e-10 || (size < 1e-6 && ratio > 0.5) {
+                self.states(n, m, &base);
                 return true;
             }
             previous = size;
@@ -147,47 +171,78 @@ impl Stepper {
         false
     }
 
+    /// Z without the unknowns; the forcing at the start by way of that at the end.
+    #[inline(always)]
+    fn base<const N: usize, const ORDER: usize>(
+        &self,
+        (n, _): (usize, usize),
+        forcing: &Forcing,
+        z: &State,
+        base: &mut [State; 3],
+    ) {
+        let eliminated = self.eliminations.current();
+        for i in 0..3 {
+            for j in 0..n {
+                let (from_start, by) = (&eliminated.start[i][j], &eliminated.forced[i][j]);
+                let mut sum = by[0] + by[1] * forcing.sine + by[2] * forcing.cosine;
+                for l in 0..n {
+                    sum += from_start[l] * z[l];
+                }
+                base[i][j] = sum;
+            }
+        }
+    }
+
     /// First values of the unknowns: continued from the last step in the same mode, or constant.
-    fn guess(&mut self, system: &dyn HybridSystem, t: f64, z: &State, s: f64, h: f64, mode: Mode) {
-        let count = self.eliminated.count;
-        if let Some((before, size, slips, rates)) = &self.last
+    fn guess(&mut self, system: &dyn HybridSystem, forcing: &Forcing, z: &State, s: f64, h: f64, mode: Mode) {
+        let unknowns = &self.eliminations.current().unknowns;
+        let m = unknowns.len();
+        if let Some((before, size, values)) = &self.last
             && *before == mode
             && h <= 2.0 * size
         {
             for i in 0..3 {
-                let weights = parabola(1.0 + C[i] * h / size);
-                self.s[i] = (0..3).map(|k| weights[k] * slips[k]).sum();
-                for index in 0..count {
-                    self.rates[i][index] = (0..3).map(|k| weights[k] * rates[k][index]).sum();
+                let [a, b, c] = parabola(1.0 + C[i] * h / size);
+                for u in 0..m {
+                    self.values[i][u] = a * values[0][u] + b * values[1][u] + c * values[2][u];
                 }
             }
             return;
         }
-        self.s = [s; 3];
-        if count > 0 {
-            let e = &mut self.evaluations[0];
-            system.evaluate(&system.forcing(t), z, s, mode, e);
-            for (index, &j) in self.eliminated.rows[..count].iter().enumerate() {
-                self.rates.iter_mut().for_each(|rates| rates[index] = e.f[j]);
-            }
+        if !unknowns.rows().is_empty() {
+            system.evaluate(forcing, z, s, mode, &mut self.evaluations[0]);
+        }
+        for u in 0..m {
+            let value = unknowns.row(u).map_or(s, |j| self.evaluations[0].f[j]);
+            self.values.iter_mut().for_each(|values| values[u] = value);
         }
     }
 
     /// Keeps the step just taken, from which the next is guessed; `None` for a mode that ended with it.
     pub fn accept(&mut self, going_on: Option<(Mode, f64)>) {
-        self.last = going_on.map(|(mode, size)| (mode, size, self.s, self.rates));
+        self.last = going_on.map(|(mode, size)| (mode, size, self.values));
     }
 
-    /// States at the stages from the unknowns.
-    fn states(&mut self, n: usize, count: usize, base: &[State; 3]) {
+    /// States and algebraic unknown at the stages from the unknowns.
+    fn states(&mut self, n: usize, m: usize, base: &[State; 3]) {
+        sized!((n, m), self.states_of(base));
+        let unknowns = &self.eliminations.current().unknowns;
+        for i in 0..3 {
+            self.s[i] =
+                if unknowns.slip { self.values[i][0] } else { unknowns.slip_at(n, &self.z[i], &self.forcing[i]) };
+        }
+    }
+
+    #[inline(always)]
+    fn states_of<const N: usize, const ORDER: usize>(&mut self, (n, m): (usize, usize), base: &[State; 3]) {
+        let eliminated = self.eliminations.current();
         for i in 0..3 {
             for j in 0..n {
-                let by = &self.eliminated.unknowns[i][j];
+                let by = &eliminated.by_unknown[i][j];
                 let mut sum = base[i][j];
                 for k in 0..3 {
-                    sum += by[k][0] * self.s[k];
-                    for index in 0..count {
-                        sum += by[k][1 + index] * self.rates[k][index];
+                    for u in 0..m {
+                        sum += by[k][u] * self.values[k][u];
                     }
                 }
                 self.z[i][j] = sum;
@@ -195,71 +250,91 @@ impl Stepper {
         }
     }
 
-    fn evaluate(&mut self, system: &dyn HybridSystem, count: usize, mode: Mode) {
+    /// Rates, constraint and their derivatives at the stages; those by the states include what goes by way of an algebraic
+    /// unknown that was eliminated.
+    fn evaluate(&mut self, system: &dyn HybridSystem, mode: Mode) {
+        let unknowns = &self.eliminations.current().unknowns;
         for i in 0..3 {
             let e = &mut self.evaluations[i];
-            if count == 0 {
+            if unknowns.rows().is_empty() && unknowns.slip {
                 system.constraint(&self.forcing[i], &self.z[i], self.s[i], mode, e);
-            } else {
-                system.evaluate(&self.forcing[i], &self.z[i], self.s[i], mode, e);
+                continue;
+            }
+            system.evaluate(&self.forcing[i], &self.z[i], self.s[i], mode, e);
+            if !unknowns.slip {
+                for &j in unknowns.rows() {
+                    for (fz, by) in e.fz[j].iter_mut().zip(unknowns.slip_by()) {
+                        *fz += e.fs[j] * by;
+                    }
+                }
             }
         }
     }
 
-    fn factorise(&mut self, n: usize, count: usize, h: f64, scales: &State, slip_scale: f64) -> bool {
-        let m = 1 + count;
-        let eliminated = &self.eliminated;
-        let matrix = self.lu.matrix(3 * m);
+    fn factorise(&mut self, n: usize, m: usize) -> bool {
+        sized!((n, m), self.jacobian());
+        self.lu.factorise()
+    }
+
+    #[inline(always)]
+    fn jacobian<const N: usize, const ORDER: usize>(&mut self, (n, m): (usize, usize)) {
+        let eliminated = self.eliminations.current();
+        let (unknowns, units) = (&eliminated.unknowns, &eliminated.units);
+        let columns = self.lu.columns(3 * m);
         for i in 0..3 {
             let e = &self.evaluations[i];
             for index in 0..m {
                 // Residuals: g, and f - r in units of the state over the step.
-                let (gradient, own, factor) = match index {
-                    0 => (&e.gz, e.gs, 1.0),
-                    _ => {
-                        let j = eliminated.rows[index - 1];
-                        (&e.fz[j], e.fs[j], h / scales[j])
-                    }
+                let (gradient, own, factor) = match unknowns.row(index) {
+                    None => (&e.gz, e.gs, 1.0),
+                    Some(j) => (&e.fz[j], e.fs[j], 1.0 / units[index]),
                 };
-                let row = &mut matrix[i * m + index];
+                let row = i * m + index;
                 for k in 0..3 {
                     for u in 0..m {
-                        let through: f64 = (0..n).map(|l| gradient[l] * eliminated.unknowns[i][l][k][u]).sum();
-                        let unit = if u == 0 { slip_scale } else { scales[eliminated.rows[u - 1]] / h };
-                        row[k * m + u] = factor * through * unit;
+                        let mut through = 0.0;
+                        for l in 0..n {
+                            through += gradient[l] * eliminated.by_unknown[i][l][k][u];
+                        }
+                        columns[k * m + u][row] = factor * through * units[u];
                     }
                 }
-                row[i * m] += factor * own * slip_scale;
-                if index > 0 {
-                    row[i * m + index] -= 1.0;
+                if unknowns.slip {
+                    columns[i * m][row] += factor * own * units[0];
+                }
+                if unknowns.row(index).is_some() {
+                    columns[row][row] -= 1.0;
                 }
             }
         }
-        self.lu.factorise()
-    }
-
-    /// Evaluates and factorises the Jacobian at the converged stages, for exact tangents.
-    pub fn refactorise(&mut self, system: &dyn HybridSystem, h: f64, mode: Mode) -> bool {
-        let count = self.eliminated.count;
-        self.evaluate(system, count, mode);
-        self.factorise(system.states(), count, h, &system.scales(), system.slip_scale())
     }
 
     /// Derivative of the stage states by the state at the start: `out[stage][row][column]`, for the columns `0..n`. The
     /// unknowns answer through the Jacobian to what the start does without them.
-    pub fn tangent(&self, system: &dyn HybridSystem, h: f64, out: &mut [[State; MAX_STATES]; 3]) {
-        let n = system.states();
-        let (scales, slip_scale) = (system.scales(), system.slip_scale());
-        let (eliminated, m) = (&self.eliminated, 1 + self.eliminated.count);
+    pub fn tangent(&self, system: &dyn HybridSystem, out: &mut [[State; MAX_STATES]; 3]) {
+        sized!((system.states(), self.eliminations.current().unknowns.len()), self.tangent_of(out));
+    }
+
+    #[inline(always)]
+    fn tangent_of<const N: usize, const ORDER: usize>(
+        &self,
+        (n, m): (usize, usize),
+        out: &mut [[State; MAX_STATES]; 3],
+    ) {
+        let eliminated = self.eliminations.current();
         let direct = &eliminated.start;
-        let mut rhs = [[0.0; MAX_STATES]; MAX_ORDER];
+        if m == 0 {
+            *out = *direct;
+            return;
+        }
+        let mut rhs = [[0.0; N]; ORDER];
         for i in 0..3 {
             let e = &self.evaluations[i];
             for index in 0..m {
                 let row = &mut rhs[i * m + index];
-                let (gradient, factor) = match index {
-                    0 => (&e.gz, 1.0),
-                    _ => (&e.fz[eliminated.rows[index - 1]], h / scales[eliminated.rows[index - 1]]),
+                let (gradient, factor) = match eliminated.unknowns.row(index) {
+                    None => (&e.gz, 1.0),
+                    Some(j) => (&e.fz[j], 1.0 / eliminated.units[index]),
                 };
                 for l in 0..n {
                     let weight = -factor * gradient[l];
@@ -277,8 +352,7 @@ impl Stepper {
                 let mut row = direct[i][j];
                 for k in 0..3 {
                     for u in 0..m {
-                        let unit = if u == 0 { slip_scale } else { scales[eliminated.rows[u - 1]] / h };
-                        let weight = eliminated.unknowns[i][j][k][u] * unit;
+                        let weight = eliminated.by_unknown[i][j][k][u] * eliminated.units[u];
                         for column in 0..n {
                             row[column] += weight * rhs[k * m + u][column];
                         }
@@ -291,7 +365,7 @@ impl Stepper {
 
     /// The step just taken; `weight` is that of its integral in the fundamental.
     pub fn taken(&self, mode: Mode, size: f64, weight: f64) -> Taken {
-        Taken { mode, size, weight, forcing: self.forcing, z: self.z, s: self.s, rates: self.rates }
+        Taken { mode, size, weight, forcing: self.forcing, z: self.z, s: self.s }
     }
 
     /// Carries the adjoint of the states at the end of a step that was taken back to its start. Leaves in `rates` and
@@ -305,15 +379,17 @@ impl Stepper {
         constraint: &mut [Complex; 3],
     ) -> bool {
         let h = taken.size;
-        if !self.eliminated.fit(system, taken.mode, h) {
+        if !self.eliminations.fit(system, taken.mode, h, true) {
             return false;
         }
-        (self.forcing, self.z, self.s, self.rates) = (taken.forcing, taken.z, taken.s, taken.rates);
-        if !self.refactorise(system, h, taken.mode) {
+        (self.forcing, self.z, self.s) = (taken.forcing, taken.z, taken.s);
+        self.evaluate(system, taken.mode);
+        let (n, m, scales) = (system.states(), self.eliminations.current().unknowns.len(), system.scales());
+        if m > 0 && !self.factorise(n, m) {
             return false;
         }
-        let (n, scales, slip_scale) = (system.states(), system.scales(), system.slip_scale());
-        let (eliminated, m) = (&self.eliminated, 1 + self.eliminated.count);
+        let eliminated = self.eliminations.current();
+        let (unknowns, units) = (&eliminated.unknowns, &eliminated.units);
         // By the states at the stages as they stand: through the fundamental and, at the last, the end.
         let mut by_stage = [[[0.0; 2]; MAX_STATES]; 3];
         for i in 0..3 {
@@ -328,57 +404,68 @@ impl Stepper {
         let mut through = [[0.0; 2]; MAX_ORDER];
         for k in 0..3 {
             for u in 0..m {
-                let unit = if u == 0 { slip_scale } else { scales[eliminated.rows[u - 1]] / h };
                 let sum = &mut through[k * m + u];
                 for i in 0..3 {
                     for j in 0..n {
-                        let by = unit * eliminated.unknowns[i][j][k][u];
+                        let by = units[u] * eliminated.by_unknown[i][j][k][u];
                         sum[0] += by_stage[i][j][0] * by;
                         sum[1] += by_stage[i][j][1] * by;
                     }
                 }
             }
         }
-        self.lu.solve_transposed(&mut through[..3 * m]);
+        if m > 0 {
+            self.lu.solve_transposed(&mut through[..3 * m]);
+        }
         *rates = [[(0.0, 0.0); MAX_STATES]; 3];
         for i in 0..3 {
             let e = &self.evaluations[i];
             for index in 0..m {
                 let by = through[i * m + index];
-                let (gradient, factor) = match index {
-                    0 => (&e.gz, 1.0),
-                    _ => (&e.fz[eliminated.rows[index - 1]], h / scales[eliminated.rows[index - 1]]),
+                let row = unknowns.row(index);
+                let (gradient, factor) = match row {
+                    None => (&e.gz, 1.0),
+                    Some(j) => (&e.fz[j], 1.0 / units[index]),
                 };
                 for l in 0..n {
                     by_stage[i][l][0] -= by[0] * factor * gradient[l];
                     by_stage[i][l][1] -= by[1] * factor * gradient[l];
                 }
-                match index {
-                    0 => constraint[i] = (-by[0], -by[1]),
-                    _ => rates[i][eliminated.rows[index - 1]] = (-factor * by[0], -factor * by[1]),
+                match row {
+                    None => constraint[i] = (-by[0], -by[1]),
+                    Some(j) => rates[i][j] = (-factor * by[0], -factor * by[1]),
                 }
             }
         }
         // Through the affine rows.
-        let mut affine = [[0.0; 2]; MAX_ORDER];
         for i in 0..3 {
             for j in 0..n {
-                affine[i * n + j] = by_stage[i][j].map(|by| by * scales[j]);
+                by_stage[i][j] = by_stage[i][j].map(|by| by * scales[j]);
             }
         }
-        eliminated.lu.solve_transposed(&mut affine[..3 * n]);
+        eliminated.solve_transposed(n, &mut by_stage);
         *adjoint = [(0.0, 0.0); MAX_STATES];
         for j in 0..n {
             for i in 0..3 {
-                let by = affine[i * n + j];
+                let by = by_stage[i][j];
                 adjoint[j].0 += by[0] / scales[j];
                 adjoint[j].1 += by[1] / scales[j];
-                if eliminated.affine.rows[j] {
+                if unknowns.affine[j] {
                     for k in 0..3 {
                         let w = h * A[i][k] / scales[j];
                         rates[k][j].0 += w * by[0];
                         rates[k][j].1 += w * by[1];
                     }
+                }
+            }
+        }
+        // An algebraic unknown that was eliminated answers to a disturbance of g and moves all rates.
+        if !unknowns.slip {
+            for i in 0..3 {
+                let e = &self.evaluations[i];
+                for j in 0..n {
+                    constraint[i].0 -= rates[i][j].0 * e.fs[j] / e.gs;
+                    constraint[i].1 -= rates[i][j].1 * e.fs[j] / e.gs;
                 }
             }
         }

@@ -38,6 +38,8 @@ const NEAR: f64 = 3e-2;
 const SQUARED: f64 = 1e-4;
 /// Relative change over a cycle below which the next may be the last, and is observed.
 const LAST: f64 = 1e-3;
+/// Cycles of a transient without slip both ways after which a contact that strengthens as it rests is taken to rest for ever.
+const RESTING: usize = 3;
 /// Most cycles where the contact may come to rest: there is a closed form for that.
 const MAX_CYCLES_AT_REST: usize = 150;
 
@@ -65,6 +67,7 @@ pub fn search(integrator: &mut Integrator, guess: Option<&Start>) -> Result<Peri
     let mut warm = guess.is_some();
     let mut sound: Option<Start> = None;
     let mut before = f64::INFINITY;
+    let mut resting = 0;
     integrator.observe = guess.is_some();
     integrator.coarse = guess.is_none() && !integrator.measures_order();
     let most = integrator.tolerance().cycles.min(if system.can_rest() { MAX_CYCLES_AT_REST } else { usize::MAX });
@@ -86,6 +89,16 @@ pub fn search(integrator: &mut Integrator, guess: Option<&Start>) -> Result<Peri
                 continue;
             }
         };
+        // Over a roller at rest a steady motion slips both ways or not at all: one way only is how the contact comes to rest.
+        let rests = march > 0
+            && cycle.events <= 2
+            && cycle.stick_fraction > 0.0
+            && system.can_rest()
+            && system.locks(&cycle.end);
+        resting = if rests { resting + 1 } else { 0 };
+        if resting == RESTING {
+            return Err("the contact has come to rest for ever".into());
+        }
         sound = Some((cycle.end, cycle.branch[1]));
         entry = Some(cycle.branch[1]);
         // Where the transient has been followed into rest (shakedown), what the cycle leaves open stays where it came to rest.

@@ -41,6 +41,6 @@ impl Tolerance {
 
 impl Default for Tolerance {
     fn default() -> Self {
-        Self { steps: 32, roughness: 1e-3, cycles: 250, budget: usize::MAX }
+        Self { steps: 24, roughness: 1e-3, cycles: 250, budget: usize::MAX }
     }
 }

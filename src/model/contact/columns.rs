@@ -8,6 +8,7 @@ impl Problem {
     pub(super) fn fill_columns(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut ParameterColumns) {
         let s = if mode == Mode::Stick { 0.0 } else { s };
         let p = self.point(forcing, z, s);
+        let torque = self.torque(p.th, p.w);
         let sign = Self::sign(mode);
         let slip = if self.rate_element { p.v } else { s };
         let psi = self.state(self.psi, z);
@@ -23,7 +24,7 @@ impl Problem {
                 Column::FreeIm => (dth, dw) = (forcing.cosine, -self.omega * forcing.sine),
                 Column::Damping => arm = -z[1],
                 Column::Stiffness => arm = -z[0],
-                Column::InverseInertia => arm = self.b * p.force + p.torque.value,
+                Column::InverseInertia => arm = self.b * p.force + torque.value,
                 Column::Arm => {
                     dv = -p.w;
                     dn = self.load_stiffness * p.th;
@@ -67,7 +68,7 @@ impl Problem {
                 dn = 0.0;
             }
             dforce += (self.cc + self.sigma2) * dv;
-            dtorque += p.torque.d_first * dth + p.torque.d_second * dw;
+            dtorque += torque.d_first * dth + torque.d_second * dw;
             let f = &mut out.f[index];
             *f = [0.0; MAX_STATES];
             f[1] = self.inverse_inertia * (self.b * dforce + dtorque) + arm;

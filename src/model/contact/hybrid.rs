@@ -49,14 +49,20 @@ impl HybridSystem for Problem {
         self.omega * self.stroke
     }
 
-    fn forcing(&self, t: f64) -> Forcing {
-        let (sine, cosine) = (self.omega * t).sin_cos();
+    fn forcing_at(&self, sine: f64, cosine: f64) -> Forcing {
         let (re, im) = self.free;
         Forcing { sine, cosine, angle: re * sine + im * cosine, velocity: self.omega * (re * cosine - im * sine) }
     }
 
+    fn is_kinked(&self) -> bool {
+        self.laws.iter().any(|(effect, _)| effect.torque_is_kinked())
+    }
+
     fn evaluate(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut Evaluation) {
-        let p = self.point(forcing, z, if mode == Mode::Stick { 0.0 } else { s });
+        let v = self.relative_speed(forcing, z);
+        let d = v - if mode == Mode::Stick { 0.0 } else { s };
+        let force = self.pull(z, v, d);
+        let torque = self.torque(forcing.angle + z[0], forcing.velocity + z[1]);
         let (x, b) = (self.x, self.b);
         // Gradient of F by (w, u, x, q, s).
         let force_v = self.cc + self.sigma2;
@@ -76,10 +82,10 @@ impl HybridSystem for Problem {
         out.fz[0][1] = 1.0;
         out.fs[0] = 0.0;
         let gain = self.inverse_inertia * b;
-        out.f[1] = -self.c * z[1] - self.k * z[0] + self.inverse_inertia * (b * p.force + p.torque.value);
+        out.f[1] = -self.c * z[1] - self.k * z[0] + self.inverse_inertia * (b * force + torque.value);
         out.fz[1] = force_z.map(|f| gain * f);
-        out.fz[1][0] += -self.k + self.inverse_inertia * p.torque.d_first;
-        out.fz[1][1] += -self.c + self.inverse_inertia * p.torque.d_second;
+        out.fz[1][0] += -self.k + self.inverse_inertia * torque.d_first;
+        out.fz[1][1] += -self.c + self.inverse_inertia * torque.d_second;
         out.fs[1] = gain * force_s;
         // Relative speed of the bristles' ends.
         let mut rate_z = [0.0; MAX_STATES];
@@ -91,30 +97,30 @@ impl HybridSystem for Problem {
             out.fz[i] = [0.0; MAX_STATES];
             out.fz[i][i + 1] = 1.0;
             out.fs[i] = 0.0;
-            out.f[i + 1] = -inverse * p.force - c * z[i + 1] - k * z[i];
+            out.f[i + 1] = -inverse * force - c * z[i + 1] - k * z[i];
             out.fz[i + 1] = force_z.map(|f| -inverse * f);
             out.fz[i + 1][i] -= k;
             out.fz[i + 1][i + 1] -= c;
             out.fs[i + 1] = -inverse * force_s;
         }
         // The slip rate that friction works on: that of the interface, or the relative speed for a rate element.
-        let slip = if self.rate_element { p.v } else { s };
+        let slip = if self.rate_element { v } else { s };
         if let Some(i) = self.heat {
             let gain = self.heating_gain;
-            out.f[i] = gain * p.force * slip - self.cooling_rate * z[i];
+            out.f[i] = gain * force * slip - self.cooling_rate * z[i];
             for j in 0..self.states {
                 let slip_z = if self.rate_element { rate_z[j] } else { 0.0 };
-                out.fz[i][j] = gain * (force_z[j] * slip + p.force * slip_z);
+                out.fz[i][j] = gain * (force_z[j] * slip + force * slip_z);
             }
             out.fz[i][i] -= self.cooling_rate;
-            out.fs[i] = gain * (force_s * slip + if self.rate_element { 0.0 } else { p.force });
+            out.fs[i] = gain * (force_s * slip + if self.rate_element { 0.0 } else { force });
         }
-        out.f[x] = p.d - self.renewal * z[x];
+        out.f[x] = d - self.renewal * z[x];
         out.fz[x] = rate_z;
         out.fz[x][x] = -self.renewal;
         out.fs[x] = -1.0;
         if let Some(i) = self.q {
-            out.f[i] = self.k1 * p.d - self.branch_rate * z[i];
+            out.f[i] = self.k1 * d - self.branch_rate * z[i];
             out.fz[i] = rate_z.map(|r| self.k1 * r);
             out.fz[i][i] -= self.branch_rate;
             out.fs[i] = -self.k1;
@@ -144,7 +150,7 @@ impl HybridSystem for Problem {
                 let th = forcing.angle + z[0];
                 let v = self.relative_speed(forcing, z);
                 let normal = (self.load + self.load_stiffness * b * th).max(0.0);
-                let force = self.kc * z[x] + self.cc * (v - s) + self.state(self.q, z) + self.sigma2 * v;
+                let force = self.pull(z, v, v - s);
                 let friction = self.friction(sign * s, self.state(self.psi, z), self.state(self.heat, z));
                 let (mu, mu_s, mu_psi, mu_heat, _) = friction;
                 let scale = 1.0 / self.force_scale();
@@ -321,6 +327,11 @@ impl HybridSystem for Problem {
         }
     }
 
+    fn locks(&self, z: &[f64]) -> bool {
+        let (mu, ..) = self.friction(0.0, self.state(self.psi, z), 0.0);
+        self.locked_state().is_some_and(|locked| locked.force.1 < mu * self.load)
+    }
+
     fn initial_state(&self) -> [f64; MAX_STATES] {
         let mut z = [0.0; MAX_STATES];
         if self.speed == 0.0 {
@@ -414,6 +425,7 @@ impl HybridSystem for Problem {
     }
 
     fn force(&self, forcing: &Forcing, z: &[f64], s: f64) -> (f64, f64) {
-        (self.point(forcing, z, s).force, z[self.x])
+        let v = self.relative_speed(forcing, z);
+        (self.pull(z, v, v - s), z[self.x])
     }
 }
