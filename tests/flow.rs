@@ -173,7 +173,7 @@ fn a_warm_start_gives_the_answer_of_a_cold_one_sooner() {
                 assert_eq!(other.status.word(), fresh.status.word(), "{what}");
                 // Both are within the tolerance of the solver; the kink of the quadratic law at rest, in a contact that came
                 // to rest with another stretch, is the least accurate of all.
-                let allowed = if name == "quadratic-damping" { 2e-5 } else { 2e-7 };
+                let allowed = if name == "quadratic-damping" { 2e-5 } else { 2e-6 };
                 assert!(distance(&other, &fresh) < allowed, "{what}: {:e}", distance(&other, &fresh));
                 warm_cycles += other.cycles;
                 cold_cycles += fresh.cycles;
@@ -185,7 +185,7 @@ fn a_warm_start_gives_the_answer_of_a_cold_one_sooner() {
 
 #[test]
 fn few_steps_are_good_to_1e_4() {
-    let cheap = Tolerance { steps: 16, ..Tolerance::default() };
+    let cheap = Tolerance { steps: 12, ..Tolerance::default() };
     for name in CONTACTS {
         let model = with(name);
         for frequency in [62.0, 71.0, 80.0] {

@@ -58,6 +58,9 @@ impl SliderSystem for Replaced<'_> {
     fn limit(&self, forcing: &Forcing, angle: f64, s: f64, psi: f64, heat: f64) -> (f64, f64) {
         self.continuum.limit(forcing, angle, s, psi, heat)
     }
+    fn rate_independent(&self) -> bool {
+        self.continuum.rate_independent()
+    }
     fn interface(&self, s: f64) -> Option<(f64, f64)> {
         self.continuum.interface(s)
     }
@@ -104,7 +107,8 @@ fn continuum() -> Model {
 fn with_equal_elements(model: &Model, at: &Operation) -> (f64, f64) {
     let problem = Problem::new(model, at);
     let continuum = problem.continuum().expect("a continuum");
-    let found = parallel::solve(&Replaced { continuum, elements: equal_elements() }, &FINER).expect("periodic");
+    let found =
+        parallel::solve(&Replaced { continuum, elements: equal_elements() }, &FINER, &mut None).expect("periodic");
     let (re, im) = problem.lumps.free_response();
     let (re, im) = (re.value + found.fundamental.0, im.value + found.fundamental.1);
     (re.hypot(im), wrap(im.atan2(re)))

@@ -21,7 +21,7 @@ pub use regions::{Region, regions, words};
 pub use whiteness::{Whiteness, whiteness};
 
 use crate::fit::{
-    Correlation, Fit, Interval, Parameter, Prediction, Problem, approximate_intervals, correlations, intervals, read,
+    Correlation, Fit, Interval, Prediction, Problem, approximate_intervals, correlations, intervals, read,
 };
 use crate::measurement::{Point, Table};
 use crate::model::Model;
@@ -138,7 +138,7 @@ pub fn compare(scenario: &Scenario, table: &Table, options: &Options) -> Compari
 pub fn judge(scenario: &Scenario, table: &Table, base: &Model, calibration: &Calibration, profile: bool) -> Comparison {
     let fit = &calibration.fit;
     let (settings, _) = conditions_of(&table.points);
-    let calibrated = Problem::new(base.clone(), &table.points, fit.parameters.clone(), Tolerance::default());
+    let mut calibrated = Problem::new(base.clone(), &table.points, fit.parameters.clone(), Tolerance::FIT);
     let model = calibrated.model(&fit.values);
     let points = compared(&table.points, &fit.evaluation.predictions);
     let overall = Metrics::over(points.iter());
@@ -154,16 +154,13 @@ pub fn judge(scenario: &Scenario, table: &Table, base: &Model, calibration: &Cal
             of(i).iter().fold((f64::INFINITY, 0.0), |(a, b), p| (a.min(p.point.frequency), p.point.frequency.max(b)))
         })
         .collect();
-    let rebuild = |parameters: Vec<Parameter>, values: &[f64]| {
-        Problem::new(calibrated.model(values), &table.points, parameters, Tolerance::default())
-    };
     let noise = if whiteness.structured { overall.chi2_per_point.sqrt().max(1.0) } else { 1.0 };
     Comparison {
         scenario: scenario.clone(),
         table: table.clone(),
         fit: fit.clone(),
         intervals: if profile {
-            intervals(fit, noise, calibration.threshold, &rebuild)
+            intervals(fit, noise, calibration.threshold, &mut calibrated)
         } else {
             approximate_intervals(fit, noise)
         },

@@ -41,7 +41,7 @@ pub fn fit_addition(scenario: &Scenario, table: &Table, effect: &'static dyn Eff
     let data = Data::new(&table.points, &of_condition, base.threshold, stated, seed);
     let from = Hypothesis { additions: Vec::new(), model, fit: base.fit, estimate: None, bic: f64::INFINITY };
     let explored =
-        explore(&data, &from, &Base::new(&data, &from), at_stated_values(&data, &from).as_ref(), addition, None);
+        explore(&data, &from, &Base::new(&data, &from), at_stated_values(&data, &from).as_ref(), addition, None, false);
     let led = lead(&data, explored.begin(&data, &from)).map(|attempt| attempt.finished(&data));
     let mut best = explored.found(&from, led).hypothesis;
     best.fit = on_all(&data, &best.model, &best.fit);

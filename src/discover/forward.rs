@@ -56,6 +56,10 @@ impl Search<'_> {
         let mut chosen = start.clone();
         let mut frontier = vec![start.clone()];
         while chosen.additions.len() < self.options.max_effects {
+            // Nothing is looked for beside a continuum of sliders that leaves nothing but noise: it takes too long to solve.
+            if on_all_problem(&self.data, &chosen.fitted(), Vec::new()).has_continuum() && !self.structured(&chosen) {
+                break;
+            }
             let Some((best, contenders)) = self.advance(&frontier, &mut rounds) else { break };
             let noise = self.noise(&best);
             if self.score(&chosen, noise) - self.score(&best, noise) <= MARGIN {

@@ -79,11 +79,12 @@ impl Search<'_> {
             .collect();
         let base = Base::new(data, from);
         let stated = at_stated_values(data, from);
+        let beside_noise = !self.structured(from);
         let explored: Vec<Explored> = fitting
             .par_iter()
             .map(|&addition| {
                 let hint = first.and_then(|round| round.hint(addition));
-                explore(data, from, &base, stated.as_ref(), addition, hint.as_ref())
+                explore(data, from, &base, stated.as_ref(), addition, hint.as_ref(), beside_noise)
             })
             .collect();
         let share = data.part.len() as f64 / data.points.len() as f64;

@@ -1,7 +1,7 @@
 //! Samples over the ranges of an addition, and what they tell before any fit.
 
 use super::hypothesis::{Addition, Hypothesis, extended};
-use super::search::{Data, movable, on_part};
+use super::search::{Data, movable};
 use crate::fit::{Evaluation, Parameter, Problem, parameter, robust_chi2};
 use crate::measurement::Point;
 use crate::model::Model;
@@ -12,6 +12,8 @@ use nalgebra::{DMatrix, DVector};
 const SAMPLES: [usize; 4] = [8, 14, 18, 20];
 /// Samples where values are known that are worth a look.
 const WITH_HINT: usize = 6;
+/// Samples beside an explanation that leaves nothing but noise.
+const BESIDE_NOISE: usize = 2;
 /// Change of a residual, in standard deviations, below which a point counts as left alone.
 const UNTOUCHED: f64 = 0.1;
 /// Samples about values that may be a local minimum, and how far they reach on the natural scale of a parameter.
@@ -45,7 +47,7 @@ pub struct Look {
 }
 
 /// Looks at samples of one more addition. Points that the hint says it leaves alone are not solved again.
-pub fn look(data: &Data<'_>, base: &Base, addition: Addition, samples: &[Model], hint: Option<&Hint>) -> Look {
+pub fn look(data: &Data<'_>, base: &Base<'_>, addition: Addition, samples: &[Model], hint: Option<&Hint>) -> Look {
     let rest = base.rest();
     let rows = rows(&data.part);
     let mut touched = vec![false; data.part.len()];
@@ -125,13 +127,13 @@ fn rows(points: &[&Point]) -> Vec<std::ops::Range<usize>> {
 }
 
 /// Residuals of a model on the part of the points, those of `base` where the hint says that nothing changes.
-fn residuals(data: &Data<'_>, model: &Model, base: &Base, hint: Option<&Hint>) -> DVector<f64> {
-    let Some(hint) = hint else { return on_part(data, model, Vec::new()).evaluate(&[], false).residuals };
-    let points = data.part.iter().zip(&hint.touched).filter(|(_, touched)| **touched).map(|(point, _)| *point);
-    let solved = Problem::new(model.clone(), points, Vec::new(), Tolerance::COARSE).evaluate(&[], false).residuals;
+fn residuals(data: &Data<'_>, model: &Model, base: &Base<'_>, hint: Option<&Hint>) -> DVector<f64> {
+    let everywhere = vec![true; data.part.len()];
+    let touched = hint.map_or(&everywhere, |hint| &hint.touched);
+    let solved = base.problem.of(model.clone(), touched).evaluate(&[], false).residuals;
     let mut all = base.evaluation.residuals.clone();
     let mut next = 0;
-    for (range, _) in rows(&data.part).into_iter().zip(&hint.touched).filter(|(_, touched)| **touched) {
+    for (range, _) in rows(&data.part).into_iter().zip(touched).filter(|(_, touched)| **touched) {
         for row in range {
             all[row] = solved[next];
             next += 1;
@@ -141,7 +143,7 @@ fn residuals(data: &Data<'_>, model: &Model, base: &Base, hint: Option<&Hint>) -
 }
 
 /// Models with the addition at samples of its ranges.
-pub fn samples(before: &Model, addition: Addition, seed: u32, hint: Option<&[f64]>) -> Vec<Model> {
+pub fn samples(before: &Model, addition: Addition, seed: u32, hint: Option<&[f64]>, beside_noise: bool) -> Vec<Model> {
     let model = extended(before, &[addition]);
     let parameters = movable(&model, &addition.keys());
     let none: [&Point; 0] = [];
@@ -158,7 +160,11 @@ pub fn samples(before: &Model, addition: Addition, seed: u32, hint: Option<&[f64
     }
     let mut all: Vec<Model> = hint.map(|values| with(parameters.clone(), values)).into_iter().collect();
     let most = SAMPLES[parameters.len().clamp(1, 4) - 1];
-    let count = if hint.is_some() { most.min(WITH_HINT) } else { most };
+    let count = match hint {
+        Some(_) if beside_noise => BESIDE_NOISE,
+        Some(_) => most.min(WITH_HINT),
+        None => most,
+    };
     for number in 0..count as u32 {
         let shares = match parameters.len() {
             1 => vec![(f64::from(number) + 0.5) / count as f64],
@@ -191,7 +197,7 @@ pub fn about(model: &Model, addition: Addition, seed: u32) -> Vec<Model> {
 
 /// The calibrated base at the values that the scenario states, if the calibration has carried one far off: there an addition
 /// may have nothing left to act on.
-pub fn at_stated_values(data: &Data<'_>, from: &Hypothesis) -> Option<(Hypothesis, Base)> {
+pub fn at_stated_values<'a>(data: &Data<'a>, from: &Hypothesis) -> Option<(Hypothesis, Base<'a>)> {
     let mut both = from.fit.parameters.iter().zip(from.fit.values.iter().zip(&data.stated));
     if !from.additions.is_empty() || !both.any(|(p, (&a, &b))| p.natural_distance(a, b) > FAR) {
         return None;
@@ -208,15 +214,16 @@ fn spread(number: u32, dimensions: usize, seed: u32) -> Vec<f64> {
 }
 
 /// The hypothesis that a search starts from, on the part of the points.
-pub struct Base {
+pub struct Base<'a> {
+    problem: Problem<'a>,
     evaluation: Evaluation,
     /// Orthonormal columns that span what its parameters can do.
     span: DMatrix<f64>,
 }
 
-impl Base {
+impl<'a> Base<'a> {
     /// Its residuals and what its parameters can do.
-    pub fn new(data: &Data<'_>, from: &Hypothesis) -> Self {
+    pub fn new(data: &Data<'a>, from: &Hypothesis) -> Self {
         let mut problem =
             Problem::new(from.model.clone(), data.part.iter().copied(), from.fit.parameters.clone(), Tolerance::COARSE);
         let evaluation = problem.evaluate(&from.fit.values, true);
@@ -228,7 +235,7 @@ impl Base {
             Some(u) if !columns.is_empty() => u.select_columns(&columns),
             _ => DMatrix::zeros(evaluation.residuals.len(), 0),
         };
-        Self { evaluation, span }
+        Self { problem, evaluation, span }
     }
 
     /// Residuals at the best that the parameters can do, in a linear estimate.

@@ -30,9 +30,6 @@ const GOING_ON: (usize, f64) = (2, 3.0);
 const CLOSE: f64 = 1e-4;
 const CLOSER: f64 = 1e-6;
 
-/// Accuracy of a fit to all points: errors of 1e-5, but points that are hard to solve are given up before long.
-const ON_ALL: Tolerance = Tolerance { steps: 24, roughness: 1e-3, cycles: 100, budget: 3000 };
-
 /// What a search works on.
 pub struct Data<'a> {
     /// All points.
@@ -104,17 +101,19 @@ pub struct Found {
     pub touched: Vec<bool>,
 }
 
-/// Looks at samples of one more addition to a hypothesis, at its own values and at the `other` place.
+/// Looks at samples of one more addition to a hypothesis, at its own values and at the `other` place; at few of them
+/// `beside_noise`, where the hypothesis leaves nothing else.
 pub fn explore(
     data: &Data<'_>,
     from: &Hypothesis,
-    base: &Base,
-    other: Option<&(Hypothesis, Base)>,
+    base: &Base<'_>,
+    other: Option<&(Hypothesis, Base<'_>)>,
     addition: Addition,
     hint: Option<&Hint>,
+    beside_noise: bool,
 ) -> Explored {
     let known = hint.map(|h| h.values.as_slice());
-    let samples_of = |from: &Hypothesis| samples(&from.fitted(), addition, data.seed, known);
+    let samples_of = |from: &Hypothesis| samples(&from.fitted(), addition, data.seed, known, beside_noise);
     let samples = samples_of(from);
     let scale = data.points.len() as f64 / data.part.len() as f64;
     let rest = base.rest();
@@ -269,7 +268,7 @@ pub fn on_part<'a>(data: &Data<'a>, model: &Model, parameters: Vec<Parameter>) -
 
 /// All points at the accuracy at which hypotheses are ranked.
 pub fn on_all_problem<'a>(data: &Data<'a>, model: &Model, parameters: Vec<Parameter>) -> Problem<'a> {
-    Problem::new(model.clone(), data.points, parameters, ON_ALL)
+    Problem::new(model.clone(), data.points, parameters, Tolerance::FIT)
 }
 
 /// The fit followed on all points at full accuracy.

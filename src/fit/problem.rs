@@ -77,6 +77,18 @@ impl<'a> Problem<'a> {
         Self { model, points, parameters, tolerance, warm, evaluations: 0 }
     }
 
+    /// The same points and orbits with the model at these values and other parameters to move.
+    pub fn at(&self, values: &[f64], parameters: Vec<Parameter>) -> Self {
+        Self { model: self.model(values), parameters, ..self.clone() }
+    }
+
+    /// Another model at those of the points that are `kept`, nothing to move. A continuum of sliders starts from its states here.
+    pub fn of(&self, model: Model, kept: &[bool]) -> Self {
+        let of = |i: usize| if kept[i] { Some((self.points[i], self.warm[i].of_sliders())) } else { None };
+        let (points, warm) = (0..self.points.len()).filter_map(of).unzip();
+        Self { model, points, parameters: Vec::new(), tolerance: self.tolerance, warm, evaluations: 0 }
+    }
+
     /// The parameters.
     pub fn parameters(&self) -> &[Parameter] {
         &self.parameters

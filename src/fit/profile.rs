@@ -1,6 +1,6 @@
 //! How well the data determine a parameter: profile likelihood, and the correlations behind it.
 
-use super::{CONVERGED, Fit, Parameter, Problem, Settings, minimise};
+use super::{CONVERGED, Fit, Parameter, Problem, Settings, minimise, robust_chi2};
 use nalgebra::DMatrix;
 
 /// 95 % quantile of chi squared with one degree of freedom.
@@ -115,17 +115,15 @@ pub fn correlations(fit: &Fit) -> Vec<Correlation> {
 }
 
 /// Profile-likelihood intervals (95 %) of all parameters of a fit. `noise` is the factor by which the standard deviations
-/// of the data are to be multiplied. `problem` is a builder of problems that move only the parameters given.
-pub fn intervals<'a>(
-    fit: &Fit,
-    noise: f64,
-    threshold: f64,
-    problem: &dyn Fn(Vec<Parameter>, &[f64]) -> Problem<'a>,
-) -> Vec<Interval> {
+/// of the data are to be multiplied; `problem` moves the parameters of the fit.
+pub fn intervals(fit: &Fit, noise: f64, threshold: f64, problem: &mut Problem<'_>) -> Vec<Interval> {
     let covariance = covariance(fit);
+    // The sum of squares at the accuracy of the problem, which need not be that of the fit.
+    let least = robust_chi2(&problem.evaluate(&fit.values, false).residuals, threshold);
+    let problem = &*problem;
     (0..fit.parameters.len())
         .map(|i| {
-            let side = |direction: f64| end(fit, i, direction, noise, threshold, &covariance, problem);
+            let side = |direction: f64| end(fit, i, direction, (noise, threshold, least), &covariance, problem);
             let (below, above) = (side(-1.0), side(1.0));
             let identified = match (below.1, above.1) {
                 (true, true) => Identified::Yes,
@@ -139,14 +137,13 @@ pub fn intervals<'a>(
 }
 
 /// One end of an interval and whether it is the data's.
-fn end<'a>(
+fn end(
     fit: &Fit,
     i: usize,
     direction: f64,
-    noise: f64,
-    threshold: f64,
+    (noise, threshold, least): (f64, f64, f64),
     covariance: &DMatrix<f64>,
-    problem: &dyn Fn(Vec<Parameter>, &[f64]) -> Problem<'a>,
+    problem: &Problem<'_>,
 ) -> (f64, bool) {
     let parameter = &fit.parameters[i];
     let sensitive = fit.evaluation.jacobian.column(i).norm() * parameter.natural_slope(fit.values[i]).abs();
@@ -165,7 +162,7 @@ fn end<'a>(
         step = step.min(room);
         values[i] = parameter.moved(fit.values[i], direction * step);
         let moving: Vec<Parameter> = others.iter().map(|&j| fit.parameters[j].clone()).collect();
-        let mut constrained = problem(moving, &values);
+        let mut constrained = problem.at(&values, moving);
         let from: Vec<f64> = others
             .iter()
             .map(|&j| {
@@ -175,7 +172,7 @@ fn end<'a>(
             .collect();
         let settings = Settings { evaluations: 4 * (others.len() + 1), threshold, converged: CONVERGED };
         let refit = minimise(&mut constrained, &from, &settings);
-        let rise = refit.objective - fit.objective;
+        let rise = refit.objective - least;
         if (rise / goal - 1.0).abs() < CLOSE {
             return (values[i], true);
         }

@@ -191,6 +191,8 @@ pub trait SliderSystem {
     fn heating(&self) -> (f64, f64);
     /// mu N and its slope at slip rate s >= 0, arm angle, interface state and heating.
     fn limit(&self, forcing: &Forcing, angle: f64, s: f64, psi: f64, heat: f64) -> (f64, f64);
+    /// Whether that depends neither on the slip rate nor on an interface state.
+    fn rate_independent(&self) -> bool;
     /// Interface state: rate at slip rate s is `rate.0 + rate.1 psi`, where there is one.
     fn interface(&self, s: f64) -> Option<(f64, f64)>;
     /// Scales of stroke \[m\] and slip rate \[m/s\].

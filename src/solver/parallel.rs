@@ -65,10 +65,36 @@ struct Cycle {
     force: (f64, f64),
 }
 
-/// Finds the periodic state. Errors say why in words.
-pub fn solve(system: &dyn SliderSystem, demand: &Demand) -> Result<Found, String> {
+/// A periodic state, as the start for a neighbouring problem.
+#[derive(Debug, Clone)]
+pub struct Memory {
+    /// Shared states, less those of the system's own start.
+    shared: [f64; 5],
+    /// The sliders, their stretch and the force of their branch in parts of what they can carry.
+    sliders: Vec<Slider>,
+    /// Slope of the change over a cycle by the shared states, in units of their scales, and the map itself.
+    slopes: [DMatrix<f64>; 2],
+}
+
+/// Finds the periodic state, from that of a neighbouring problem where there is one. Errors say why in words.
+pub fn solve(system: &dyn SliderSystem, demand: &Demand, memory: &mut Option<Memory>) -> Result<Found, String> {
+    if let Some(start) = memory.take()
+        && let Ok(found) = search(system, demand, Some(start), memory)
+    {
+        return Ok(found);
+    }
+    search(system, demand, None, memory)
+}
+
+fn search(
+    system: &dyn SliderSystem,
+    demand: &Demand,
+    from: Option<Memory>,
+    memory: &mut Option<Memory>,
+) -> Result<Found, String> {
     let method = Method::new(system, demand.steps);
-    let (mut shared, psi) = system.start();
+    let (at_start, psi) = system.start();
+    let mut shared = at_start;
     let (stroke, speed) = system.scale();
     let angle = stroke / system.lever();
     let omega = speed / stroke;
@@ -87,8 +113,19 @@ pub fn solve(system: &dyn SliderSystem, demand: &Demand) -> Result<Found, String
             Slider { x, q: 0.0, psi }
         })
         .collect();
+    let most: Vec<f64> = system.elements().iter().map(|e| (e.limit * limit / kc).max(f64::MIN_POSITIVE)).collect();
     let mut jacobian: Option<DMatrix<f64>> = None;
     let mut slope: Option<DMatrix<f64>> = None;
+    if let Some(from) =
+        from.filter(|from| from.sliders.len() == sliders.len() && from.slopes[0].nrows() == active.len())
+    {
+        shared = std::array::from_fn(|i| at_start[i] + from.shared[i]);
+        for ((slider, before), most) in sliders.iter_mut().zip(&from.sliders).zip(&most) {
+            *slider = Slider { x: before.x * most, q: before.q * kc * most, psi: before.psi };
+        }
+        let [known, map] = from.slopes;
+        (slope, jacobian) = (Some(known), Some(map));
+    }
     let mut last: Option<DVector<f64>> = None;
     let mut best = f64::INFINITY;
     let mut cycles = 0;
@@ -107,10 +144,19 @@ pub fn solve(system: &dyn SliderSystem, demand: &Demand) -> Result<Found, String
             .sum();
         let size = residual.iter().fold(0.0f64, |m, r| m.max(r.abs()));
         if size < demand.periodic && creep < demand.creep {
-            let multiplier = match &jacobian {
-                Some(j) => radius(j),
-                None => radius(&method.jacobian(&shared, &sliders, &cycle, &scales, &active)?),
+            let map = match jacobian.take() {
+                Some(map) => map,
+                None => method.jacobian(&shared, &sliders, &cycle, &scales, &active)?,
             };
+            let multiplier = radius(&map);
+            let one = DMatrix::identity(active.len(), active.len());
+            *memory = Some(Memory {
+                shared: std::array::from_fn(|i| shared[i] - at_start[i]),
+                sliders: std::iter::zip(&sliders, &most)
+                    .map(|(s, most)| Slider { x: s.x / most, q: s.q / (kc * most), psi: s.psi })
+                    .collect(),
+                slopes: [slope.unwrap_or_else(|| &map - one), map],
+            });
             let Cycle { fundamental, mean, stick, force, .. } = cycle;
             return Ok(Found { fundamental, mean, stick_fraction: stick, force, cycles, residual: size, multiplier });
         }
@@ -123,6 +169,8 @@ pub fn solve(system: &dyn SliderSystem, demand: &Demand) -> Result<Found, String
                     *slope += &residual * step.transpose() / square;
                 }
             }
+            // That of the neighbouring problem.
+            (Some(_), None) if best.is_infinite() => {}
             _ => {
                 let map = method.jacobian(&shared, &sliders, &cycle, &scales, &active)?;
                 cycles += active.len();
@@ -172,6 +220,37 @@ struct Method<'a> {
     stretch: (Stages, Block),
     branch: (Stages, Block),
     stiffness: Block,
+    /// Where friction does not depend on the slip rate: what a slider does with each set of its stages slipping.
+    slipping: Option<[Slipping; 8]>,
+    has_interface: bool,
+}
+
+/// A slider with some of its stages slipping (the bits of its index) at a force that does not depend on the slip rate.
+struct Slipping {
+    /// Rates of stretch by the relative speeds (stuck stages) and by the forces less those at no rate (slipping ones).
+    rate: Block,
+    /// Forces by the relative speeds.
+    slope: Block,
+}
+
+impl Slipping {
+    fn new(stiffness: &Block, stages: usize) -> Self {
+        let slips = |i: usize| stages >> i & 1 == 1;
+        let unit = |i: usize, k: usize| f64::from(u8::from(i == k));
+        let matrix: Block =
+            std::array::from_fn(|i| if slips(i) { stiffness[i] } else { std::array::from_fn(|k| unit(i, k)) });
+        let (mut rate, mut slope) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
+        for k in 0..3 {
+            let column = solve3(matrix, std::array::from_fn(|i| unit(i, k)));
+            for i in 0..3 {
+                rate[i][k] = column[i];
+                if !slips(k) {
+                    slope[i][k] = (0..3).map(|l| stiffness[i][l] * column[l]).sum();
+                }
+            }
+        }
+        Self { rate, slope }
+    }
 }
 
 impl<'a> Method<'a> {
@@ -188,7 +267,11 @@ impl<'a> Method<'a> {
             stiffness[i][i] += cc;
         }
         let support = system.support().map(|(linear, gain)| (Pair::new(h, linear), gain));
-        Self { system, steps, h, arm: Pair::new(h, system.arm()), support, stretch, branch, stiffness }
+        let slipping =
+            system.rate_independent().then(|| std::array::from_fn(|stages| Slipping::new(&stiffness, stages)));
+        let has_interface = system.interface(0.0).is_some();
+        let arm = Pair::new(h, system.arm());
+        Self { system, steps, h, arm, support, stretch, branch, stiffness, slipping, has_interface }
     }
 
     fn active(&self) -> Vec<usize> {
@@ -290,12 +373,17 @@ impl<'a> Method<'a> {
             let v: Stages = std::array::from_fn(|i| system.relative_speed(&forcing[i], velocities[i], supports.1[i]));
             // All sliders at these speeds.
             let (mut sum, mut slope, mut power) = ([0.0; 3], [[0.0; 3]; 3], [0.0; 3]);
+            let most: Stages = std::array::from_fn(|i| system.limit(&forcing[i], angles[i], 0.0, 0.0, heats[i]).0);
             for (j, element) in elements.iter().enumerate() {
-                let limit = |i: usize, s: f64, psi: f64| {
-                    let (most, by_s) = system.limit(&forcing[i], angles[i], s, psi, heats[i]);
-                    (element.limit * most, element.limit * by_s)
+                let solved = if let Some(slipping) = &self.slipping {
+                    self.steady_slider(slipping, &cycle.sliders[j], &v, &most.map(|most| element.limit * most), speed)
+                } else {
+                    let limit = |i: usize, s: f64, psi: f64| {
+                        let (most, by_s) = system.limit(&forcing[i], angles[i], s, psi, heats[i]);
+                        (element.limit * most, element.limit * by_s)
+                    };
+                    self.slider(&cycle.sliders[j], &v, &limit, speed)
                 };
-                let solved = self.slider(&cycle.sliders[j], &v, &limit, speed);
                 for i in 0..3 {
                     sum[i] += element.share * solved.force[i];
                     power[i] += element.share * solved.force[i] * (v[i] - solved.rate[i]);
@@ -380,7 +468,7 @@ impl<'a> Method<'a> {
 
     /// Interface state at the stages for given slip rates.
     fn interface(&self, psi: f64, slip: &Stages) -> Stages {
-        if self.system.interface(0.0).is_none() {
+        if !self.has_interface {
             return [psi; 3];
         }
         let rate = slip.map(|s| self.system.interface(s).unwrap_or_default());
@@ -388,6 +476,45 @@ impl<'a> Method<'a> {
             std::array::from_fn(|k| f64::from(u8::from(i == k)) - self.h * A[i][k] * rate[k].1)
         });
         solve3(matrix, std::array::from_fn(|i| psi + self.h * (0..3).map(|k| A[i][k] * rate[k].0).sum::<f64>()))
+    }
+
+    /// One slider at the stages, where its limit does not depend on the slip rate.
+    fn steady_slider(
+        &self,
+        slipping: &[Slipping; 8],
+        slider: &Slider,
+        v: &Stages,
+        most: &Stages,
+        speed: f64,
+    ) -> Solved {
+        let kc = self.system.bristles()[0];
+        let own: Stages = std::array::from_fn(|i| kc * self.stretch.0[i] * slider.x + self.branch.0[i] * slider.q);
+        let mut rate = *v;
+        let mut force = plus(&own, &self.stiffness, &rate);
+        let mut sign = [0.0; 3];
+        let mut stages = 0;
+        for _ in 0..40 {
+            let mut changed = false;
+            for i in 0..3 {
+                if sign[i] == 0.0 {
+                    if force[i].abs() > most[i] {
+                        sign[i] = force[i].signum();
+                        changed = true;
+                    }
+                } else if sign[i] * (v[i] - rate[i]) < -1e-13 * speed {
+                    sign[i] = 0.0;
+                    changed = true;
+                }
+            }
+            if !changed {
+                break;
+            }
+            stages = (0..3).filter(|&i| sign[i] != 0.0).map(|i| 1 << i).sum();
+            let known = std::array::from_fn(|i| if sign[i] == 0.0 { v[i] } else { sign[i] * most[i] - own[i] });
+            rate = plus(&[0.0; 3], &slipping[stages].rate, &known);
+            force = plus(&own, &self.stiffness, &rate);
+        }
+        Solved { force, rate, slope: slipping[stages].slope }
     }
 
     /// One slider at the stages: stuck or at its limit, each stage by itself.
@@ -399,7 +526,7 @@ impl<'a> Method<'a> {
         };
         let mut d = *v;
         let mut f = force(&d);
-        if (0..3).all(|i| f[i].abs() <= limit(i, 0.0, slider.psi).0) && self.system.interface(0.0).is_none() {
+        if (0..3).all(|i| f[i].abs() <= limit(i, 0.0, slider.psi).0) && !self.has_interface {
             return Solved { force: f, rate: d, slope: self.stiffness };
         }
         let mut psi = [slider.psi; 3];
@@ -471,6 +598,11 @@ impl<'a> Method<'a> {
         }
         Solved { force: f, rate: d, slope }
     }
+}
+
+/// a + B v
+fn plus(a: &Stages, b: &Block, v: &Stages) -> Stages {
+    std::array::from_fn(|i| a[i] + b[i][0] * v[0] + b[i][1] * v[1] + b[i][2] * v[2])
 }
 
 struct Solved {

@@ -24,19 +24,27 @@ const RUNAWAY: f64 = 1e6;
 
 /// Start for a neighbouring problem: the next point of a sweep, or the same point with other parameters.
 #[derive(Debug, Clone, Default)]
-pub struct Warm(Option<Start>);
+pub struct Warm {
+    orbit: Option<Start>,
+    sliders: Option<parallel::Memory>,
+}
 
 impl Warm {
+    /// What another model may start from: the states of a continuum of sliders. Other states have other meanings there.
+    pub fn of_sliders(&self) -> Self {
+        Self { orbit: None, sliders: self.sliders.clone() }
+    }
+
     /// The start for `system`. Kept relative to the deflection under the mean force, which a small change of stiffness,
     /// load or friction moves by more than the arm swings.
     fn start(&self, system: &dyn HybridSystem) -> Option<Start> {
         let reference = system.reference();
-        self.0.map(|(z, entry)| (std::array::from_fn(|i| z[i] + reference[i]), entry))
+        self.orbit.map(|(z, entry)| (std::array::from_fn(|i| z[i] + reference[i]), entry))
     }
 
     fn keep(&mut self, system: &dyn HybridSystem, periodic: &Periodic) {
         let (reference, z) = (system.reference(), periodic.start);
-        self.0 = Some((std::array::from_fn(|i| z[i] - reference[i]), periodic.entry));
+        self.orbit = Some((std::array::from_fn(|i| z[i] - reference[i]), periodic.entry));
     }
 }
 
@@ -106,7 +114,7 @@ fn search(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_>, 
         return closed_form(&problem.lumps, limit, derivatives);
     }
     if let Some(continuum) = problem.continuum() {
-        return parallel_state(model, at, &problem, &continuum, with);
+        return parallel_state(model, at, &problem, &continuum, with, warm);
     }
     let mut integrator = Integrator::new(&problem, tolerance);
     let found = shooting::search(&mut integrator, warm.start(&problem).as_ref())
@@ -114,7 +122,7 @@ fn search(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_>, 
     let periodic = match found {
         Ok(periodic) => periodic,
         Err(why) => {
-            warm.0 = None;
+            warm.orbit = None;
             return without_periodic_state(&problem, &why, with);
         }
     };
@@ -267,10 +275,14 @@ fn parallel_state(
     problem: &Problem,
     continuum: &Sliders,
     with: &Search<'_>,
+    warm: &mut Warm,
 ) -> Solution {
     let coarse = with.tolerance.steps < Tolerance::default().steps;
     let demand = if coarse { &parallel::Demand::COARSE } else { &parallel::Demand::FINE };
-    let found = match parallel::solve(continuum, demand) {
+    // Searches over many models start from the last one; what is reported is looked for from the beginning.
+    let mut none = None;
+    let memory = if with.integrate { &mut none } else { &mut warm.sliders };
+    let found = match parallel::solve(continuum, demand, memory) {
         Ok(found) => found,
         Err(why) => return without_periodic_state(problem, &why, with),
     };

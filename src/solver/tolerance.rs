@@ -18,7 +18,10 @@ pub struct Tolerance {
 
 impl Tolerance {
     /// For searches over many models: errors of 1e-4, and points that are hard to solve are given up soon.
-    pub const COARSE: Self = Self { steps: 16, roughness: 1e-2, cycles: 60, budget: 800 };
+    pub const COARSE: Self = Self { steps: 12, roughness: 1e-2, cycles: 60, budget: 800 };
+
+    /// For fits to all points: errors of 1e-5, and points that are hard to solve are given up before long.
+    pub const FIT: Self = Self { steps: 18, roughness: 1e-3, cycles: 100, budget: 3000 };
 }
 
 impl Tolerance {

@@ -68,6 +68,9 @@ impl SliderSystem for Sliders<'_> {
         let (mu, mu_s, ..) = p.friction(s, psi, heat);
         (mu * normal, mu_s * normal)
     }
+    fn rate_independent(&self) -> bool {
+        self.problem.psi.is_none() && self.problem.laws.iter().all(|(e, p)| e.friction(p, 0.0, 0.0).is_none())
+    }
     fn interface(&self, s: f64) -> Option<(f64, f64)> {
         let law = self.problem.laws.iter().find_map(|(e, p)| e.interface_rate(p, s, 0.0))?;
         Some((law.value, law.d_second))
