@@ -5,7 +5,7 @@ use crate::model::{Model, Operation};
 use crate::scenario::{Formulation, Scenario};
 use crate::solver::analytic::Oscillator;
 use crate::solver::cycle::Tolerance;
-use crate::solver::{Warm, solve};
+use crate::solver::{LANES, Warm, solve, solve_paper};
 use crate::sweep::{DEFAULT_EULER_STEPS, LimitingCase, limiting_oscillator};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -88,6 +88,13 @@ impl Curve {
                 let mut model = context.model.clone();
                 model.contact.formulation = formulation;
                 model.contact.friction = friction.unwrap_or(model.contact.friction);
+                if formulation == Formulation::Paper {
+                    let at = |&frequency: &f64| Operation { speed, load, drive, frequency };
+                    let at: Vec<Operation> = frequencies.iter().map(at).collect();
+                    let lanes = at.par_chunks(LANES);
+                    let states = lanes.flat_map_iter(|at| solve_paper(&model, at, DEFAULT_EULER_STEPS));
+                    return states.map(|state| state.amplitude).collect();
+                }
                 frequencies
                     .par_chunks(13)
                     .flat_map_iter(|chunk| {

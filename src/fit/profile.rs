@@ -2,6 +2,7 @@
 
 use super::{CONVERGED, Fit, Parameter, Problem, Settings, minimise, robust_chi2};
 use nalgebra::DMatrix;
+use rayon::prelude::*;
 
 /// 95 % quantile of chi squared with one degree of freedom.
 const RISE: f64 = 3.841_458_820_694_124;
@@ -121,19 +122,20 @@ pub fn intervals(fit: &Fit, noise: f64, threshold: f64, problem: &mut Problem<'_
     // The sum of squares at the accuracy of the problem, which need not be that of the fit.
     let least = robust_chi2(&problem.evaluate(&fit.values, false).residuals, threshold);
     let problem = &*problem;
-    (0..fit.parameters.len())
-        .map(|i| {
-            let side = |direction: f64| end(fit, i, direction, (noise, threshold, least), &covariance, problem);
-            let (below, above) = (side(-1.0), side(1.0));
-            let identified = match (below.1, above.1) {
-                (true, true) => Identified::Yes,
-                (false, false) => Identified::No,
-                _ => Identified::OneSided,
-            };
-            let (low, high) = (below.0.min(above.0), below.0.max(above.0));
-            Interval { value: fit.values[i], low, high, identified }
-        })
-        .collect()
+    let sides: Vec<(usize, f64)> = (0..fit.parameters.len()).flat_map(|i| [(i, -1.0), (i, 1.0)]).collect();
+    let ends: Vec<(f64, bool)> = sides
+        .into_par_iter()
+        .map(|(i, direction)| end(fit, i, direction, (noise, threshold, least), &covariance, problem))
+        .collect();
+    let interval = |(value, ends): (&f64, &[(f64, bool)])| {
+        let identified = match (ends[0].1, ends[1].1) {
+            (true, true) => Identified::Yes,
+            (false, false) => Identified::No,
+            _ => Identified::OneSided,
+        };
+        Interval { value: *value, low: ends[0].0.min(ends[1].0), high: ends[0].0.max(ends[1].0), identified }
+    };
+    fit.values.iter().zip(ends.chunks(2)).map(interval).collect()
 }
 
 /// One end of an interval and whether it is the data's.

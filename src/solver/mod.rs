@@ -25,7 +25,8 @@ pub mod time;
 mod tolerance;
 
 pub use integrated::{Integrated, integrated};
-pub use steady::{Solution, Warm, orbit, solve, solve_steady};
+pub use paper_euler::LANES;
+pub use steady::{Solution, Warm, orbit, solve, solve_paper, solve_steady};
 
 /// Whether the point is a steady state, and if not, why.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]

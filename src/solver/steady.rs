@@ -83,6 +83,18 @@ pub fn solve_steady(
     search(model, at, 0, &Search { tolerance, derivatives, integrate: false }, warm)
 }
 
+/// Several operating points of the published formulation by the published procedure, faster than one by one and the same.
+pub fn solve_paper(model: &Model, at: &[Operation], steps: usize) -> Vec<SteadyState> {
+    let lumps: Vec<Lumps> = at.iter().map(|at| Lumps::new(model, at)).collect();
+    let contacts: Vec<PaperContact> = lumps.iter().map(paper_contact).collect();
+    let solved = contacts.chunks(paper_euler::LANES).flat_map(|lanes| paper_euler::solve(lanes, steps, |_, _, _| ()));
+    let mut states: Vec<SteadyState> = solved.collect();
+    for (state, lumps) in states.iter_mut().zip(&lumps) {
+        (state.amplitude, state.phase) = reading(lumps, state.amplitude, state.phase);
+    }
+    states
+}
+
 /// How to look for a steady state.
 struct Search<'a> {
     tolerance: &'a Tolerance,
@@ -104,10 +116,8 @@ fn search(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_>, 
         return free(model, at, derivatives);
     }
     if model.contact.formulation == Formulation::Paper {
-        let lumps = Lumps::new(model, at);
-        let (mut state, _) = paper_euler::solve(&paper_contact(&lumps), euler_steps, false);
-        (state.amplitude, state.phase) = reading(&lumps, state.amplitude, state.phase);
-        return Solution { state, derivatives: None };
+        let mut states = solve_paper(model, std::slice::from_ref(at), euler_steps);
+        return Solution { state: states.remove(0), derivatives: None };
     }
     let problem = Problem::new(model, at);
     if let Some(limit) = problem.limiting_state() {
@@ -398,8 +408,7 @@ fn failed(why: String) -> Solution {
 /// One period of the steady state at `samples` instants; empty where there is none.
 pub fn orbit(model: &Model, at: &Operation, euler_steps: usize, tolerance: &Tolerance, samples: usize) -> Orbit {
     if model.contact.formulation == Formulation::Paper {
-        let lumps = Lumps::new(model, at);
-        return paper_euler::solve(&paper_contact(&lumps), euler_steps, true).1;
+        return paper_euler::orbit(&paper_contact(&Lumps::new(model, at)), euler_steps);
     }
     let problem = Problem::new(model, at);
     let Ok(periodic) = shooting::solve(&problem, None, tolerance) else { return Orbit::default() };

@@ -6,7 +6,7 @@ use crate::model::{Model, Operation};
 use crate::scenario::{Formulation, Scenario};
 use crate::solver::analytic::Oscillator;
 use crate::solver::cycle::Tolerance;
-use crate::solver::{Orbit, Status, SteadyState, Warm, orbit, solve, solve_steady};
+use crate::solver::{LANES, Orbit, Status, SteadyState, Warm, orbit, solve, solve_paper, solve_steady};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use std::io::IsTerminal;
@@ -159,6 +159,14 @@ impl Follow<'_> {
     fn solve(&self, frequencies: impl Iterator<Item = f64>) -> Vec<SteadyState> {
         let mut warm = Warm::default();
         let mut states = Vec::new();
+        if self.model.contact.formulation == Formulation::Paper && self.condition.load > 0.0 {
+            let at: Vec<Operation> = frequencies.map(|f| self.at(f)).collect();
+            for lanes in at.chunks(LANES).take_while(|_| !self.stopped()) {
+                states.extend(solve_paper(&self.model, lanes, self.condition.euler_steps));
+                self.bar.inc(lanes.len() as u64);
+            }
+            return states;
+        }
         for f in frequencies {
             if self.stopped() {
                 break;
