@@ -108,7 +108,11 @@ impl Start<'_> {
         if stepper.step(self.system, self.forcing, self.z, self.slip, size, self.mode, false) {
             return Ok(at_stages(self.system, stepper, self.mode));
         }
-        Err(format!("an event at {:.4} of the cycle could not be located", self.time / self.system.period()))
+        Err(self.lost())
+    }
+
+    fn lost(&self) -> String {
+        format!("an event at {:.4} of the cycle could not be located", self.time / self.system.period())
     }
 
     /// Shortens a step just taken, over which the event function crosses zero, to the place where it does, within `located`.
@@ -131,7 +135,7 @@ impl Start<'_> {
             let changed = (trial - size).abs();
             size = trial;
             if e[2].abs() < located || changed < ROUNDING * self.system.period() {
-                break;
+                return Ok(Shorter { size, ended: true });
             }
             // Close to the end it is found by the slope there, whichever side it lies on. The slope between two ends serves
             // also where friction has a kink at rest.
@@ -149,7 +153,7 @@ impl Start<'_> {
                 first_root(self.event, e)
             };
         }
-        Ok(Shorter { size, ended: true })
+        Err(self.lost())
     }
 }
 
