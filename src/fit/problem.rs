@@ -14,6 +14,10 @@ use rayon::prelude::*;
 /// enough to be avoided, too little to rule out an otherwise good model.
 pub const TROUBLED: f64 = 6.0;
 
+/// A model without a steady state at more than this share of the points explains none of them: there a residual counts as
+/// this many standard deviations. Against a large misfit the few of [`TROUBLED`] would be a bargain.
+const LOST: (f64, f64) = (0.25, 1e3);
+
 /// Step of a difference on the natural scale of a parameter.
 const DIFFERENCE: f64 = 0.02;
 
@@ -150,9 +154,15 @@ impl<'a> Problem<'a> {
         let rows = self.points.iter().map(|p| 1 + usize::from(p.phase.is_some())).sum();
         let mut residuals = DVector::zeros(rows);
         let mut jacobian = DMatrix::zeros(rows, indices.len());
+        let troubled = solved.iter().filter(|(p, _)| p.status != Status::Steady).count();
+        let lost = troubled as f64 > LOST.0 * self.points.len() as f64;
         let mut row = 0;
         for (point, (prediction, gradient)) in self.points.iter().zip(&solved) {
-            let (amplitude, phase) = read(point, prediction);
+            let (amplitude, phase) = match prediction.status {
+                Status::Steady => read(point, prediction),
+                _ if lost => (LOST.1, point.phase.map(|_| LOST.1)),
+                _ => read(point, prediction),
+            };
             residuals[row] = amplitude;
             for (column, (by_amplitude, _)) in gradient.iter().enumerate() {
                 jacobian[(row, column)] = by_amplitude / point.amplitude_sd;
