@@ -111,7 +111,14 @@ pub fn parse(text: &str, si_unit: &str) -> Result<f64, UnitError> {
             expected_kind: kind(expected),
         });
     }
-    let value = shift(&number, power).unwrap_or(bare * f64::powi(10.0, power)) * factor;
+    let mut value = shift(&number, power).unwrap_or(bare * f64::powi(10.0, power)) * factor;
+    // Radians and cycles have no dimension: which of them a second is meant has to be said.
+    if si_unit == "Hz" && !unit.contains("Hz") {
+        if !["rad", "deg", "°"].iter().any(|angle| unit.contains(angle)) {
+            return Err(UnitError::Malformed(shorten(unit), "cycles or radians a second? write Hz or rad/s"));
+        }
+        value /= std::f64::consts::TAU;
+    }
     if value.is_finite() { Ok(value) } else { Err(UnitError::NotFinite(shorten(text))) }
 }
 
@@ -352,7 +359,7 @@ mod tests {
         assert_eq!(parse("2.5 um", "m"), Ok(2.5e-6), "rounded once");
         assert_eq!(parse("1.7e-1 mm/s", "m/s"), Ok(1.7e-4), "rounded once");
         close("72 Hz", "Hz", 72.0);
-        close("72 1/s", "Hz", 72.0);
+        close("100 rad/s", "Hz", 50.0 / std::f64::consts::PI);
         close("0.3 ms", "s", 3e-4);
         close("5 %", "1", 0.05);
         close("0.5", "1", 0.5);
@@ -375,6 +382,7 @@ mod tests {
         assert_eq!(say("30 mn", "m"), "unknown unit `mn`; did you mean `mm`?");
         assert_eq!(say("30 sec", "s"), "unknown unit `sec`; did you mean `s`?");
         assert_eq!(say("50 hz", "Hz"), "unknown unit `hz`; did you mean `Hz`?");
+        assert_eq!(say("72 1/s", "Hz"), "cannot read the unit `1/s`: cycles or radians a second? write Hz or rad/s");
         assert_eq!(say("20 n", "N"), "unknown unit `n`; did you mean `N`?");
         assert_eq!(
             say("20", "N"),

@@ -133,7 +133,7 @@ fn curves_pictures_and_inputs_that_differ_are_shown() {
 
     // Numbers alone are a baseline too.
     std::fs::copy(dir.join("base/report.json"), dir.join("alone.json")).unwrap();
-    report(dir, &["--baseline", "alone.json"]).assert().success().stdout(contains("One input is another"));
+    report(dir, &["--baseline", "alone.json"]).assert().success().stdout(contains("One input differs"));
 }
 
 #[test]

@@ -70,7 +70,11 @@ pub(super) fn words(d: &Discovery) -> Vec<String> {
         lines.push(format!("these data do not tell apart: {}", group.join(", ")));
     }
     for effect in &d.not_testable {
-        let shows = if effect.would_show.is_empty() { "nor within the bounds" } else { effect.would_show.as_str() };
+        let shows = if effect.would_show.is_empty() {
+            "nor in any measurement within the bounds"
+        } else {
+            effect.would_show.as_str()
+        };
         lines.push(format!("not testable with these data: {} ({shows})", effect.effect));
     }
     for outlier in &d.outliers {

@@ -20,7 +20,7 @@ const COSTLY: f64 = 0.9;
 /// Sums of squares that differ by less than this many units a point are as good as equal.
 const EQUAL: f64 = 0.2;
 /// Sum of squares per reading from which on nothing explains the data.
-const UNEXPLAINED: f64 = 1.5;
+const UNEXPLAINED: f64 = 1.25;
 /// A fit on a part of the points is followed on all of them if its sum of squares is within this factor of the best ...
 const PROMISING: f64 = 1.5;
 /// ... and its gain more than this share of what it needs to be accepted.

@@ -3,7 +3,7 @@
 
 use super::MARGIN;
 use super::hypothesis::{Addition, Hypothesis, extended};
-use super::sampling::{Base, Hint, about, look, samples};
+use super::sampling::{Base, Hint, about, far_off, look, samples};
 use crate::fit::{Fit, HUBER, Parameter, Problem, Settings, minimise, parameter, robust_chi2};
 use crate::measurement::Point;
 use crate::model::Model;
@@ -155,19 +155,30 @@ impl Explored {
             return attempt;
         }
         let known = from.fit.values.len();
-        let mut near = from.clone();
-        near.fit.values = attempt.fit.values[..known].to_vec();
-        let there = on_part(data, &attempt.model, attempt.fit.parameters.clone()).model(&attempt.fit.values);
-        let samples = about(&there, self.addition, data.seed);
-        let starts = look(data, &Base::new(data, &near), self.addition, &samples, None).starts;
-        let starts: Vec<Model> = starts.into_iter().map(|(_, model)| model).collect();
-        let other = lead(data, self.begin_at(data, &near, &starts)).map(|other| other.finished(data));
-        other.filter(|other| other.fit.objective < attempt.fit.objective).unwrap_or(attempt)
+        let there = on_part(data, &attempt.model, attempt.fit.parameters.clone());
+        let mut places = vec![attempt.fit.values[..known].to_vec()];
+        if far_off(data, from) {
+            places.push(data.stated.clone());
+        }
+        let mut best = attempt.clone();
+        for place in places {
+            let mut values = attempt.fit.values.clone();
+            values[..known].copy_from_slice(&place);
+            let mut near = from.clone();
+            near.fit.values = place;
+            let samples = about(&there.model(&values), self.addition, data.seed);
+            let starts = look(data, &Base::new(data, &near), self.addition, &samples, None).starts;
+            let starts: Vec<Model> = starts.into_iter().map(|(_, model)| model).collect();
+            let other = lead(data, self.begin_at(data, &near, &starts)).map(|other| other.finished(data));
+            best = other.filter(|other| other.fit.objective < best.fit.objective).unwrap_or(best);
+        }
+        best
     }
 
     fn begin_at(&self, data: &Data<'_>, from: &Hypothesis, starts: &[Model]) -> Vec<Attempt> {
         let keys = self.keys(from);
         let begun = if self.costly { COSTLY } else { BEGUN[self.addition.keys().len().clamp(1, 4) - 1] };
+        let far = far_off(data, from);
         let mut attempts = Vec::new();
         for (rank, model) in starts.iter().take(begun).enumerate() {
             let problem = on_part(data, model, movable(model, &keys));
@@ -176,9 +187,11 @@ impl Explored {
             if from.additions.is_empty() {
                 stated[..data.stated.len()].copy_from_slice(&data.stated);
             }
-            // Both where it costs little, otherwise in turn.
+            // Both where it costs little or the two are far apart, otherwise in turn.
             let values = match self.addition.keys().len() {
-                1 if stated != calibrated && !self.costly => vec![calibrated, stated],
+                count if stated != calibrated && !self.costly && (count == 1 || far) => {
+                    vec![calibrated, stated]
+                }
                 _ if rank % 2 == 1 => vec![stated],
                 _ => vec![calibrated],
             };

@@ -1,7 +1,5 @@
 //! What a header says: which column it is and in which unit its numbers are.
 
-use std::f64::consts::TAU;
-
 use crate::scenario::parameters::MEASURED;
 use crate::units::{self, UnitError};
 
@@ -42,8 +40,6 @@ pub(crate) struct Unit {
     pub text: String,
     /// What its numbers become.
     pub si: &'static str,
-    /// An angular frequency, to be divided by 2 pi.
-    pub angular: bool,
     /// A share of the amplitude.
     pub relative: bool,
 }
@@ -52,13 +48,12 @@ impl Unit {
     /// The SI unit of a column.
     pub fn si(column: usize) -> Self {
         let si = MEASURED[column].unit;
-        Self { text: si.into(), si, angular: false, relative: false }
+        Self { text: si.into(), si, relative: false }
     }
 
     /// A number of this unit in SI, rounded once.
     pub fn convert(&self, number: &str) -> Result<f64, UnitError> {
-        let value = units::parse(&format!("{number} {}", self.text), if self.relative { "1" } else { self.si })?;
-        Ok(if self.angular { value / TAU } else { value })
+        units::parse(&format!("{number} {}", self.text), if self.relative { "1" } else { self.si })
     }
 }
 
@@ -165,7 +160,7 @@ pub(crate) fn unit(text: &str, column: usize) -> Result<Unit, String> {
     let angle = |text: &str| ["rad", "deg", "°"].iter().any(|unit| text.contains(unit));
     if text == "%" {
         return if column == AMPLITUDE_SD {
-            Ok(Unit { text, si, angular: false, relative: true })
+            Ok(Unit { text, si, relative: true })
         } else {
             Err(format!("a share in % serves only for the amplitude's standard deviation, {si} is needed here"))
         };
@@ -174,8 +169,7 @@ pub(crate) fn unit(text: &str, column: usize) -> Result<Unit, String> {
     if si == "rad" && !angle(&text) {
         return Err(format!("`{text}` is no unit of an angle; use rad, mrad, urad or deg"));
     }
-    let angular = column == FREQUENCY && angle(&text);
-    Ok(Unit { text, si, angular, relative: false })
+    Ok(Unit { text, si, relative: false })
 }
 
 /// The unit in the spelling of [`units`]: words and capitals are forgiven.
@@ -213,6 +207,7 @@ fn canonical(symbol: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::TAU;
 
     fn factor(header: &str, column: usize) -> f64 {
         match meaning(header) {

@@ -121,7 +121,7 @@ fn sentence(changes: &[ChangeView], same: usize, inputs: &[ChangedInputView]) ->
     parts.push(format!("{same} the same"));
     let inputs = match inputs.len() {
         0 => "The inputs are the same".into(),
-        1 => "One input is another".into(),
+        1 => "One input differs".into(),
         n => format!("{n} inputs are others"),
     };
     format!("Of values and verdicts: {}. {inputs}.", parts.join(", "))

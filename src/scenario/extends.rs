@@ -107,7 +107,11 @@ fn target(store: Store, source: &Source, entry: &Entry, root: &Path, seen: &[Pat
         }
         Err(_) => {
             let title = format!("`extends` names a file that does not exist: {}", quote(name));
-            fail(&title, "no such file", "the path is relative to the file that contains `extends`; check its spelling")
+            fail(
+                &title,
+                "no such file",
+                "the path is relative to the file that contains `extends`; `stickslip init` writes the built-in scenarios",
+            )
         }
     }
 }
