@@ -9,7 +9,7 @@ use stickslip::solver::time::Plan;
 
 /// Relative standard deviation of the amplitude; of the phase in rad.
 const NOISE: f64 = 0.01;
-const PLAN: Plan = Plan { steps: 2000, cycles: 300, settled: 1e-7, window: 1 };
+const PLAN: Plan = Plan { steps: 2000, cycles: 300, settled: 1e-7, window: 1, solved: Plan::SOLVED };
 const STIFFNESS: f64 = 97_000.0;
 const DAMPING: f64 = 21.0;
 

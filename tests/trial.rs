@@ -60,7 +60,7 @@ fn regimes() -> [Operation; 4] {
 }
 
 fn plan(steps: usize) -> Plan {
-    Plan { steps, cycles: 600, settled: 1e-8, window: 36 }
+    Plan { steps, cycles: 600, settled: 1e-8, window: 36, solved: Plan::SOLVED }
 }
 
 /// Relative difference of two readings as complex numbers.

@@ -61,8 +61,8 @@ pub(super) fn words(d: &Discovery) -> Vec<String> {
         ));
     }
     lines.push(verdict(c));
-    lines.push("candidates:                       delta BIC  weight      chi2  left-out".into());
-    lines.extend(d.candidates.iter().take(CANDIDATES).map(candidate));
+    lines.push("candidates:                       delta BIC  weight      chi2  left-out  from".into());
+    lines.extend(d.candidates.iter().take(CANDIDATES).map(|c| candidate(c, end.comparison.table.points.len())));
     if d.candidates.len() > CANDIDATES {
         lines.push(format!("  and {} more (see --json)", d.candidates.len() - CANDIDATES));
     }
@@ -93,14 +93,15 @@ pub(super) fn words(d: &Discovery) -> Vec<String> {
     lines
 }
 
-fn candidate(c: &Candidate) -> String {
+fn candidate(c: &Candidate, points: usize) -> String {
     let held_out = c.held_out.map_or("-".into(), |h| format!("{:.2} %", h.rms_percent));
     let testable = if c.testable { "" } else { "  (not testable)" };
     format!(
-        "  {:<32} {:>9.1} {:>7.3} {:>9.2} {held_out:>9}{testable}",
+        "  {:<32} {:>9.1} {:>7.3} {:>9.2} {held_out:>9}  {}{testable}",
         c.hypothesis.label(),
         c.delta_bic,
         c.weight,
-        c.chi2_per_point
+        c.chi2_per_point,
+        c.hypothesis.basis().words(points)
     )
 }

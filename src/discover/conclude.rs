@@ -1,7 +1,7 @@
 //! What the rounds of a search say together: verdict, ladder, ranking, rivals, and what remains open.
 
 use super::forward::Search;
-use super::hypothesis::{Addition, Hypothesis, count, extended};
+use super::hypothesis::{Addition, Basis, Estimate, Hypothesis, count, extended};
 use super::round::{Entry, Rounds};
 use super::{Candidate, Discovery, MARGIN, Noise, NotTestable, Step, Verdict, held_out, next};
 use crate::compare::{self, Calibration, Comparison};
@@ -116,7 +116,17 @@ impl Search<'_> {
                 add(&entry.found.hypothesis, testable);
             }
         }
-        for (hypothesis, _) in &mut all {
+        // What contains a smaller hypothesis can do whatever that does: where no fit came there it is counted as if.
+        all.sort_by_key(|(hypothesis, _)| hypothesis.additions.len());
+        for index in 0..all.len() {
+            let (smaller, rest) = all.split_at_mut(index);
+            let hypothesis = &mut rest[0].0;
+            let square = |h: &Hypothesis| self.square(h, 1.0);
+            let least = smaller.iter().filter(|(h, _)| h.nested_in(hypothesis)).map(|(h, _)| square(h));
+            let least = least.fold(f64::INFINITY, f64::min);
+            if least < square(hypothesis) {
+                hypothesis.estimate = Some(Estimate { square: least, basis: Basis::Contained });
+            }
             hypothesis.bic = self.bic(hypothesis, noise);
         }
         all.sort_by(|a, b| a.0.bic.total_cmp(&b.0.bic).then_with(|| a.0.label().cmp(&b.0.label())));
@@ -130,7 +140,7 @@ impl Search<'_> {
                     Some(step) => step.comparison.intervals.clone(),
                     None => approximate_intervals(&hypothesis.fit, noise),
                 };
-                let chi2 = hypothesis.estimate.unwrap_or_else(|| hypothesis.fit.evaluation.chi2());
+                let chi2 = hypothesis.estimate.map_or_else(|| hypothesis.fit.evaluation.chi2(), |e| e.square);
                 Candidate {
                     delta_bic: hypothesis.bic - best,
                     weight: (-0.5 * (hypothesis.bic - best)).exp() / total,

@@ -271,11 +271,15 @@ impl Search<'_> {
 
     /// Schwarz's criterion with residuals in units of `noise` times their stated standard deviations.
     pub(super) fn bic(&self, hypothesis: &Hypothesis, noise: f64) -> f64 {
-        let square = hypothesis.estimate.map_or_else(
+        self.square(hypothesis, noise) + hypothesis.fit.parameters.len() as f64 * (self.readings() as f64).ln()
+    }
+
+    /// Sum of squares of the residuals in units of `noise`, large ones counted less.
+    pub(super) fn square(&self, hypothesis: &Hypothesis, noise: f64) -> f64 {
+        hypothesis.estimate.map_or_else(
             || robust_chi2(&(&hypothesis.fit.evaluation.residuals / noise), HUBER),
-            |estimate| estimate / (noise * noise),
-        );
-        square + hypothesis.fit.parameters.len() as f64 * (self.readings() as f64).ln()
+            |estimate| estimate.square / (noise * noise),
+        )
     }
 
     /// The criterion with a charge for having looked at many additions (extended BIC of Chen and Chen 2008).

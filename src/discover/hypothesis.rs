@@ -89,6 +89,40 @@ pub fn compatible(model: &Model, additions: &[Addition]) -> bool {
     effects::compatible(&all).is_ok()
 }
 
+/// A sum of squares over all points that no fit to all of them has reached.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// The sum of squares.
+    pub square: f64,
+    /// Where it comes from.
+    pub basis: Basis,
+}
+
+/// What the sum of squares of a hypothesis rests on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Basis {
+    /// A fit to all points.
+    AllPoints,
+    /// A fit to so many of them.
+    SomePoints(usize),
+    /// The derivatives at samples of the ranges; no fit was begun.
+    Linear,
+    /// A smaller hypothesis that it contains: no fit came below that.
+    Contained,
+}
+
+impl Basis {
+    /// In words, given the number of all points.
+    pub fn words(self, points: usize) -> String {
+        match self {
+            Self::AllPoints => "all points".into(),
+            Self::SomePoints(some) => format!("{some} of {points} points"),
+            Self::Linear => "estimate, not fitted".into(),
+            Self::Contained => "the smaller one in it".into(),
+        }
+    }
+}
+
 /// A model with additions, fitted.
 #[derive(Debug, Clone)]
 pub struct Hypothesis {
@@ -98,8 +132,8 @@ pub struct Hypothesis {
     pub model: Model,
     /// The fit, to all points or to a part of them.
     pub fit: Fit,
-    /// Where the fit is to a part of the points: what its sum of squares over all would be.
-    pub estimate: Option<f64>,
+    /// Where it was not fitted to all points: what its sum of squares over all would be.
+    pub estimate: Option<Estimate>,
     /// Schwarz's criterion in units of the noise, less a constant common to all hypotheses; smaller is better.
     pub bic: f64,
 }
@@ -112,10 +146,29 @@ impl Hypothesis {
             .model(&self.fit.values)
     }
 
+    /// What its sum of squares rests on.
+    pub fn basis(&self) -> Basis {
+        self.estimate.map_or(Basis::AllPoints, |estimate| estimate.basis)
+    }
+
     /// Whether another has the same additions, in whatever order.
     pub fn same_additions(&self, other: &Self) -> bool {
-        let within = |some: &Self, others: &Self| some.additions.iter().all(|a| others.additions.contains(a));
-        within(self, other) && within(other, self)
+        self.within(other) && other.within(self)
+    }
+
+    /// Whether another has all its additions.
+    fn within(&self, other: &Self) -> bool {
+        self.additions.iter().all(|a| other.additions.contains(a))
+    }
+
+    /// Whether it is a special case of another, larger one: what that adds can be switched off.
+    pub fn nested_in(&self, other: &Self) -> bool {
+        let added = || other.additions.iter().filter(|a| !self.additions.contains(a));
+        let switched_off = |a: &Addition| match a {
+            Addition::Effect(effect) => !effect.zero().is_empty(),
+            Addition::Recalibration(_) => true,
+        };
+        self.within(other) && other.additions.len() > self.additions.len() && added().all(switched_off)
     }
 
     /// Names of the effects added, in order.

@@ -1,6 +1,6 @@
 //! The discovery as JSON, schema `stickslip.discovery/1`.
 
-use super::{Candidate, Discovery, NextMeasurement, NotTestable, Step};
+use super::{Basis, Candidate, Discovery, NextMeasurement, NotTestable, Step};
 use crate::compare::{ContactPoint, Outlier, ParameterJson, Region};
 use crate::fit::Correlation;
 use serde::Serialize;
@@ -64,6 +64,8 @@ struct CandidateJson {
     /// How the fit ended, and the points it was made to.
     termination: String,
     fitted_points: usize,
+    /// What chi2 and BIC rest on, in words.
+    basis: String,
     parameters: BTreeMap<String, ParameterJson>,
 }
 
@@ -83,7 +85,7 @@ pub fn json(discovery: &Discovery) -> DiscoveryJson {
         effects: end.hypothesis.effects(),
         recalibrate: end.hypothesis.recalibrated(),
         steps: d.steps.iter().map(step).collect(),
-        candidates: d.candidates.iter().map(candidate).collect(),
+        candidates: d.candidates.iter().map(|c| candidate(c, end.comparison.table.points.len())).collect(),
         indistinguishable: d.indistinguishable.clone(),
         not_testable: d.not_testable.iter().map(|n| n.effect.clone()).collect(),
         not_testable_details: d.not_testable.clone(),
@@ -114,7 +116,7 @@ fn step(step: &Step) -> StepJson {
     }
 }
 
-fn candidate(candidate: &Candidate) -> CandidateJson {
+fn candidate(candidate: &Candidate, points: usize) -> CandidateJson {
     let h = &candidate.hypothesis;
     CandidateJson {
         effects: h.effects(),
@@ -126,7 +128,8 @@ fn candidate(candidate: &Candidate) -> CandidateJson {
         held_out_rms_percent: candidate.held_out.map(|h| h.rms_percent),
         held_out_chi2_per_point: candidate.held_out.map(|h| h.chi2_per_point),
         termination: h.fit.termination.clone(),
-        fitted_points: h.fit.evaluation.predictions.len(),
+        fitted_points: if h.basis() == Basis::Linear { 0 } else { h.fit.evaluation.predictions.len() },
+        basis: h.basis().words(points),
         parameters: parameters(&h.fit, &candidate.intervals),
     }
 }

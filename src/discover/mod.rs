@@ -18,7 +18,7 @@ mod words;
 pub use add::{Change, fit_addition, fit_removal};
 pub use forward::discover;
 pub use held_out::{HeldOut, held_out};
-pub use hypothesis::{Addition, Hypothesis, additions, compatible, extended};
+pub use hypothesis::{Addition, Basis, Estimate, Hypothesis, additions, compatible, extended};
 pub use json::{DiscoveryJson, SCHEMA, json};
 pub use next::{Bounds, NextMeasurement, farthest};
 pub use search::Data;

@@ -27,6 +27,10 @@ const PROMISING: f64 = 1.5;
 const NEARLY: f64 = 0.5;
 /// No fit begins where, in a linear estimate, the gain is less than this share of what is needed.
 const HOPELESS: f64 = 0.5;
+/// Times that the leading fit is continued where it ended for want of evaluations, ...
+const POLISHED: usize = 6;
+/// ... as long as the sum of squares falls to less than this share.
+const PAYS: f64 = 0.999;
 /// At least so many of those to the calibrated base are followed.
 const FOLLOWED: usize = 2;
 
@@ -161,7 +165,27 @@ impl Search<'_> {
             }
             Entry { found, full }
         };
-        Round { found: found.into_par_iter().zip(full).map(entry).collect() }
+        let mut found: Vec<Entry> = found.into_par_iter().zip(full).map(entry).collect();
+        let objective = |e: &Entry| e.found.hypothesis.fit.objective;
+        let leading = found.iter_mut().filter(|e| e.full).min_by(|a, b| objective(a).total_cmp(&objective(b)));
+        if let Some(entry) = leading {
+            self.polish(&mut entry.found.hypothesis);
+        }
+        Round { found }
+    }
+
+    /// Follows a fit along a curved valley as long as that pays.
+    fn polish(&self, hypothesis: &mut Hypothesis) {
+        for _ in 0..POLISHED {
+            if !hypothesis.fit.is_exhausted() || !self.structured(hypothesis) {
+                break;
+            }
+            let before = hypothesis.fit.objective;
+            hypothesis.fit = on_all(&self.data, &hypothesis.model, &hypothesis.fit);
+            if hypothesis.fit.objective > PAYS * before {
+                break;
+            }
+        }
     }
 }
 

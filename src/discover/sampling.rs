@@ -18,6 +18,10 @@ const BESIDE_NOISE: usize = 2;
 const UNTOUCHED: f64 = 0.1;
 /// Samples about values that may be a local minimum, and how far they reach on the natural scale of a parameter.
 const ABOUT: (u32, f64) = (32, 2.0);
+/// Samples over the whole ranges besides.
+const WIDE: u32 = 48;
+/// Those before it were looked at before.
+const FIRST_WIDE: u32 = 20;
 
 /// Distance, on its natural scale, from which on a calibrated value is far off the stated one.
 const FAR: f64 = 1.0;
@@ -181,7 +185,7 @@ pub fn samples(before: &Model, addition: Addition, seed: u32, hint: Option<&[f64
     all
 }
 
-/// Models with the addition at samples about the values that it has in `model`.
+/// Models with the addition at samples about the values that it has in `model`, and at more samples of its whole ranges.
 pub fn about(model: &Model, addition: Addition, seed: u32) -> Vec<Model> {
     let parameters = movable(model, &addition.keys());
     let none: [&Point; 0] = [];
@@ -192,7 +196,12 @@ pub fn about(model: &Model, addition: Addition, seed: u32) -> Vec<Model> {
         let step = |share: f64| reach * (2.0 * share - 1.0);
         parameters.iter().zip(&values).zip(shares).map(|((p, &x), share)| p.moved(x, step(share))).collect()
     };
-    (0..count).map(|number| problem.model(&moved(number))).collect()
+    let wide = |number| -> Vec<f64> {
+        let shares = spread(FIRST_WIDE + number, parameters.len(), seed);
+        parameters.iter().zip(shares).map(|(p, share)| p.within(share)).collect()
+    };
+    let near = (0..count).map(moved);
+    near.chain((0..WIDE).map(wide)).map(|values| problem.model(&values)).collect()
 }
 
 /// Whether the calibration has carried a parameter far off the value that the scenario states.

@@ -2,7 +2,7 @@
 //! part, the best of these on all points.
 
 use super::MARGIN;
-use super::hypothesis::{Addition, Hypothesis, extended};
+use super::hypothesis::{Addition, Basis, Estimate, Hypothesis, extended};
 use super::sampling::{Base, Hint, about, far_off, look, samples};
 use crate::fit::{Fit, HUBER, Parameter, Problem, Settings, minimise, parameter, robust_chi2};
 use crate::measurement::Point;
@@ -17,6 +17,8 @@ const SMALL: usize = 80;
 /// Samples from which fits begin, for effects of one, two, three, four parameters: where the sum of squares jumps with a
 /// parameter, only a start on the right side finds the minimum.
 const BEGUN: [usize; 4] = [6, 4, 3, 3];
+/// The same on a second look.
+const BEGUN_AGAIN: usize = 8;
 /// Samples of a continuum of sliders from which fits begin.
 const COSTLY: usize = 2;
 /// Evaluations of a fit that begins, of one that goes on, of one that goes to its end, and of one to all points.
@@ -146,7 +148,8 @@ impl Explored {
 
     /// Fits to the part of the points, begun from the best samples; the best first.
     pub fn begin(&self, data: &Data<'_>, from: &Hypothesis) -> Vec<Attempt> {
-        self.begin_at(data, from, &self.starts)
+        let begun = if self.costly { COSTLY } else { BEGUN[self.addition.keys().len().clamp(1, 4) - 1] };
+        self.begin_at(data, from, &self.starts, begun)
     }
 
     /// The better of an attempt and one begun from samples about it: the first may have ended in a local minimum.
@@ -169,15 +172,14 @@ impl Explored {
             let samples = about(&there.model(&values), self.addition, data.seed);
             let starts = look(data, &Base::new(data, &near), self.addition, &samples, None).starts;
             let starts: Vec<Model> = starts.into_iter().map(|(_, model)| model).collect();
-            let other = lead(data, self.begin_at(data, &near, &starts)).map(|other| other.finished(data));
+            let other = lead(data, self.begin_at(data, &near, &starts, BEGUN_AGAIN)).map(|other| other.finished(data));
             best = other.filter(|other| other.fit.objective < best.fit.objective).unwrap_or(best);
         }
         best
     }
 
-    fn begin_at(&self, data: &Data<'_>, from: &Hypothesis, starts: &[Model]) -> Vec<Attempt> {
+    fn begin_at(&self, data: &Data<'_>, from: &Hypothesis, starts: &[Model], begun: usize) -> Vec<Attempt> {
         let keys = self.keys(from);
-        let begun = if self.costly { COSTLY } else { BEGUN[self.addition.keys().len().clamp(1, 4) - 1] };
         let far = far_off(data, from);
         let mut attempts = Vec::new();
         for (rank, model) in starts.iter().take(begun).enumerate() {
@@ -221,10 +223,11 @@ impl Explored {
             let ranked = robust_chi2(&fit.evaluation.residuals, HUBER);
             (self.gain(fit.objective), (before - self.scale * (self.before_ranked - ranked)).max(0.0))
         } else {
-            // Never better than what it is added to: nobody has seen it.
-            (0.0, before * (self.after / self.before).min(1.0) + self.needed)
+            (0.0, before * (self.after / self.before).min(1.0))
         };
-        let hypothesis = Hypothesis { additions, model, fit, estimate: Some(estimate), bic: f64::INFINITY };
+        let basis = if known { Basis::SomePoints(fit.evaluation.predictions.len()) } else { Basis::Linear };
+        let estimate = Some(Estimate { square: estimate, basis });
+        let hypothesis = Hypothesis { additions, model, fit, estimate, bic: f64::INFINITY };
         let (strongest, touched) = (self.strongest.clone(), self.touched.clone());
         Found { hypothesis, gain, visibility: self.visibility, strongest, touched }
     }

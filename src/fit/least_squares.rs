@@ -1,7 +1,7 @@
 //! Levenberg-Marquardt in the coordinates of the parameters, from one start or several.
 
 use super::{Evaluation, Parameter, Problem};
-use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
+use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
 use nalgebra::{DMatrix, DVector, Dyn, storage::Owned};
 
 /// Residuals beyond this many standard deviations count linearly (Huber 1964), so that a few outliers decide nothing.
@@ -35,6 +35,13 @@ pub struct Fit {
     pub evaluations: usize,
     /// Why it ended.
     pub termination: String,
+}
+
+impl Fit {
+    /// Whether it ended for want of evaluations, not at a minimum.
+    pub fn is_exhausted(&self) -> bool {
+        self.termination == format!("{:?}", TerminationReason::LostPatience)
+    }
 }
 
 /// Sum of squares with residuals beyond `threshold` counted linearly.

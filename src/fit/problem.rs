@@ -55,8 +55,9 @@ impl Evaluation {
     }
 }
 
-/// A model, the points it is compared with, and the parameters that may move. Every evaluation starts from the orbits of
-/// the one before; its result does not depend on the number of threads.
+/// A model, the points it is compared with, and the parameters that may move. An evaluation does not depend on those before
+/// it, nor on the number of threads: where a model has more than one steady state it is always the same that is found. Only
+/// a continuum of sliders starts from its last states.
 #[derive(Clone)]
 pub struct Problem<'a> {
     model: Model,
@@ -81,14 +82,14 @@ impl<'a> Problem<'a> {
         Self { model, points, parameters, tolerance, warm, evaluations: 0 }
     }
 
-    /// The same points and orbits with the model at these values and other parameters to move.
+    /// The same points with the model at these values and other parameters to move.
     pub fn at(&self, values: &[f64], parameters: Vec<Parameter>) -> Self {
         Self { model: self.model(values), parameters, ..self.clone() }
     }
 
-    /// Another model at those of the points that are `kept`, nothing to move. A continuum of sliders starts from its states here.
+    /// Another model at those of the points that are `kept`, nothing to move.
     pub fn of(&self, model: Model, kept: &[bool]) -> Self {
-        let of = |i: usize| if kept[i] { Some((self.points[i], self.warm[i].of_sliders())) } else { None };
+        let of = |i: usize| kept[i].then(|| (self.points[i], self.warm[i].clone()));
         let (points, warm) = (0..self.points.len()).filter_map(of).unzip();
         Self { model, points, parameters: Vec::new(), tolerance: self.tolerance, warm, evaluations: 0 }
     }
@@ -141,6 +142,7 @@ impl<'a> Problem<'a> {
         let solved: Vec<(Prediction, Vec<(f64, f64)>)> = work
             .into_par_iter()
             .map(|(point, warm)| {
+                warm.forget_orbit();
                 let solution = solve_steady(&model, &operation(point), &tolerance, derivatives, warm);
                 let state = solution.state;
                 let zero = || vec![(0.0, 0.0); indices.len()];

@@ -98,8 +98,6 @@ struct Point {
     force: f64,
     mu: f64,
     mu_s: f64,
-    mu_psi: f64,
-    mu_heat: f64,
     heat_factor: f64,
 }
 
@@ -225,21 +223,26 @@ impl Problem {
         self.x
     }
 
-    /// mu at slip rate `s >= 0` with its slopes by s, psi and T: (mu, mu_s, mu_psi, mu_T, 1/(1+T)).
+    /// mu at the slip rate `s` in the direction of slip with its slopes by s, psi and T: (mu, mu_s, mu_psi, mu_T, 1/(1+T)).
     fn friction(&self, s: f64, psi: f64, heat: f64) -> (f64, f64, f64, f64, f64) {
         let (mut mu, mut mu_s, mut mu_psi) = (self.mu, 0.0, 0.0);
         let inside = s.max(0.0);
         for (effect, p) in &self.laws {
             if let Some(law) = effect.friction(p, inside, psi) {
-                mu += law.value;
+                // Beyond the end of slip by its tangent, so that the end is found on a smooth curve.
+                mu += law.value + law.d_first * s.min(0.0);
+                mu_s += law.d_first;
                 mu_psi += law.d_second;
-                if s >= 0.0 {
-                    mu_s += law.d_first;
-                }
             }
         }
         let factor = 1.0 / (1.0 + heat);
         (mu * factor, mu_s * factor, mu_psi * factor, -mu * factor * factor, factor)
+    }
+
+    /// Rate of the interface's state; beyond the end of slip by its tangent, too.
+    fn interface_rate(&self, s: f64, psi: f64) -> Law {
+        let law = self.laws.iter().find_map(|(e, p)| e.interface_rate(p, s.max(0.0), psi)).unwrap_or_default();
+        Law { value: law.value + law.d_first * s.min(0.0), ..law }
     }
 
     fn state(&self, index: Option<usize>, z: &[f64]) -> f64 {
@@ -276,9 +279,8 @@ impl Problem {
         let normal = normal.max(0.0);
         let force = self.pull(z, v, d);
         let argument = if self.rate_element { v.abs() } else { s.abs() };
-        let (mu, mu_s, mu_psi, mu_heat, heat_factor) =
-            self.friction(argument, self.state(self.psi, z), self.state(self.heat, z));
-        Point { th, w, v, d, normal, loaded, force, mu, mu_s, mu_psi, mu_heat, heat_factor }
+        let (mu, mu_s, _, _, heat_factor) = self.friction(argument, self.state(self.psi, z), self.state(self.heat, z));
+        Point { th, w, v, d, normal, loaded, force, mu, mu_s, heat_factor }
     }
 
     fn force_scale(&self) -> f64 {

@@ -45,7 +45,12 @@ pub fn discovery_view(d: &Discovery, figures: &[FigureInput]) -> DiscoveryView {
         steps: d.steps.iter().map(step).collect(),
         parameters: c.fit.parameters.iter().zip(&c.intervals).map(words).collect(),
         ties: d.correlations.iter().map(tie).collect(),
-        candidates: d.candidates.iter().take(CANDIDATES).map(candidate).collect(),
+        candidates: d
+            .candidates
+            .iter()
+            .take(CANDIDATES)
+            .map(|c| candidate(c, end.comparison.table.points.len()))
+            .collect(),
         more_candidates: d.candidates.len().saturating_sub(CANDIDATES),
         indistinguishable: d.indistinguishable.iter().map(|group| group.join(", ")).collect(),
         not_testable: d.not_testable.iter().map(not_testable).collect(),
@@ -128,7 +133,7 @@ fn left_out(held_out: Option<discover::HeldOut>) -> Quantity {
     held_out.map_or(none(), |h| shown(h.rms_percent, "%", 3))
 }
 
-fn candidate(c: &Candidate) -> CandidateView {
+fn candidate(c: &Candidate, points: usize) -> CandidateView {
     let small = Quantity { value: Some(c.weight), text: "< 0.001".into() };
     CandidateView {
         name: c.hypothesis.label(),
@@ -137,6 +142,7 @@ fn candidate(c: &Candidate) -> CandidateView {
         chi2: shown(c.chi2_per_point, "1", 3),
         held_out: left_out(c.held_out),
         testable: if c.testable { "yes" } else { "no" }.into(),
+        basis: c.hypothesis.basis().words(points),
     }
 }
 

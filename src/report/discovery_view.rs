@@ -91,6 +91,8 @@ pub struct CandidateView {
     pub held_out: Quantity,
     /// `yes` or `no`.
     pub testable: String,
+    /// What the numbers rest on: a fit to all points or to some, or an estimate.
+    pub basis: String,
 }
 
 /// An effect that the data cannot show.

@@ -347,6 +347,7 @@ impl<'a> Integrator<'a> {
         }
         let (scales, at_first) = (system.scales(), system.initial_state());
         let mut tangents = [[[0.0; MAX_STATES]; MAX_STATES]; 3];
+        let mut through = tangents;
         while period - t > 1e-12 * period {
             if cycle.steps > MAX_STEPS {
                 return Err(format!(
@@ -440,7 +441,6 @@ impl<'a> Integrator<'a> {
             // Tangents and observables of the accepted step.
             stepper.tangent(system, &mut tangents);
             let weight = 2.0 * size / period;
-            let mut through = [[[0.0; MAX_STATES]; MAX_STATES]; 3];
             for i in 0..3 {
                 // Of the inner stages only the first state is read.
                 let rows = if i == 2 { n } else { 1 };
@@ -471,7 +471,7 @@ impl<'a> Integrator<'a> {
                 record(&Record { time: t, size, start: &z, slip: s, stepper, mode });
             }
             stepper.accept((!event).then_some((mode, size)));
-            cycle.monodromy = through[2];
+            cycle.monodromy[..n].copy_from_slice(&through[2][..n]);
             t += size;
             z = stepper.z[2];
             s = stepper.s[2];

@@ -206,8 +206,10 @@ impl Eliminations {
             len => len - 1,
         };
         let elimination = &mut self.kept[self.current];
-        (elimination.mode, elimination.size, elimination.used) = (mode, f64::NAN, self.clock);
-        elimination.unknowns = rates.unknowns;
+        if elimination.mode != mode {
+            (elimination.mode, elimination.unknowns) = (mode, rates.unknowns);
+        }
+        (elimination.size, elimination.used) = (f64::NAN, self.clock);
         let scales = system.scales();
         let fits = match system.states() {
             3 => elimination.fit::<3>(system, rates, 3, h, &scales),

@@ -16,7 +16,8 @@ use crate::scenario::Formulation;
 const UNSTABLE: f64 = 1.0 + 1e-6;
 
 /// Time integration of points without a stable periodic state.
-pub const LOCK_IN: time::Plan = time::Plan { steps: 1000, cycles: 200, settled: 1e-7, window: 100 };
+pub const LOCK_IN: time::Plan =
+    time::Plan { steps: 1000, cycles: 200, settled: 1e-7, window: 100, solved: time::Plan::SOLVED };
 /// Factor between the speeds of one step on the way down from full slip.
 const SLOWER: f64 = 0.8;
 /// A motion this many times larger than without contact has no bound.
@@ -30,9 +31,9 @@ pub struct Warm {
 }
 
 impl Warm {
-    /// What another model may start from: the states of a continuum of sliders. Other states have other meanings there.
-    pub fn of_sliders(&self) -> Self {
-        Self { orbit: None, sliders: self.sliders.clone() }
+    /// Forgets the orbit, so that the next solution does not depend on it; the states of a continuum of sliders are kept.
+    pub fn forget_orbit(&mut self) {
+        self.orbit = None;
     }
 
     /// The start for `system`. Kept relative to the deflection under the mean force, which a small change of stiffness,

@@ -16,11 +16,18 @@ pub struct Plan {
     pub settled: f64,
     /// Cycles over which a motion that is not periodic is averaged, after `cycles`.
     pub window: usize,
+    /// Relative accuracy to which the implicit equations of a step are solved.
+    pub solved: f64,
+}
+
+impl Plan {
+    /// Solved to rounding.
+    pub const SOLVED: f64 = 1e-12;
 }
 
 impl Default for Plan {
     fn default() -> Self {
-        Self { steps: 8000, cycles: 400, settled: 1e-8, window: 100 }
+        Self { steps: 8000, cycles: 400, settled: 1e-8, window: 100, solved: Self::SOLVED }
     }
 }
 
@@ -45,7 +52,7 @@ pub struct Outcome {
 
 /// Integrates until the motion is periodic, or through the averaging window.
 pub fn integrate(system: &dyn SliderSystem, plan: &Plan) -> Outcome {
-    let mut state = State::new(system, plan.steps);
+    let mut state = State::new(system, plan);
     let scale = system.scale().0 / system.lever();
     let mut before = (f64::NAN, f64::NAN);
     let mut calm = 0;
@@ -130,18 +137,21 @@ struct Bristle {
 struct State<'a> {
     system: &'a dyn SliderSystem,
     steps: usize,
+    solved: f64,
     h: f64,
     arm: Oscillator,
     support: Option<(Oscillator, f64)>,
     heat: f64,
     heat_rate: f64,
     bristles: Vec<Bristle>,
+    /// The bristles at the end of the step that is being solved.
+    moved: Vec<Bristle>,
     force: f64,
     step: usize,
 }
 
 impl<'a> State<'a> {
-    fn new(system: &'a dyn SliderSystem, steps: usize) -> Self {
+    fn new(system: &'a dyn SliderSystem, plan: &Plan) -> Self {
         let (shared, psi) = system.start();
         let forcing = system.forcing(0.0);
         let kc = system.bristles()[0];
@@ -158,12 +168,14 @@ impl<'a> State<'a> {
         let oscillator = |linear, x, v| Oscillator { linear, x, v, a: 0.0 };
         Self {
             system,
-            steps,
-            h: system.period() / steps as f64,
+            steps: plan.steps,
+            solved: plan.solved,
+            h: system.period() / plan.steps as f64,
             arm: oscillator(system.arm(), shared[0], shared[1]),
             support: system.support().map(|(linear, gain)| (oscillator(linear, shared[2], shared[3]), gain)),
             heat: shared[4],
             heat_rate: 0.0,
+            moved: bristles.clone(),
             bristles,
             force,
             step: 0,
@@ -208,7 +220,7 @@ impl<'a> State<'a> {
         });
         let heat = self.heat + h * self.heat_rate;
         let mut force = self.force;
-        let mut moved = self.bristles.clone();
+        self.moved.copy_from_slice(&self.bristles);
         let (mut stuck, mut power) = (0.0, 0.0);
         for _ in 0..50 {
             let support = support.map_or(0.0, |(v, by_force)| v + by_force * force);
@@ -218,8 +230,8 @@ impl<'a> State<'a> {
             torque = system.arm_load(&forcing, angle, velocity).1;
             let v = system.relative_speed(&forcing, velocity, support);
             let (mut sum, mut held, mut work) = (0.0, 0.0, 0.0);
-            for ((element, old), new) in system.elements().iter().zip(&self.bristles).zip(&mut moved) {
-                let f = bristle(system, element, old, new, &forcing, angle, heat, v, h);
+            for ((element, old), new) in system.elements().iter().zip(&self.bristles).zip(&mut self.moved) {
+                let f = bristle(system, element, old, new, &forcing, angle, heat, v, h, self.solved);
                 sum += element.share * f;
                 let slip = if system.rate_viscosity().is_some() { v } else { new.slip };
                 work += element.share * f * slip;
@@ -227,12 +239,12 @@ impl<'a> State<'a> {
             }
             let change = (sum - force).abs() + (gain * force + torque - load).abs() / gain;
             (force, stuck, power) = (sum, held, work);
-            if change <= 1e-12 * (force.abs() + system.scale().0 * system.bristles()[0]) {
+            if change <= self.solved * (force.abs() + system.scale().0 * system.bristles()[0]) {
                 break;
             }
         }
         self.force = force;
-        self.bristles = moved;
+        std::mem::swap(&mut self.bristles, &mut self.moved);
         self.arm.advance(h, gain * force + torque);
         if let Some((oscillator, gain)) = &mut self.support {
             oscillator.advance(h, *gain * force);
@@ -259,6 +271,7 @@ fn bristle(
     heat: f64,
     v: f64,
     h: f64,
+    solved: f64,
 ) -> f64 {
     let [kc, cc, renewal, k1, rate] = system.bristles();
     let half = 0.5 * h;
@@ -290,7 +303,7 @@ fn bristle(
             let (limit, _) = system.limit(forcing, angle, s, psi_at(s).0, heat);
             sign * stick - slope * s - element.limit * limit
         };
-        let s = slip_rate(&excess, sign * old.slip, system.scale().1);
+        let s = slip_rate(&excess, sign * old.slip, system.scale().1, 0.1 * solved);
         new.slip = sign * s;
         (new.psi, new.psi_rate) = psi_at(s);
         v - new.slip
@@ -308,7 +321,7 @@ fn finish(old: &Bristle, new: &mut Bristle, d: f64, h: f64, [renewal, k1, rate]:
 }
 
 /// Slip rate s >= 0 at which the excess of pull over friction vanishes, on the branch of the last one; 0 for stick.
-fn slip_rate(excess: &dyn Fn(f64) -> f64, last: f64, scale: f64) -> f64 {
+fn slip_rate(excess: &dyn Fn(f64) -> f64, last: f64, scale: f64, solved: f64) -> f64 {
     let (mut low, mut high);
     if last > 0.0 && excess(last) > 0.0 {
         (low, high) = (last, 1.01 * last);
@@ -344,7 +357,7 @@ fn slip_rate(excess: &dyn Fn(f64) -> f64, last: f64, scale: f64) -> f64 {
             (high, at_high) = (middle, value);
             at_low *= 0.5;
         }
-        if value == 0.0 || (high - low) <= 1e-13 * high {
+        if value == 0.0 || (high - low) <= solved * high {
             return middle;
         }
     }

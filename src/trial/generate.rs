@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Steps and accuracy: errors near 1e-4, a hundredth of the smallest usual noise.
-const PLAN: Plan = Plan { steps: 1200, cycles: 400, settled: 1e-6, window: 36 };
+const PLAN: Plan = Plan { steps: 1200, cycles: 400, settled: 1e-6, window: 36, solved: 1e-7 };
 
 /// One reading without noise.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,7 +2,7 @@
 
 use super::rows::Rows;
 
-use crate::discover::{Candidate, Discovery, MARGIN};
+use crate::discover::{Basis, Candidate, Discovery, MARGIN};
 use crate::figures::axes::Axis;
 use crate::figures::canvas::{Anchor, Canvas, Stroke, Type, document};
 use crate::figures::legend::{Entry, Key, legend};
@@ -85,7 +85,8 @@ fn draw(shown: &[&Candidate], title: &str, alt: &str) -> Result<String, FigureEr
             let number = Type { size: 13.0, ..Type::at(Anchor::End) };
             let weight = if c.weight < 1e-3 { "< 0.001".into() } else { format!("{:.3}", c.weight) };
             canvas.text((WIDTH - 100.0, y + 4.5), &weight, number);
-            canvas.text((WIDTH - 20.0, y + 4.5), &significant(c.chi2_per_point, 3), number);
+            let sure = if c.hypothesis.basis() == Basis::AllPoints { "" } else { "≈ " };
+            canvas.text((WIDTH - 20.0, y + 4.5), &format!("{sure}{}", significant(c.chi2_per_point, 3)), number);
         }
         let label = Type { size: 16.0, ..Type::at(Anchor::Middle) };
         let at = (panel.left + 0.5 * panel.width, panel.bottom() + 46.0);
@@ -127,8 +128,17 @@ fn entries(canvas: &mut Canvas, left: f64, shown: &[&Candidate]) {
 }
 
 fn csv(d: &Discovery) -> String {
-    let header =
-        ["candidate", "kind", "delta BIC", "weight", "chi2 per reading", "left-out rms error [%]", "testable", "shown"];
+    let header = [
+        "candidate",
+        "kind",
+        "delta BIC",
+        "weight",
+        "chi2 per reading",
+        "left-out rms error [%]",
+        "from",
+        "testable",
+        "shown",
+    ];
     let mut table = Table::new(&header);
     let shown = shown(d);
     for c in &d.candidates {
@@ -136,7 +146,8 @@ fn csv(d: &Discovery) -> String {
         let words = |yes: bool| if yes { "yes" } else { "no" }.to_string();
         let numbers = [c.delta_bic, c.weight, c.chi2_per_point, held_out].map(cell);
         let cells = [c.hypothesis.label(), kind(c).0.to_string()].into_iter().chain(numbers);
-        table.row(cells.chain([words(c.testable), words(shown.iter().any(|s| std::ptr::eq(*s, c)))]));
+        let basis = c.hypothesis.basis().words(d.explanation().comparison.table.points.len());
+        table.row(cells.chain([basis, words(c.testable), words(shown.iter().any(|s| std::ptr::eq(*s, c)))]));
     }
     table.finish()
 }
@@ -176,7 +187,7 @@ impl Figure<Discovery> for Ranking {
         let caption = format!(
             "How far each candidate is behind the best one by Schwarz's criterion, which charges every parameter for its keep. \
              Candidates in the shaded band, within {MARGIN} of the best, are not decided between by these data; the one with \
-             the fewest additions is taken. The scale is linear in the band and logarithmic beyond.{more}"
+             the fewest additions is taken. The scale is linear in the band and logarithmic beyond. ≈ stands before what was fitted to a part of the points or estimated only.{more}"
         );
         let svg = draw(&shown, self.title(), &alt)?;
         let mut notes = vec![("Within the band".to_string(), count(tied, "candidate"))];

@@ -86,8 +86,7 @@ impl Problem {
             if let Some(i) = self.psi {
                 f[i] = dpsi;
                 if self.rate_element {
-                    let law = self.laws.iter().find_map(|(e, q)| e.interface_rate(q, p.v.abs(), psi));
-                    f[i] += law.unwrap_or_default().d_first * sign * dv;
+                    f[i] += self.interface_rate(p.v.abs(), psi).d_first * sign * dv;
                 }
             }
             out.g[index] = match mode {

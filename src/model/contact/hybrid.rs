@@ -126,9 +126,10 @@ impl HybridSystem for Problem {
             out.fs[i] = -self.k1;
         }
         if let Some(i) = self.psi {
-            let law = self.laws.iter().find_map(|(e, q)| e.interface_rate(q, slip.abs(), z[i])).unwrap_or_default();
+            let sign = Self::sign(mode);
+            let law = self.interface_rate(sign * slip, z[i]);
             out.f[i] = law.value;
-            let slope = law.d_first * if slip < 0.0 { -1.0 } else { 1.0 };
+            let slope = law.d_first * sign;
             out.fz[i] = if self.rate_element { rate_z.map(|r| slope * r) } else { [0.0; MAX_STATES] };
             out.fz[i][i] += law.d_second;
             out.fs[i] = if self.rate_element { 0.0 } else { slope };
@@ -176,31 +177,33 @@ impl HybridSystem for Problem {
                 out.gs = -scale * (self.cc + mu_s * normal);
             }
             Mode::RateForward | Mode::RateBackward => {
-                // s = kc |v| x / (mu N)
+                // s = kc |v| x / (mu N), with |v| and mu continued beyond the end of the mode.
                 let p = self.point(forcing, z, s);
+                let speed = sign * p.v;
+                let (mu, mu_s, mu_psi, mu_heat, _) =
+                    self.friction(speed, self.state(self.psi, z), self.state(self.heat, z));
                 let normal_th = if p.loaded { self.load_stiffness * b } else { 0.0 };
                 let mut rate_z = [0.0; MAX_STATES];
                 rate_z[1] = -b;
                 if let Some(i) = self.roller {
                     rate_z[i + 1] = 1.0;
                 }
-                let limit = (p.mu * p.normal).max(1e-12 * self.force_scale());
+                let limit = (mu * p.normal).max(1e-12 * self.force_scale());
                 let flow = self.kc * z[x] / limit;
                 let scale = 1.0 / self.slip_scale();
-                let speed = p.v.abs();
                 out.g = scale * (s - flow * speed);
                 let by_limit = flow * speed / limit;
-                let by_speed = sign * (-flow + by_limit * p.mu_s * p.normal);
+                let by_speed = sign * (-flow + by_limit * mu_s * p.normal);
                 for (gz, rate) in out.gz.iter_mut().zip(&rate_z) {
                     *gz = by_speed * rate;
                 }
                 out.gz[x] -= self.kc * speed / limit;
-                out.gz[0] += by_limit * p.mu * normal_th;
+                out.gz[0] += by_limit * mu * normal_th;
                 if let Some(i) = self.psi {
-                    out.gz[i] += by_limit * p.mu_psi * p.normal;
+                    out.gz[i] += by_limit * mu_psi * p.normal;
                 }
                 if let Some(i) = self.heat {
-                    out.gz[i] += by_limit * p.mu_heat * p.normal;
+                    out.gz[i] += by_limit * mu_heat * p.normal;
                 }
                 out.gz = out.gz.map(|g| scale * g);
                 out.gs = scale;
