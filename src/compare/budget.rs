@@ -9,7 +9,7 @@ use rayon::prelude::*;
 /// Points at which both solvers are compared.
 pub const NUMERICAL_POINTS: usize = 4;
 /// Error of the time integration at these steps is of the order of 1e-5.
-const PLAN: Plan = Plan { steps: 2000, cycles: 400, settled: 1e-7, window: 1, solved: Plan::SOLVED };
+const PLAN: Plan = Plan { steps: 2000, cycles: 400, settled: 1e-7, window: 1, solved: 1e-9 };
 
 /// Root mean square errors of the amplitude in percent; the squares of the three parts add up to that of the total.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]

@@ -142,7 +142,7 @@ impl Parameter {
 
     /// The share of the range of a search at which a value lies: 0 at its start, 1 at its end, beyond that outside.
     pub fn share(&self, value: f64) -> f64 {
-        (self.t(value) - self.range.0) / (self.range.1 - self.range.0)
+        (self.scale(value) - self.range.0) / (self.range.1 - self.range.0)
     }
 
     /// How far a value lies from the middle of the range of a search: 0 there, 1 at either end, more outside.
@@ -191,9 +191,14 @@ impl Parameter {
         self.at((self.scale(value) + step).clamp(self.bounds.0, self.bounds.1))
     }
 
+    /// The step on the natural scale from one value to another.
+    pub fn natural_step(&self, from: f64, to: f64) -> f64 {
+        self.scale(to) - self.scale(from)
+    }
+
     /// Distance of two values on the natural scale.
     pub fn natural_distance(&self, from: f64, to: f64) -> f64 {
-        (self.scale(to) - self.scale(from)).abs()
+        self.natural_step(from, to).abs()
     }
 
     /// `t` of a value.
@@ -201,9 +206,6 @@ impl Parameter {
         if self.logarithmic { value.abs().max(f64::MIN_POSITIVE).ln() } else { value }
     }
 
-    fn t(&self, value: f64) -> f64 {
-        if self.logarithmic { value.abs().max(f64::MIN_POSITIVE).ln() } else { value }
-    }
     fn at(&self, t: f64) -> f64 {
         if self.logarithmic { self.sign * t.exp() } else { t }
     }

@@ -1,6 +1,6 @@
 //! How well the data determine a parameter: profile likelihood, and the correlations behind it.
 
-use super::{CONVERGED, Fit, Parameter, Problem, Settings, minimise, robust_chi2};
+use super::{Fit, Parameter, Problem, Settings, minimise, robust_chi2};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -12,6 +12,8 @@ const SINGULAR: f64 = 1e-9;
 const TRIALS: usize = 5;
 /// Relative accuracy of the rise at the end of an interval.
 const CLOSE: f64 = 0.06;
+/// Relative change of the sum of squares at which a refit is done: well below what that accuracy asks for.
+const CONVERGED: f64 = 5e-5;
 /// Correlation of two estimates from which on it is named.
 const STRONG: f64 = 0.95;
 
@@ -159,6 +161,8 @@ fn end(
     let mut step = (goal * covariance[(i, i)]).sqrt();
     let mut inside = (0.0, 0.0);
     let mut outside: Option<(f64, f64)> = None;
+    // By how much the others move per step, on their natural scales: at first as the curvature at the optimum ties them.
+    let mut slopes: Vec<f64> = others.iter().map(|&j| covariance[(i, j)] / covariance[(i, i)] * direction).collect();
     for _ in 0..TRIALS {
         let room = parameter.natural_distance(fit.values[i], bound);
         step = step.min(room);
@@ -167,13 +171,14 @@ fn end(
         let mut constrained = problem.at(&values, moving);
         let from: Vec<f64> = others
             .iter()
-            .map(|&j| {
-                let tied = covariance[(i, j)] / covariance[(i, i)] * direction * step;
-                fit.parameters[j].moved(fit.values[j], tied.clamp(-1.0, 1.0))
-            })
+            .zip(&slopes)
+            .map(|(&j, slope)| fit.parameters[j].moved(fit.values[j], (slope * step).clamp(-1.0, 1.0)))
             .collect();
         let settings = Settings { evaluations: 4 * (others.len() + 1), threshold, converged: CONVERGED };
         let refit = minimise(&mut constrained, &from, &settings);
+        for ((slope, &j), &to) in slopes.iter_mut().zip(&others).zip(&refit.values) {
+            *slope = fit.parameters[j].natural_step(fit.values[j], to) / step;
+        }
         let rise = refit.objective - least;
         if (rise / goal - 1.0).abs() < CLOSE {
             return (values[i], true);

@@ -510,6 +510,7 @@ fn multiply(rows: usize, n: usize, a: &Matrix, b: &Matrix, out: &mut Matrix) {
     match n {
         3 => product(rows, 3, a, b, out),
         4 => product(rows, 4, a, b, out),
+        5 => product(rows, 5, a, b, out),
         _ => product(rows, n, a, b, out),
     }
 }

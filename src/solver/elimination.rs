@@ -214,6 +214,7 @@ impl Eliminations {
         let fits = match system.states() {
             3 => elimination.fit::<3>(system, rates, 3, h, &scales),
             4 => elimination.fit::<4>(system, rates, 4, h, &scales),
+            5 => elimination.fit::<5>(system, rates, 5, h, &scales),
             n => elimination.fit::<MAX_STATES>(system, rates, n, h, &scales),
         };
         if fits {

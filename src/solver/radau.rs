@@ -41,6 +41,8 @@ macro_rules! sized {
             (4, 1) => $self.$method::<4, 3>((4, 1), $($argument),*),
             (4, 2) => $self.$method::<4, 6>((4, 2), $($argument),*),
             (4, 3) => $self.$method::<4, 9>((4, 3), $($argument),*),
+            (5, 1) => $self.$method::<5, 3>((5, 1), $($argument),*),
+            (5, 2) => $self.$method::<5, 6>((5, 2), $($argument),*),
             sizes => $self.$method::<MAX_STATES, MAX_ORDER>(sizes, $($argument),*),
         }
     };

@@ -13,6 +13,7 @@ impl Problem {
         let slip = if self.rate_element { p.v } else { s };
         let psi = self.state(self.psi, z);
         let limit = (p.mu * p.normal).max(1e-12 * self.force_scale());
+        let (mut last, mut laws) = (None, [None; 3]);
         for (index, (column, _)) in self.columns.iter().enumerate() {
             // Direct partial derivatives of the intermediate quantities by this column.
             let (mut dth, mut dw, mut dv, mut dn, mut dforce, mut dmu, mut dtorque) =
@@ -51,15 +52,17 @@ impl Problem {
                 Column::Law { effect, parameter } => {
                     let (e, q) = &self.laws[effect];
                     let argument = if self.rate_element { p.v.abs() } else { (sign * s).max(0.0) };
-                    if let Some(law) = e.friction(q, argument, psi) {
-                        dmu = law.d_parameters[parameter] * p.heat_factor;
+                    // The columns of an effect follow each other.
+                    if last != Some(effect) {
+                        last = Some(effect);
+                        laws = [
+                            e.friction(q, argument, psi),
+                            e.interface_rate(q, slip.abs(), psi),
+                            e.torque(q, p.th, p.w),
+                        ];
                     }
-                    if let Some(law) = e.interface_rate(q, slip.abs(), psi) {
-                        dpsi = law.d_parameters[parameter];
-                    }
-                    if let Some(law) = e.torque(q, p.th, p.w) {
-                        dtorque = law.d_parameters[parameter];
-                    }
+                    let [dfriction, rate, twist] = laws.map(|law| law.map_or(0.0, |law| law.d_parameters[parameter]));
+                    (dmu, dpsi, dtorque) = (dfriction * p.heat_factor, rate, twist);
                 }
             }
             dv -= self.b * dw;
