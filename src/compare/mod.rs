@@ -21,7 +21,8 @@ pub use regions::{Region, regions, words};
 pub use whiteness::{Whiteness, whiteness};
 
 use crate::fit::{
-    Correlation, Fit, Interval, Prediction, Problem, approximate_intervals, correlations, intervals, read,
+    CONVERGED, Correlation, Fit, Interval, Prediction, Problem, Settings, approximate_intervals, correlations,
+    intervals, minimise, read,
 };
 use crate::measurement::{Point, Table};
 use crate::model::Model;
@@ -126,6 +127,11 @@ pub struct Options {
     pub seed: u32,
 }
 
+/// Times that a calibration is done again from a better place that its intervals found.
+const REFITTED: usize = 4;
+/// Evaluations of each.
+const EVALUATIONS: usize = 60;
+
 /// Calibrates the free parameters of a scenario and compares with its measurements.
 pub fn compare(scenario: &Scenario, table: &Table, options: &Options) -> Comparison {
     let model = Model::new(scenario);
@@ -134,11 +140,32 @@ pub fn compare(scenario: &Scenario, table: &Table, options: &Options) -> Compari
 }
 
 /// Compares a model whose calibration is done with the measurements. `base` is the model before it; `profile` asks for
-/// intervals by profile likelihood rather than from the curvature.
+/// intervals by profile likelihood rather than from the curvature; where these find a better calibration it is taken.
 pub fn judge(scenario: &Scenario, table: &Table, base: &Model, calibration: &Calibration, profile: bool) -> Comparison {
-    let fit = &calibration.fit;
     let (settings, _) = conditions_of(&table.points);
-    let mut calibrated = Problem::new(base.clone(), &table.points, fit.parameters.clone(), Tolerance::FIT);
+    let mut calibrated = Problem::new(base.clone(), &table.points, calibration.fit.parameters.clone(), Tolerance::FIT);
+    let noise_of = |fit: &Fit| {
+        let points = compared(&table.points, &fit.evaluation.predictions);
+        let whiteness = whiteness(&points, settings.len(), fit.parameters.len());
+        if whiteness.structured { Metrics::over(points.iter()).chi2_per_point.sqrt().max(1.0) } else { 1.0 }
+    };
+    let mut fit = calibration.fit.clone();
+    let mut profiled = None;
+    for _ in 0..if profile { REFITTED } else { 0 } {
+        match intervals(&fit, noise_of(&fit), calibration.threshold, &mut calibrated) {
+            Ok(intervals) => {
+                profiled = Some(intervals);
+                break;
+            }
+            Err(better) => {
+                let settings =
+                    Settings { evaluations: EVALUATIONS, threshold: calibration.threshold, converged: CONVERGED };
+                fit = minimise(&mut calibrated, &better, &settings);
+            }
+        }
+    }
+    let intervals = profiled.unwrap_or_else(|| approximate_intervals(&fit, noise_of(&fit)));
+    let fit = &fit;
     let model = calibrated.model(&fit.values);
     let points = compared(&table.points, &fit.evaluation.predictions);
     let overall = Metrics::over(points.iter());
@@ -154,16 +181,11 @@ pub fn judge(scenario: &Scenario, table: &Table, base: &Model, calibration: &Cal
             of(i).iter().fold((f64::INFINITY, 0.0), |(a, b), p| (a.min(p.point.frequency), p.point.frequency.max(b)))
         })
         .collect();
-    let noise = if whiteness.structured { overall.chi2_per_point.sqrt().max(1.0) } else { 1.0 };
     Comparison {
         scenario: scenario.clone(),
         table: table.clone(),
         fit: fit.clone(),
-        intervals: if profile {
-            intervals(fit, noise, calibration.threshold, &mut calibrated)
-        } else {
-            approximate_intervals(fit, noise)
-        },
+        intervals,
         correlations: correlations(fit),
         overall,
         whiteness,

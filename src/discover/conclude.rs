@@ -19,6 +19,9 @@ impl Search<'_> {
         rounds: &Rounds,
         ties: &[Vec<Hypothesis>],
     ) -> Discovery {
+        let mut chosen = chosen.clone();
+        self.settle(&mut chosen);
+        let chosen = &chosen;
         let (factor, contradicted) = self.scatter(chosen);
         let noise = if contradicted { factor } else { 1.0 };
         // The ladder, one addition after the other.
@@ -34,11 +37,15 @@ impl Search<'_> {
         let steps: Vec<Step> = ladder
             .into_par_iter()
             .enumerate()
-            .map(|(i, hypothesis)| Step {
-                added: i.checked_sub(1).map(|k| hypothesis.additions[k].name().to_string()),
-                comparison: self.comparison(&hypothesis, i == last && !self.structured(&hypothesis), noise),
-                held_out: held_out(&self.data, &hypothesis),
-                hypothesis,
+            .map(|(i, mut hypothesis)| {
+                let comparison = self.comparison(&hypothesis, i == last && !self.structured(&hypothesis), noise);
+                hypothesis.fit.clone_from(&comparison.fit);
+                Step {
+                    added: i.checked_sub(1).map(|k| hypothesis.additions[k].name().to_string()),
+                    held_out: held_out(&self.data, &hypothesis),
+                    comparison,
+                    hypothesis,
+                }
             })
             .collect();
         let candidates = self.rank(&steps, rounds, ties, noise);

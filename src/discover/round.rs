@@ -27,10 +27,12 @@ const PROMISING: f64 = 1.5;
 const NEARLY: f64 = 0.5;
 /// No fit begins where, in a linear estimate, the gain is less than this share of what is needed.
 const HOPELESS: f64 = 0.5;
-/// Times that the leading fit is continued where it ended for want of evaluations, ...
-const POLISHED: usize = 6;
-/// ... as long as the sum of squares falls to less than this share.
-const PAYS: f64 = 0.999;
+/// Fits within this of the least sum of squares are followed to their minimum ...
+const CONTESTED: f64 = 40.0;
+/// ... by so many continuations at most, ...
+const SETTLED: usize = 8;
+/// ... as long as one lowers the sum of squares by more than this.
+const PAYS: f64 = 0.1;
 /// At least so many of those to the calibrated base are followed.
 const FOLLOWED: usize = 2;
 
@@ -167,22 +169,22 @@ impl Search<'_> {
         };
         let mut found: Vec<Entry> = found.into_par_iter().zip(full).map(entry).collect();
         let objective = |e: &Entry| e.found.hypothesis.fit.objective;
-        let leading = found.iter_mut().filter(|e| e.full).min_by(|a, b| objective(a).total_cmp(&objective(b)));
-        if let Some(entry) = leading {
-            self.polish(&mut entry.found.hypothesis);
-        }
+        let full = |e: &&Entry| e.full;
+        let least = found.iter().filter(full).map(objective).fold(f64::INFINITY, f64::min);
+        let close = |e: &&mut Entry| e.full && objective(e) <= least + CONTESTED;
+        found.par_iter_mut().filter(close).for_each(|e| self.settle(&mut e.found.hypothesis));
         Round { found }
     }
 
-    /// Follows a fit along a curved valley as long as that pays.
-    fn polish(&self, hypothesis: &mut Hypothesis) {
-        for _ in 0..POLISHED {
-            if !hypothesis.fit.is_exhausted() || !self.structured(hypothesis) {
+    /// Follows a fit that ended for want of evaluations, in a curved valley say, to its minimum.
+    pub(super) fn settle(&self, hypothesis: &mut Hypothesis) {
+        for _ in 0..SETTLED {
+            let before = hypothesis.fit.objective;
+            if !hypothesis.fit.is_exhausted() {
                 break;
             }
-            let before = hypothesis.fit.objective;
             hypothesis.fit = on_all(&self.data, &hypothesis.model, &hypothesis.fit);
-            if hypothesis.fit.objective > PAYS * before {
+            if hypothesis.fit.objective > before - PAYS {
                 break;
             }
         }

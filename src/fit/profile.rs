@@ -12,6 +12,8 @@ const SINGULAR: f64 = 1e-9;
 const TRIALS: usize = 5;
 /// Relative accuracy of the rise at the end of an interval.
 const CLOSE: f64 = 0.06;
+/// A sum of squares lower than that of the estimate by this share of the rise at the ends shows that it is no minimum.
+const BETTER: f64 = 0.1;
 /// Relative change of the sum of squares at which a refit is done: well below what that accuracy asks for.
 const CONVERGED: f64 = 5e-5;
 /// Correlation of two estimates from which on it is named.
@@ -119,16 +121,23 @@ pub fn correlations(fit: &Fit) -> Vec<Correlation> {
 
 /// Profile-likelihood intervals (95 %) of all parameters of a fit. `noise` is the factor by which the standard deviations
 /// of the data are to be multiplied; `problem` moves the parameters of the fit.
-pub fn intervals(fit: &Fit, noise: f64, threshold: f64, problem: &mut Problem<'_>) -> Vec<Interval> {
+///
+/// # Errors
+/// Values at which the sum of squares is clearly smaller than at the fit: it is no minimum, and has no intervals.
+pub fn intervals(fit: &Fit, noise: f64, threshold: f64, problem: &mut Problem<'_>) -> Result<Vec<Interval>, Vec<f64>> {
     let covariance = covariance(fit);
     // The sum of squares at the accuracy of the problem, which need not be that of the fit.
     let least = robust_chi2(&problem.evaluate(&fit.values, false).residuals, threshold);
-    let problem = &*problem;
-    let sides: Vec<(usize, f64)> = (0..fit.parameters.len()).flat_map(|i| [(i, -1.0), (i, 1.0)]).collect();
-    let ends: Vec<(f64, bool)> = sides
-        .into_par_iter()
-        .map(|(i, direction)| end(fit, i, direction, (noise, threshold, least), &covariance, problem))
+    let profile = Profile { fit, goal: RISE * noise * noise, least, threshold, covariance: &covariance, problem };
+    let sides: Vec<Side> = (0..fit.parameters.len())
+        .flat_map(|i| [-1.0, 1.0].map(|direction| Side::new(&profile, i, direction)))
         .collect();
+    let first: Vec<Option<Refit>> = sides.par_iter().map(Side::first).collect();
+    let best = first.iter().flatten().min_by(|a, b| a.rise.total_cmp(&b.rise));
+    if let Some(best) = best.filter(|best| best.rise < -BETTER * profile.goal) {
+        return Err(best.values.clone());
+    }
+    let ends: Vec<(f64, bool)> = sides.into_par_iter().zip(first).map(|(side, first)| side.end(first)).collect();
     let interval = |(value, ends): (&f64, &[(f64, bool)])| {
         let identified = match (ends[0].1, ends[1].1) {
             (true, true) => Identified::Yes,
@@ -137,72 +146,121 @@ pub fn intervals(fit: &Fit, noise: f64, threshold: f64, problem: &mut Problem<'_
         };
         Interval { value: *value, low: ends[0].0.min(ends[1].0), high: ends[0].0.max(ends[1].0), identified }
     };
-    fit.values.iter().zip(ends.chunks(2)).map(interval).collect()
+    Ok(fit.values.iter().zip(ends.chunks(2)).map(interval).collect())
 }
 
-/// One end of an interval and whether it is the data's.
-fn end(
-    fit: &Fit,
+/// What the profiles of a fit have in common.
+struct Profile<'p, 'a> {
+    fit: &'p Fit,
+    /// Rise of the sum of squares at the ends.
+    goal: f64,
+    least: f64,
+    threshold: f64,
+    covariance: &'p DMatrix<f64>,
+    problem: &'p Problem<'a>,
+}
+
+/// One parameter from its estimate in one direction.
+struct Side<'p, 'a> {
+    of: &'p Profile<'p, 'a>,
     i: usize,
     direction: f64,
-    (noise, threshold, least): (f64, f64, f64),
-    covariance: &DMatrix<f64>,
-    problem: &Problem<'_>,
-) -> (f64, bool) {
-    let parameter = &fit.parameters[i];
-    let sensitive = fit.evaluation.jacobian.column(i).norm() * parameter.natural_slope(fit.values[i]).abs();
-    let bound = parameter.moved(fit.values[i], direction * 1e3);
-    if sensitive < 1e-9 {
-        return (bound, false);
+    /// The other parameters, and by how much they move per step, on their natural scales.
+    others: Vec<usize>,
+    slopes: Vec<f64>,
+    /// The bound of the search.
+    bound: f64,
+}
+
+/// All parameters but one fitted again with that one held at a step from its estimate.
+struct Refit {
+    step: f64,
+    /// Sum of squares above that of the estimate.
+    rise: f64,
+    values: Vec<f64>,
+}
+
+impl<'p, 'a> Side<'p, 'a> {
+    fn new(of: &'p Profile<'p, 'a>, i: usize, direction: f64) -> Self {
+        let (fit, covariance) = (of.fit, of.covariance);
+        let others: Vec<usize> = (0..fit.parameters.len()).filter(|&j| j != i).collect();
+        // At first as the curvature at the optimum ties them.
+        let slopes = others.iter().map(|&j| covariance[(i, j)] / covariance[(i, i)] * direction).collect();
+        let bound = fit.parameters[i].moved(fit.values[i], direction * 1e3);
+        Self { of, i, direction, others, slopes, bound }
     }
-    let others: Vec<usize> = (0..fit.parameters.len()).filter(|&j| j != i).collect();
-    let mut values = fit.values.clone();
-    let goal = RISE * noise * noise;
-    let mut step = (goal * covariance[(i, i)]).sqrt();
-    let mut inside = (0.0, 0.0);
-    let mut outside: Option<(f64, f64)> = None;
-    // By how much the others move per step, on their natural scales: at first as the curvature at the optimum ties them.
-    let mut slopes: Vec<f64> = others.iter().map(|&j| covariance[(i, j)] / covariance[(i, i)] * direction).collect();
-    for _ in 0..TRIALS {
-        let room = parameter.natural_distance(fit.values[i], bound);
-        step = step.min(room);
-        values[i] = parameter.moved(fit.values[i], direction * step);
-        let moving: Vec<Parameter> = others.iter().map(|&j| fit.parameters[j].clone()).collect();
-        let mut constrained = problem.at(&values, moving);
-        let from: Vec<f64> = others
-            .iter()
-            .zip(&slopes)
-            .map(|(&j, slope)| fit.parameters[j].moved(fit.values[j], (slope * step).clamp(-1.0, 1.0)))
-            .collect();
-        let settings = Settings { evaluations: 4 * (others.len() + 1), threshold, converged: CONVERGED };
+
+    /// Distance of the bound on the natural scale.
+    fn room(&self) -> f64 {
+        self.of.fit.parameters[self.i].natural_distance(self.of.fit.values[self.i], self.bound)
+    }
+
+    fn at(&self, step: f64) -> f64 {
+        self.of.fit.parameters[self.i].moved(self.of.fit.values[self.i], self.direction * step)
+    }
+
+    /// The step to where the curvature puts the end; `None` where the data do not depend on the parameter.
+    fn first(&self) -> Option<Refit> {
+        let (fit, i) = (self.of.fit, self.i);
+        let sensitive = fit.evaluation.jacobian.column(i).norm() * fit.parameters[i].natural_slope(fit.values[i]).abs();
+        let step = (self.of.goal * self.of.covariance[(i, i)]).sqrt();
+        (sensitive >= 1e-9).then(|| self.refit(step))
+    }
+
+    fn refit(&self, step: f64) -> Refit {
+        let fit = self.of.fit;
+        let step = step.min(self.room());
+        let mut values = fit.values.clone();
+        values[self.i] = self.at(step);
+        let moving: Vec<Parameter> = self.others.iter().map(|&j| fit.parameters[j].clone()).collect();
+        let mut constrained = self.of.problem.at(&values, moving);
+        let tied =
+            |(&j, slope): (&usize, &f64)| fit.parameters[j].moved(fit.values[j], (slope * step).clamp(-1.0, 1.0));
+        let from: Vec<f64> = self.others.iter().zip(&self.slopes).map(tied).collect();
+        let evaluations = 4 * (self.others.len() + 1);
+        let settings = Settings { evaluations, threshold: self.of.threshold, converged: CONVERGED };
         let refit = minimise(&mut constrained, &from, &settings);
-        for ((slope, &j), &to) in slopes.iter_mut().zip(&others).zip(&refit.values) {
-            *slope = fit.parameters[j].natural_step(fit.values[j], to) / step;
-        }
-        let rise = refit.objective - least;
-        if (rise / goal - 1.0).abs() < CLOSE {
-            return (values[i], true);
-        }
-        if rise < goal {
-            if step >= room * (1.0 - 1e-9) {
-                return (bound, false);
-            }
-            inside = (step, rise.max(0.0));
-        } else {
-            outside = Some((step, rise));
-        }
-        // The square root of the rise is nearly linear in the step.
-        step = match outside {
-            Some((far, much)) => {
-                let (a, b, g) = (inside.1.sqrt(), much.sqrt(), goal.sqrt());
-                inside.0 + (far - inside.0) * ((g - a) / (b - a)).clamp(0.05, 0.95)
-            }
-            None => step * (goal / rise.max(1e-3 * goal)).sqrt().clamp(1.2, 8.0),
-        };
+        self.others.iter().zip(&refit.values).for_each(|(&j, &value)| values[j] = value);
+        Refit { step, rise: refit.objective - self.of.least, values }
     }
-    match outside {
-        // A better optimum on the way or a step along a flat valley: the last bracket.
-        Some(_) => (parameter.moved(fit.values[i], direction * step), true),
-        None => (bound, false),
+
+    /// The end of the interval and whether it is the data's.
+    fn end(mut self, first: Option<Refit>) -> (f64, bool) {
+        let Some(mut refit) = first else { return (self.bound, false) };
+        let (goal, room) = (self.of.goal, self.room());
+        let mut inside = (0.0, 0.0);
+        let mut outside: Option<(f64, f64)> = None;
+        for trial in 1..=TRIALS {
+            let Refit { step, rise, values } = refit;
+            if (rise / goal - 1.0).abs() < CLOSE {
+                return (self.at(step), true);
+            }
+            if rise < goal {
+                if step >= room * (1.0 - 1e-9) {
+                    return (self.bound, false);
+                }
+                inside = (step, rise.max(0.0));
+            } else {
+                outside = Some((step, rise));
+            }
+            // The square root of the rise is nearly linear in the step.
+            let next = match outside {
+                Some((far, much)) => {
+                    let (a, b, g) = (inside.1.sqrt(), much.sqrt(), goal.sqrt());
+                    inside.0 + (far - inside.0) * ((g - a) / (b - a)).clamp(0.05, 0.95)
+                }
+                None => step * (goal / rise.max(1e-3 * goal)).sqrt().clamp(1.2, 8.0),
+            };
+            if trial == TRIALS {
+                // A better optimum on the way or a step along a flat valley: the last bracket.
+                return if outside.is_some() { (self.at(next), true) } else { (self.bound, false) };
+            }
+            let fit = self.of.fit;
+            for (slope, &j) in self.slopes.iter_mut().zip(&self.others) {
+                *slope = fit.parameters[j].natural_step(fit.values[j], values[j]) / step;
+            }
+            refit = self.refit(next);
+        }
+        (self.bound, false)
     }
 }
