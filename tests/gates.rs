@@ -42,7 +42,7 @@ fn compare_holds_to_the_gates_of_the_scenario_and_the_command_line() {
         .stderr(contains("1 of 4 gates failed").and(contains("amplitude_tolerance").and(contains("at row"))));
     assert!(dir.path().join("o/rig/overlay.svg").is_file());
     let c = json(&dir.path().join("c.json"));
-    assert_eq!((c["schema"].as_str(), c["comparator"].as_str()), (Some("stickslip.comparison/1"), Some("1")));
+    assert_eq!((c["schema"].as_str(), c["comparator"].as_str()), (Some("stickslip.comparison/1"), Some("2")));
     let holds: Vec<_> = c["gates"].as_array().unwrap().iter().map(|gate| gate["holds"].as_bool().unwrap()).collect();
     assert_eq!(holds, [true, true, false, true]);
     measured(
@@ -99,7 +99,7 @@ fn a_report_tells_every_gate_and_exits_with_1_where_one_fails() {
     let verdicts: Vec<_> = report["gates"].as_array().unwrap().iter().map(|gate| gate["verdict"].as_str()).collect();
     assert_eq!(verdicts, [Some("gate failed"), Some("gate failed"), Some("gate passed"), Some("gate passed")]);
     assert!(report["summary"]["sentence"].as_str().unwrap().starts_with("2 of 4 gates failed. "));
-    assert_eq!(report["provenance"]["comparator"], "1");
+    assert_eq!(report["provenance"]["comparator"], "2");
     let page = std::fs::read_to_string(dir.path().join("output/report.html")).unwrap();
     assert!(page.contains("gate failed") && page.contains("max_rms_error"));
     let read = |name: &str| std::fs::read_to_string(dir.path().join(name)).unwrap();
@@ -132,4 +132,15 @@ fn a_report_tells_every_gate_and_exits_with_1_where_one_fails() {
     stickslip(dir.path()).args(["report", "--from", "output"]).assert().code(2).stderr(contains("overlay.svg"));
     assert!(read("output/report.html") == page);
     stickslip(dir.path()).args(["report", "rig.toml", "--junit", "table.csv"]).assert().code(2);
+}
+
+#[test]
+fn a_comparison_says_which_gates_only_a_discovery_judges() {
+    let dir = tempfile::tempdir().unwrap();
+    measured(dir.path(), "[gate]\nmax_chi2_per_point = 5\nverdict = \"unexplained\"\n");
+    stickslip(dir.path())
+        .args(["compare", "rig.toml"])
+        .assert()
+        .success()
+        .stdout(contains("gates: 1 of 1 passed").and(contains("not judged here: verdict of [gate]")));
 }

@@ -54,6 +54,13 @@ pub fn execute(job: &Job<'_>, global: &Global) -> Result<()> {
             say(global, &format!("  {}", out.map_or_else(|| name.into(), |out| out.path().join(name)).display()));
         }
         gates::told(&judged, global);
+        let open = scenario.gate.needs_discovery();
+        if !open.is_empty() {
+            say(
+                global,
+                &format!("not judged here: {} of [gate]; `stickslip discover` and `report` do", open.join(" and ")),
+            );
+        }
     }
     gates::passed(&judged)
 }

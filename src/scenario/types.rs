@@ -129,6 +129,12 @@ impl Gate {
     pub fn needs_measurements(&self) -> bool {
         *self != Self { claims: self.claims.clone(), ..Self::default() }
     }
+
+    /// Keys of what only a discovery can decide.
+    pub fn needs_discovery(&self) -> Vec<&'static str> {
+        let keys = [("verdict", self.verdict.is_some()), ("effects", self.effects.is_some())];
+        keys.into_iter().filter(|(_, asked)| *asked).map(|(key, _)| key).collect()
+    }
 }
 
 /// A question to the catalogue: which effects make the curve of the sweep look like one of the model itself at another speed?
