@@ -144,3 +144,15 @@ fn a_comparison_says_which_gates_only_a_discovery_judges() {
         .success()
         .stdout(contains("gates: 1 of 1 passed").and(contains("not judged here: verdict of [gate]")));
 }
+
+#[test]
+fn measurements_without_anything_free_can_be_searched() {
+    let dir = tempfile::tempdir().unwrap();
+    let from = Path::new("tests/data/practice/8");
+    std::fs::copy(from.join("measurements.csv"), dir.path().join("measurements.csv")).unwrap();
+    let text = std::fs::read_to_string(from.join("scenario.toml")).unwrap();
+    let (before, after) = text.split_once("[fit]").unwrap();
+    let rest = after.split_once("\n[").map_or(String::new(), |(_, rest)| format!("[{rest}"));
+    std::fs::write(dir.path().join("rig.toml"), format!("{before}{rest}")).unwrap();
+    stickslip(dir.path()).args(["discover", "rig.toml", "--max-effects", "1"]).assert().success();
+}

@@ -136,18 +136,25 @@ const EVALUATIONS: usize = 60;
 pub fn compare(scenario: &Scenario, table: &Table, options: &Options) -> Comparison {
     let model = Model::new(scenario);
     let calibration = calibrate(&model, &scenario.free, &table.points, Tolerance::default(), options.seed);
-    judge(scenario, table, &model, &calibration, true)
+    judge(scenario, table, &model, &calibration, (true, 1.0))
 }
 
 /// Compares a model whose calibration is done with the measurements. `base` is the model before it; `profile` asks for
 /// intervals by profile likelihood rather than from the curvature; where these find a better calibration it is taken.
-pub fn judge(scenario: &Scenario, table: &Table, base: &Model, calibration: &Calibration, profile: bool) -> Comparison {
+/// `noise` is the factor by which the stated standard deviations are to be multiplied where nothing but noise is left.
+pub fn judge(
+    scenario: &Scenario,
+    table: &Table,
+    base: &Model,
+    calibration: &Calibration,
+    (profile, noise): (bool, f64),
+) -> Comparison {
     let (settings, _) = conditions_of(&table.points);
     let mut calibrated = Problem::new(base.clone(), &table.points, calibration.fit.parameters.clone(), Tolerance::FIT);
     let noise_of = |fit: &Fit| {
         let points = compared(&table.points, &fit.evaluation.predictions);
         let whiteness = whiteness(&points, settings.len(), fit.parameters.len());
-        if whiteness.structured { Metrics::over(points.iter()).chi2_per_point.sqrt().max(1.0) } else { 1.0 }
+        if whiteness.structured { Metrics::over(points.iter()).chi2_per_point.sqrt().max(1.0) } else { noise }
     };
     let mut fit = calibration.fit.clone();
     let mut profiled = None;
@@ -160,7 +167,11 @@ pub fn judge(scenario: &Scenario, table: &Table, base: &Model, calibration: &Cal
             Err(better) => {
                 let settings =
                     Settings { evaluations: EVALUATIONS, threshold: calibration.threshold, converged: CONVERGED };
-                fit = minimise(&mut calibrated, &better, &settings);
+                let refit = minimise(&mut calibrated, &better, &settings);
+                if refit.objective >= fit.objective {
+                    break;
+                }
+                fit = refit;
             }
         }
     }

@@ -8,6 +8,8 @@ use crate::compare::{self, Calibration, Comparison};
 use crate::fit::{HUBER, Interval, approximate_intervals};
 use rayon::prelude::*;
 
+/// A sum of squares that is larger by this than that of a smaller hypothesis shows a fit that did not come to its end.
+const WORSE: f64 = 1.0;
 /// Rivals of the explanation whose prediction of left-out conditions is computed.
 const RIVALS: usize = 3;
 
@@ -19,13 +21,10 @@ impl Search<'_> {
         rounds: &Rounds,
         ties: &[Vec<Hypothesis>],
     ) -> Discovery {
-        let mut chosen = chosen.clone();
-        self.settle(&mut chosen);
-        let chosen = &chosen;
         let (factor, contradicted) = self.scatter(chosen);
         let noise = if contradicted { factor } else { 1.0 };
         // The ladder, one addition after the other.
-        let mut ladder = vec![start.clone()];
+        let mut ladder = vec![if chosen.additions.is_empty() { chosen.clone() } else { start.clone() }];
         for length in 1..chosen.additions.len() {
             ladder.push(self.refit(chosen, chosen.additions[..length].to_vec()));
         }
@@ -66,7 +65,7 @@ impl Search<'_> {
         }
         let outliers = end.comparison.outliers.clone();
         let not_testable = self.not_testable(&candidates, rounds);
-        let next_measurement = self.next(chosen, &rivals, &candidates, noise);
+        let next_measurement = self.next(&end.hypothesis, &rivals, &candidates, noise);
         let correlations = end.comparison.correlations.clone();
         let mut notes = Vec::new();
         if contradicted {
@@ -102,7 +101,7 @@ impl Search<'_> {
 
     fn comparison(&self, hypothesis: &Hypothesis, profile: bool, noise: f64) -> Comparison {
         let calibration = Calibration { fit: hypothesis.fit.clone(), threshold: HUBER * noise };
-        compare::judge(self.scenario, self.table, &hypothesis.model, &calibration, profile)
+        compare::judge(self.scenario, self.table, &hypothesis.model, &calibration, (profile, noise))
     }
 
     /// All hypotheses of the first round and those about the explanation, the best first.
@@ -123,16 +122,16 @@ impl Search<'_> {
                 add(&entry.found.hypothesis, testable);
             }
         }
-        // What contains a smaller hypothesis can do whatever that does: where no fit came there it is counted as if.
+        // What contains a smaller hypothesis can do whatever that does: where its own fit is worse it is counted as if.
         all.sort_by_key(|(hypothesis, _)| hypothesis.additions.len());
         for index in 0..all.len() {
             let (smaller, rest) = all.split_at_mut(index);
             let hypothesis = &mut rest[0].0;
-            let square = |h: &Hypothesis| self.square(h, 1.0);
-            let least = smaller.iter().filter(|(h, _)| h.nested_in(hypothesis)).map(|(h, _)| square(h));
+            let contained = |h: &Hypothesis| h.basis() == Basis::AllPoints && h.nested_in(hypothesis);
+            let least = smaller.iter().filter(|(h, _)| contained(h)).map(|(h, _)| self.square(h, noise));
             let least = least.fold(f64::INFINITY, f64::min);
-            if least < square(hypothesis) {
-                hypothesis.estimate = Some(Estimate { square: least, basis: Basis::Contained });
+            if least + WORSE < self.square(hypothesis, noise) {
+                hypothesis.estimate = Some(Estimate { square: least * noise * noise, basis: Basis::Contained });
             }
             hypothesis.bic = self.bic(hypothesis, noise);
         }

@@ -1,7 +1,7 @@
 //! Forward selection with backward elimination and exchange, from the calibrated base to the explanation.
 
 use super::hypothesis::{Addition, Hypothesis, additions};
-use super::round::{Entry, Round, Rounds};
+use super::round::{CONTESTED, Entry, Round, Rounds};
 use super::search::{Data, movable, on_all, on_all_problem};
 use super::{Discovery, MARGIN, Options};
 use crate::compare::{self, Calibration, Whiteness, conditions_of};
@@ -73,7 +73,8 @@ impl Search<'_> {
                 vec![chosen.clone()]
             };
         }
-        let chosen = self.exchange(chosen, &mut rounds);
+        let mut chosen = self.exchange(chosen, &mut rounds);
+        self.settle(&mut chosen);
         let ties = self.ties(&chosen, &mut rounds);
         self.conclude(&start, &chosen, &rounds, &ties)
     }
@@ -139,7 +140,10 @@ impl Search<'_> {
         let mut chosen = chosen;
         let mut index = 0;
         while chosen.additions.len() > 1 && index < chosen.additions.len() {
-            let fewer = self.refit_without(&chosen, index);
+            let mut fewer = self.refit_without(&chosen, index);
+            if fewer.fit.objective < chosen.fit.objective + CONTESTED {
+                self.settle(&mut fewer);
+            }
             let noise = self.noise(&chosen);
             if self.score(&fewer, noise) < self.score(&chosen, noise) + MARGIN {
                 chosen = fewer;

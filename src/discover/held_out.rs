@@ -80,6 +80,9 @@ pub fn held_out(data: &Data<'_>, hypothesis: &Hypothesis) -> Option<HeldOut> {
 /// The step that minimises the linearised sum of squares.
 fn newton(jacobian: &DMatrix<f64>, residuals: &DVector<f64>) -> DVector<f64> {
     let n = jacobian.ncols();
+    if n == 0 {
+        return DVector::zeros(0);
+    }
     let normal = jacobian.transpose() * jacobian;
     let gradient = jacobian.transpose() * residuals;
     let eigen = normal.symmetric_eigen();

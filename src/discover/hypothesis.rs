@@ -89,7 +89,7 @@ pub fn compatible(model: &Model, additions: &[Addition]) -> bool {
     effects::compatible(&all).is_ok()
 }
 
-/// A sum of squares over all points that no fit to all of them has reached.
+/// A sum of squares over all points that its own fit has not reached.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
     /// The sum of squares.
@@ -107,7 +107,7 @@ pub enum Basis {
     SomePoints(usize),
     /// The derivatives at samples of the ranges; no fit was begun.
     Linear,
-    /// A smaller hypothesis that it contains: no fit came below that.
+    /// The fit of a smaller hypothesis that it contains: its own came to a worse end.
     Contained,
 }
 
@@ -132,7 +132,7 @@ pub struct Hypothesis {
     pub model: Model,
     /// The fit, to all points or to a part of them.
     pub fit: Fit,
-    /// Where it was not fitted to all points: what its sum of squares over all would be.
+    /// Where it was not fitted to all points, or not to its end: what its sum of squares over all would be.
     pub estimate: Option<Estimate>,
     /// Schwarz's criterion in units of the noise, less a constant common to all hypotheses; smaller is better.
     pub bic: f64,

@@ -28,7 +28,7 @@ const NEARLY: f64 = 0.5;
 /// No fit begins where, in a linear estimate, the gain is less than this share of what is needed.
 const HOPELESS: f64 = 0.5;
 /// Fits within this of the least sum of squares are followed to their minimum ...
-const CONTESTED: f64 = 40.0;
+pub(super) const CONTESTED: f64 = 40.0;
 /// ... by so many continuations at most, ...
 const SETTLED: usize = 8;
 /// ... as long as one lowers the sum of squares by more than this.
@@ -179,12 +179,15 @@ impl Search<'_> {
     /// Follows a fit that ended for want of evaluations, in a curved valley say, to its minimum.
     pub(super) fn settle(&self, hypothesis: &mut Hypothesis) {
         for _ in 0..SETTLED {
-            let before = hypothesis.fit.objective;
             if !hypothesis.fit.is_exhausted() {
                 break;
             }
-            hypothesis.fit = on_all(&self.data, &hypothesis.model, &hypothesis.fit);
-            if hypothesis.fit.objective > before - PAYS {
+            let fit = on_all(&self.data, &hypothesis.model, &hypothesis.fit);
+            let gain = hypothesis.fit.objective - fit.objective;
+            if gain > 0.0 {
+                hypothesis.fit = fit;
+            }
+            if gain < PAYS {
                 break;
             }
         }

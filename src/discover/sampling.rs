@@ -18,9 +18,8 @@ const BESIDE_NOISE: usize = 2;
 const UNTOUCHED: f64 = 0.1;
 /// Samples about values that may be a local minimum, and how far they reach on the natural scale of a parameter.
 const ABOUT: (u32, f64) = (32, 2.0);
-/// Samples over the whole ranges besides.
+/// Samples over the whole ranges besides, and their first number in the sequence: past those of any first look.
 const WIDE: u32 = 48;
-/// Those before it were looked at before.
 const FIRST_WIDE: u32 = 20;
 
 /// Distance, on its natural scale, from which on a calibrated value is far off the stated one.
@@ -185,7 +184,8 @@ pub fn samples(before: &Model, addition: Addition, seed: u32, hint: Option<&[f64
     all
 }
 
-/// Models with the addition at samples about the values that it has in `model`, and at more samples of its whole ranges.
+/// Models with the addition at samples about the values that it has in `model`, and at more samples of its whole ranges,
+/// with the signs that it has.
 pub fn about(model: &Model, addition: Addition, seed: u32) -> Vec<Model> {
     let parameters = movable(model, &addition.keys());
     let none: [&Point; 0] = [];
@@ -241,6 +241,10 @@ impl<'a> Base<'a> {
         let mut problem =
             Problem::new(from.model.clone(), data.part.iter().copied(), from.fit.parameters.clone(), Tolerance::COARSE);
         let evaluation = problem.evaluate(&from.fit.values, true);
+        if evaluation.jacobian.is_empty() {
+            let span = DMatrix::zeros(evaluation.residuals.len(), 0);
+            return Self { problem, evaluation, span };
+        }
         let svd = evaluation.jacobian.clone().svd(true, false);
         let largest = svd.singular_values.iter().copied().fold(0.0, f64::max);
         let columns: Vec<usize> =

@@ -223,7 +223,8 @@ impl Explored {
             let ranked = robust_chi2(&fit.evaluation.residuals, HUBER);
             (self.gain(fit.objective), (before - self.scale * (self.before_ranked - ranked)).max(0.0))
         } else {
-            (0.0, before * (self.after / self.before).min(1.0))
+            // Never better than what it is added to: nobody has seen it.
+            (0.0, before * (self.after / self.before).min(1.0) + self.needed)
         };
         let basis = if known { Basis::SomePoints(fit.evaluation.predictions.len()) } else { Basis::Linear };
         let estimate = Some(Estimate { square: estimate, basis });

@@ -81,7 +81,7 @@ fn covariance(fit: &Fit) -> DMatrix<f64> {
     let largest = eigen.eigenvalues.max().max(f64::MIN_POSITIVE);
     let mut inverse = DMatrix::zeros(n, n);
     for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
-        inverse += vector * vector.transpose() / value.max(largest * SINGULAR * SINGULAR);
+        inverse += vector * vector.transpose() / value.max(largest * SINGULAR * SINGULAR).max(f64::MIN_POSITIVE);
     }
     inverse
 }

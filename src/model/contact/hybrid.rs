@@ -177,11 +177,12 @@ impl HybridSystem for Problem {
                 out.gs = -scale * (self.cc + mu_s * normal);
             }
             Mode::RateForward | Mode::RateBackward => {
-                // s = kc |v| x / (mu N), with |v| and mu continued beyond the end of the mode.
+                // s = kc |v| x / (mu N), with |v| continued beyond the end of the mode and mu as it is there: s is smooth.
                 let p = self.point(forcing, z, s);
                 let speed = sign * p.v;
                 let (mu, mu_s, mu_psi, mu_heat, _) =
-                    self.friction(speed, self.state(self.psi, z), self.state(self.heat, z));
+                    self.friction(speed.max(0.0), self.state(self.psi, z), self.state(self.heat, z));
+                let mu_s = if speed < 0.0 { 0.0 } else { mu_s };
                 let normal_th = if p.loaded { self.load_stiffness * b } else { 0.0 };
                 let mut rate_z = [0.0; MAX_STATES];
                 rate_z[1] = -b;
