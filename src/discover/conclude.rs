@@ -138,6 +138,9 @@ impl Search<'_> {
         all.sort_by(|a, b| a.0.bic.total_cmp(&b.0.bic).then_with(|| a.0.label().cmp(&b.0.label())));
         let best = all.first().map_or(0.0, |(h, _)| h.bic);
         let total: f64 = all.iter().map(|(h, _)| (-0.5 * (h.bic - best)).exp()).sum();
+        // Estimates are of the sum in which large residuals count less: told as those of the base compare.
+        let base = &steps[0].hypothesis;
+        let hardened = base.fit.evaluation.chi2() / self.square(base, 1.0).max(f64::MIN_POSITIVE);
         all.into_iter()
             .enumerate()
             .map(|(rank, (hypothesis, testable))| {
@@ -146,7 +149,14 @@ impl Search<'_> {
                     Some(step) => step.comparison.intervals.clone(),
                     None => approximate_intervals(&hypothesis.fit, noise),
                 };
-                let chi2 = hypothesis.estimate.map_or_else(|| hypothesis.fit.evaluation.chi2(), |e| e.square);
+                let own = hypothesis.fit.evaluation.chi2();
+                let chi2 = match (hypothesis.basis(), hypothesis.estimate) {
+                    (Basis::SomePoints(_), _) => {
+                        own * self.readings() as f64 / hypothesis.fit.evaluation.residuals.len() as f64
+                    }
+                    (Basis::Linear | Basis::Contained, Some(estimate)) => estimate.square * hardened,
+                    _ => own,
+                };
                 Candidate {
                     delta_bic: hypothesis.bic - best,
                     weight: (-0.5 * (hypothesis.bic - best)).exp() / total,

@@ -117,7 +117,7 @@ impl Basis {
         match self {
             Self::AllPoints => "all points".into(),
             Self::SomePoints(some) => format!("{some} of {points} points"),
-            Self::Linear => "estimate, not fitted".into(),
+            Self::Linear => "estimate only".into(),
             Self::Contained => "the smaller one in it".into(),
         }
     }
