@@ -21,8 +21,7 @@ pub use regions::{Region, regions, words};
 pub use whiteness::{Whiteness, whiteness};
 
 use crate::fit::{
-    CONVERGED, Correlation, Fit, Interval, Prediction, Problem, Settings, approximate_intervals, correlations,
-    intervals, minimise, read,
+    Correlation, Fit, Interval, Prediction, Problem, approximate_intervals, correlations, profiled, read,
 };
 use crate::measurement::{Point, Table};
 use crate::model::Model;
@@ -127,11 +126,6 @@ pub struct Options {
     pub seed: u32,
 }
 
-/// Times that a calibration is done again from a better place that its intervals found.
-const REFITTED: usize = 4;
-/// Evaluations of each.
-const EVALUATIONS: usize = 60;
-
 /// Calibrates the free parameters of a scenario and compares with its measurements.
 pub fn compare(scenario: &Scenario, table: &Table, options: &Options) -> Comparison {
     let model = Model::new(scenario);
@@ -156,27 +150,11 @@ pub fn judge(
         let whiteness = whiteness(&points, settings.len(), fit.parameters.len());
         if whiteness.structured { Metrics::over(points.iter()).chi2_per_point.sqrt().max(1.0) } else { noise }
     };
-    let mut fit = calibration.fit.clone();
-    let mut profiled = None;
-    for _ in 0..if profile { REFITTED } else { 0 } {
-        match intervals(&fit, noise_of(&fit), calibration.threshold, &mut calibrated) {
-            Ok(intervals) => {
-                profiled = Some(intervals);
-                break;
-            }
-            Err(better) => {
-                let settings =
-                    Settings { evaluations: EVALUATIONS, threshold: calibration.threshold, converged: CONVERGED };
-                let refit = minimise(&mut calibrated, &better, &settings);
-                if refit.objective >= fit.objective {
-                    break;
-                }
-                fit = refit;
-            }
-        }
-    }
-    let intervals = profiled.unwrap_or_else(|| approximate_intervals(&fit, noise_of(&fit)));
-    let fit = &fit;
+    let (fit, intervals) = if profile {
+        profiled(&calibration.fit, noise_of, calibration.threshold, &mut calibrated)
+    } else {
+        (calibration.fit.clone(), approximate_intervals(&calibration.fit, noise_of(&calibration.fit)))
+    };
     let model = calibrated.model(&fit.values);
     let points = compared(&table.points, &fit.evaluation.predictions);
     let overall = Metrics::over(points.iter());
@@ -195,9 +173,9 @@ pub fn judge(
     Comparison {
         scenario: scenario.clone(),
         table: table.clone(),
-        fit: fit.clone(),
+        correlations: correlations(&fit),
+        fit,
         intervals,
-        correlations: correlations(fit),
         overall,
         whiteness,
         regions,

@@ -18,35 +18,37 @@ impl Search<'_> {
         &self,
         start: &Hypothesis,
         chosen: &Hypothesis,
+        explanation: Comparison,
         rounds: &Rounds,
         ties: &[Vec<Hypothesis>],
     ) -> Discovery {
         let (factor, contradicted) = self.scatter(chosen);
         let noise = if contradicted { factor } else { 1.0 };
         // The ladder, one addition after the other.
-        let mut ladder = vec![if chosen.additions.is_empty() { chosen.clone() } else { start.clone() }];
+        let mut ladder = vec![start.clone()];
         for length in 1..chosen.additions.len() {
             ladder.push(self.refit(chosen, chosen.additions[..length].to_vec()));
         }
-        if !chosen.additions.is_empty() {
-            ladder.push(chosen.clone());
-        }
-        let last = ladder.len() - 1;
-        // A profile of what does not explain the data says nothing.
-        let steps: Vec<Step> = ladder
+        ladder.truncate(chosen.additions.len());
+        let mut rungs: Vec<(Hypothesis, Comparison)> = ladder
             .into_par_iter()
-            .enumerate()
-            .map(|(i, mut hypothesis)| {
-                let comparison = self.comparison(&hypothesis, i == last && !self.structured(&hypothesis), noise);
-                hypothesis.fit.clone_from(&comparison.fit);
-                Step {
-                    added: i.checked_sub(1).map(|k| hypothesis.additions[k].name().to_string()),
-                    held_out: held_out(&self.data, &hypothesis),
-                    comparison,
-                    hypothesis,
-                }
+            .map(|hypothesis| {
+                let comparison = self.comparison(&hypothesis, false, noise);
+                (hypothesis, comparison)
             })
             .collect();
+        rungs.push((chosen.clone(), explanation));
+        let steps: Vec<Step> = rungs
+            .into_par_iter()
+            .enumerate()
+            .map(|(i, (hypothesis, comparison))| Step {
+                added: i.checked_sub(1).map(|k| hypothesis.additions[k].name().to_string()),
+                held_out: held_out(&self.data, &hypothesis),
+                comparison,
+                hypothesis,
+            })
+            .collect();
+        let last = steps.len() - 1;
         let candidates = self.rank(&steps, rounds, ties, noise);
         let end = &steps[last];
         let structured = end.comparison.whiteness.structured;
@@ -99,7 +101,7 @@ impl Search<'_> {
         }
     }
 
-    fn comparison(&self, hypothesis: &Hypothesis, profile: bool, noise: f64) -> Comparison {
+    pub(super) fn comparison(&self, hypothesis: &Hypothesis, profile: bool, noise: f64) -> Comparison {
         let calibration = Calibration { fit: hypothesis.fit.clone(), threshold: HUBER * noise };
         compare::judge(self.scenario, self.table, &hypothesis.model, &calibration, (profile, noise))
     }

@@ -73,10 +73,23 @@ impl Search<'_> {
                 vec![chosen.clone()]
             };
         }
-        let mut chosen = self.exchange(chosen, &mut rounds);
+        let exchanged = self.exchange(chosen.clone(), &mut rounds);
+        let mut chosen = if exchanged.same_additions(&chosen) { chosen } else { self.eliminate(exchanged) };
         self.settle(&mut chosen);
+        let explanation = loop {
+            // A profile of what does not explain the data says nothing.
+            let comparison = self.comparison(&chosen, !self.structured(&chosen), self.noise(&chosen));
+            let moved = comparison.fit.values != chosen.fit.values;
+            chosen.fit.clone_from(&comparison.fit);
+            // Where the profiles moved the fit, an addition may have become needless.
+            let fewer = if moved { self.eliminate(chosen.clone()) } else { chosen.clone() };
+            if fewer.additions.len() == chosen.additions.len() {
+                break comparison;
+            }
+            chosen = fewer;
+        };
         let ties = self.ties(&chosen, &mut rounds);
-        self.conclude(&start, &chosen, &rounds, &ties)
+        self.conclude(&start, &chosen, explanation, &rounds, &ties)
     }
 
     /// The best hypothesis with one addition more than one of the frontier, and those that may lead further than it does.

@@ -9,4 +9,4 @@ mod profile;
 pub use least_squares::{CONVERGED, Fit, HUBER, Settings, minimise, robust_chi2};
 pub use parameter::{Parameter, parameter};
 pub use problem::{Evaluation, Prediction, Problem, TROUBLED, read};
-pub use profile::{Correlation, Identified, Interval, approximate_intervals, correlations, intervals};
+pub use profile::{Correlation, Identified, Interval, approximate_intervals, correlations, profiled};

@@ -14,8 +14,11 @@ const TRIALS: usize = 5;
 const CLOSE: f64 = 0.06;
 /// A sum of squares lower than that of the estimate by this share of the rise at the ends shows that it is no minimum.
 const BETTER: f64 = 0.1;
-/// Relative change of the sum of squares at which a refit is done: well below what that accuracy asks for.
-const CONVERGED: f64 = 5e-5;
+/// Times that a fit is made again from a better place, and evaluations of each.
+const MOVES: usize = 3;
+const EVALUATIONS: usize = 60;
+/// Change of the sum of squares at which a refit is done, in units of the rise at the ends: below that accuracy.
+const DONE: f64 = 0.02;
 /// Correlation of two estimates from which on it is named.
 const STRONG: f64 = 0.95;
 
@@ -119,34 +122,49 @@ pub fn correlations(fit: &Fit) -> Vec<Correlation> {
     strong
 }
 
-/// Profile-likelihood intervals (95 %) of all parameters of a fit. `noise` is the factor by which the standard deviations
-/// of the data are to be multiplied; `problem` moves the parameters of the fit.
-///
-/// # Errors
-/// Values at which the sum of squares is clearly smaller than at the fit: it is no minimum, and has no intervals.
-pub fn intervals(fit: &Fit, noise: f64, threshold: f64, problem: &mut Problem<'_>) -> Result<Vec<Interval>, Vec<f64>> {
-    let covariance = covariance(fit);
-    // The sum of squares at the accuracy of the problem, which need not be that of the fit.
-    let least = robust_chi2(&problem.evaluate(&fit.values, false).residuals, threshold);
-    let profile = Profile { fit, goal: RISE * noise * noise, least, threshold, covariance: &covariance, problem };
-    let sides: Vec<Side> = (0..fit.parameters.len())
-        .flat_map(|i| [-1.0, 1.0].map(|direction| Side::new(&profile, i, direction)))
-        .collect();
-    let first: Vec<Option<Refit>> = sides.par_iter().map(Side::first).collect();
-    let best = first.iter().flatten().min_by(|a, b| a.rise.total_cmp(&b.rise));
-    if let Some(best) = best.filter(|best| best.rise < -BETTER * profile.goal) {
-        return Err(best.values.clone());
-    }
-    let ends: Vec<(f64, bool)> = sides.into_par_iter().zip(first).map(|(side, first)| side.end(first)).collect();
-    let interval = |(value, ends): (&f64, &[(f64, bool)])| {
-        let identified = match (ends[0].1, ends[1].1) {
-            (true, true) => Identified::Yes,
-            (false, false) => Identified::No,
-            _ => Identified::OneSided,
+/// Profile-likelihood intervals (95 %) of all parameters of a fit, and the fit itself: where a profile comes below it, it was
+/// no minimum, and is made again from there. `noise` is the factor by which the standard deviations of the data are to be
+/// multiplied, given a fit; `problem` moves the parameters of the fit.
+pub fn profiled(
+    fit: &Fit,
+    noise: impl Fn(&Fit) -> f64,
+    threshold: f64,
+    problem: &mut Problem<'_>,
+) -> (Fit, Vec<Interval>) {
+    let mut fit = fit.clone();
+    let mut moves = 0;
+    loop {
+        let covariance = covariance(&fit);
+        // The sum of squares at the accuracy of the problem, which need not be that of the fit.
+        let least = robust_chi2(&problem.evaluate(&fit.values, false).residuals, threshold);
+        let goal = RISE * noise(&fit).powi(2);
+        let profile = Profile { fit: &fit, goal, least, threshold, covariance: &covariance, problem };
+        let sides: Vec<Side> = (0..fit.parameters.len())
+            .flat_map(|i| [-1.0, 1.0].map(|direction| Side::new(&profile, i, direction)))
+            .collect();
+        let first: Vec<Option<Refit>> = sides.par_iter().map(Side::first).collect();
+        let best = first.iter().flatten().min_by(|a, b| a.rise.total_cmp(&b.rise));
+        if let Some(best) = best.filter(|best| moves < MOVES && best.rise < -BETTER * goal) {
+            moves += 1;
+            let settings = Settings { evaluations: EVALUATIONS, threshold, converged: super::CONVERGED };
+            let moved = minimise(&mut problem.clone(), &best.values, &settings);
+            if moved.objective < least {
+                fit = moved;
+                continue;
+            }
+        }
+        let ends: Vec<(f64, bool)> = sides.into_par_iter().zip(first).map(|(side, first)| side.end(first)).collect();
+        let interval = |(value, ends): (&f64, &[(f64, bool)])| {
+            let identified = match (ends[0].1, ends[1].1) {
+                (true, true) => Identified::Yes,
+                (false, false) => Identified::No,
+                _ => Identified::OneSided,
+            };
+            Interval { value: *value, low: ends[0].0.min(ends[1].0), high: ends[0].0.max(ends[1].0), identified }
         };
-        Interval { value: *value, low: ends[0].0.min(ends[1].0), high: ends[0].0.max(ends[1].0), identified }
-    };
-    Ok(fit.values.iter().zip(ends.chunks(2)).map(interval).collect())
+        let intervals = fit.values.iter().zip(ends.chunks(2)).map(interval).collect();
+        return (fit, intervals);
+    }
 }
 
 /// What the profiles of a fit have in common.
@@ -218,7 +236,8 @@ impl<'p, 'a> Side<'p, 'a> {
             |(&j, slope): (&usize, &f64)| fit.parameters[j].moved(fit.values[j], (slope * step).clamp(-1.0, 1.0));
         let from: Vec<f64> = self.others.iter().zip(&self.slopes).map(tied).collect();
         let evaluations = 4 * (self.others.len() + 1);
-        let settings = Settings { evaluations, threshold: self.of.threshold, converged: CONVERGED };
+        let converged = (DONE * self.of.goal / self.of.least).min(1e-3);
+        let settings = Settings { evaluations, threshold: self.of.threshold, converged };
         let refit = minimise(&mut constrained, &from, &settings);
         self.others.iter().zip(&refit.values).for_each(|(&j, &value)| values[j] = value);
         Refit { step, rise: refit.objective - self.of.least, values }
@@ -230,8 +249,16 @@ impl<'p, 'a> Side<'p, 'a> {
         let (goal, room) = (self.of.goal, self.room());
         let mut inside = (0.0, 0.0);
         let mut outside: Option<(f64, f64)> = None;
-        for trial in 1..=TRIALS {
-            let Refit { step, rise, values } = refit;
+        let mut next = refit.step;
+        for trial in 0..TRIALS {
+            if trial > 0 {
+                let fit = self.of.fit;
+                for (slope, &j) in self.slopes.iter_mut().zip(&self.others) {
+                    *slope = fit.parameters[j].natural_step(fit.values[j], refit.values[j]) / refit.step;
+                }
+                refit = self.refit(next);
+            }
+            let Refit { step, rise, .. } = refit;
             if (rise / goal - 1.0).abs() < CLOSE {
                 return (self.at(step), true);
             }
@@ -243,24 +270,18 @@ impl<'p, 'a> Side<'p, 'a> {
             } else {
                 outside = Some((step, rise));
             }
-            // The square root of the rise is nearly linear in the step.
-            let next = match outside {
-                Some((far, much)) => {
-                    let (a, b, g) = (inside.1.sqrt(), much.sqrt(), goal.sqrt());
-                    inside.0 + (far - inside.0) * ((g - a) / (b - a)).clamp(0.05, 0.95)
-                }
-                None => step * (goal / rise.max(1e-3 * goal)).sqrt().clamp(1.2, 8.0),
+            // The rise goes nearly as a power of the step, at first as its square.
+            let power = match outside {
+                Some((far, much)) if inside.1 > 0.0 => (much / inside.1).ln() / (far / inside.0).ln(),
+                _ => 2.0,
             };
-            if trial == TRIALS {
-                // A better optimum on the way or a step along a flat valley: the last bracket.
-                return if outside.is_some() { (self.at(next), true) } else { (self.bound, false) };
-            }
-            let fit = self.of.fit;
-            for (slope, &j) in self.slopes.iter_mut().zip(&self.others) {
-                *slope = fit.parameters[j].natural_step(fit.values[j], values[j]) / step;
-            }
-            refit = self.refit(next);
+            let scaled = step * (goal / rise.max(1e-3 * goal)).powf(1.0 / power);
+            next = match outside {
+                Some((far, _)) => scaled.clamp(0.95 * inside.0 + 0.05 * far, 0.05 * inside.0 + 0.95 * far),
+                None => scaled.clamp(1.2 * step, 8.0 * step),
+            };
         }
-        (self.bound, false)
+        // A step along a flat valley: the last bracket.
+        if outside.is_some() { (self.at(next), true) } else { (self.bound, false) }
     }
 }

@@ -5,6 +5,9 @@
 use crate::model::continuum::Element;
 use crate::model::system::{Forcing, Linear, SliderSystem};
 
+/// Trials for the force at the end of a step.
+const ITERATIONS: usize = 50;
+
 /// How long and how finely to integrate.
 #[derive(Debug, Clone, Copy)]
 pub struct Plan {
@@ -46,7 +49,7 @@ pub struct Outcome {
     pub cycles: usize,
     /// Relative change of the fundamental over the last cycle.
     pub change: f64,
-    /// Whether the motion became periodic.
+    /// Whether the motion became periodic, every step of it solved.
     pub periodic: bool,
 }
 
@@ -72,7 +75,7 @@ pub fn integrate(system: &dyn SliderSystem, plan: &Plan) -> Outcome {
         // Bristles that stick to a turning roller are being wound up: they will slip, however quiet the cycle.
         let winding = reading.stick_fraction > 1.0 - 1e-9 && !system.at_rest() && system.bristles()[2] == 0.0;
         calm = if change < plan.settled && !winding { calm + 1 } else { 0 };
-        last = Outcome { cycles: cycle, change, periodic: calm >= 3, ..reading };
+        last = Outcome { cycles: cycle, change, periodic: calm >= 3 && state.solvable, ..reading };
         if last.periodic {
             return last;
         }
@@ -123,6 +126,41 @@ impl Oscillator {
     }
 }
 
+/// The force at the end of a step, looked for by secants between bounds: more force moves arm and roller so that the
+/// bristles pull less, the more so the lighter these are.
+struct Root {
+    at: f64,
+    tried: usize,
+    /// The force tried before, and by how much it fell short of what the bristles then pull.
+    before: Option<(f64, f64)>,
+    low: f64,
+    high: f64,
+}
+
+impl Root {
+    fn new(at: f64) -> Self {
+        Self { at, tried: 1, before: None, low: f64::NEG_INFINITY, high: f64::INFINITY }
+    }
+
+    /// The next one to try, `short` being by how much the last fell short.
+    fn next(&mut self, short: f64) {
+        let at = self.at;
+        if short > 0.0 {
+            self.low = self.low.max(at);
+        } else {
+            self.high = self.high.min(at);
+        }
+        let secant = self.before.map(|(x, y)| at - short * (at - x) / (short - y));
+        let inside = |x: &f64| *x > self.low && *x < self.high;
+        self.at = secant.filter(inside).unwrap_or_else(|| {
+            let middle = 0.5 * (self.low + self.high);
+            if middle.is_finite() { middle } else { at + short }
+        });
+        self.before = Some((at, short));
+        self.tried += 1;
+    }
+}
+
 #[derive(Clone, Copy)]
 struct Bristle {
     x: f64,
@@ -148,6 +186,8 @@ struct State<'a> {
     moved: Vec<Bristle>,
     force: f64,
     step: usize,
+    /// Whether the equations of every step so far were solved.
+    solvable: bool,
 }
 
 impl<'a> State<'a> {
@@ -179,6 +219,7 @@ impl<'a> State<'a> {
             bristles,
             force,
             step: 0,
+            solvable: true,
         }
     }
 
@@ -219,10 +260,10 @@ impl<'a> State<'a> {
             (v, 0.5 * h * gain / inertia)
         });
         let heat = self.heat + h * self.heat_rate;
-        let mut force = self.force;
+        let mut root = Root::new(self.force);
         self.moved.copy_from_slice(&self.bristles);
-        let (mut stuck, mut power) = (0.0, 0.0);
-        for _ in 0..50 {
+        let (force, stuck, power) = loop {
+            let force = root.at;
             let support = support.map_or(0.0, |(v, by_force)| v + by_force * force);
             // The load at the end of the step moves the arm by the trapezoidal rule.
             let load = gain * force + torque;
@@ -238,11 +279,17 @@ impl<'a> State<'a> {
                 held += if new.slip == 0.0 { element.share } else { 0.0 };
             }
             let change = (sum - force).abs() + (gain * force + torque - load).abs() / gain;
-            (force, stuck, power) = (sum, held, work);
-            if change <= self.solved * (force.abs() + system.scale().0 * system.bristles()[0]) {
-                break;
+            // Between close bounds the bristles jump, or rounding does.
+            let accuracy = self.solved * (force.abs() + system.scale().0 * system.bristles()[0]);
+            if change <= accuracy || (root.high - root.low).abs() <= accuracy {
+                break (sum, held, work);
             }
-        }
+            if root.tried >= ITERATIONS {
+                self.solvable = false;
+                break (sum, held, work);
+            }
+            root.next(sum - force);
+        };
         self.force = force;
         std::mem::swap(&mut self.bristles, &mut self.moved);
         self.arm.advance(h, gain * force + torque);
