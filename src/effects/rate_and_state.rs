@@ -58,16 +58,16 @@ impl Effect for RateAndState {
 
     fn friction(&self, p: &[f64], s: f64, psi: f64) -> Option<Law> {
         let (a, b, v, d) = (p[0], p[1], p[2], p[3]);
-        let direct = (s / v).ln_1p();
         // An iterate of the solver may leave the age a little below zero, where the law is continued evenly.
-        let aged = (v * psi.max(0.0) / d).ln_1p();
-        let (by_rate, by_age) = (a / (v + s), if psi >= 0.0 { b * v / (d + v * psi) } else { 0.0 });
-        let age = psi.max(0.0);
+        let (slip, per_age, age) = (s / v, v / d, psi.max(0.0));
+        let healed = per_age * age;
+        let (direct, aged) = (slip.ln_1p(), healed.ln_1p());
+        let (by_rate, by_age) = (a / (v + s), if psi >= 0.0 { b * per_age / (1.0 + healed) } else { 0.0 });
         Some(Law {
             value: a * direct + b * aged,
             d_first: by_rate,
             d_second: by_age,
-            d_parameters: [direct, aged, -by_rate * (s / v) + by_age * (age / v), -by_age * (age / d)],
+            d_parameters: [direct, aged, by_age * (age / v) - by_rate * slip, -by_age * (age / d)],
         })
     }
     fn interface_rate(&self, p: &[f64], s: f64, psi: f64) -> Option<Law> {

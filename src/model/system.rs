@@ -120,7 +120,13 @@ pub trait HybridSystem {
     /// Whether a slope of the rates has a kink within a mode.
     fn is_kinked(&self) -> bool;
     /// f, g and their Jacobians.
-    fn evaluate(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut Evaluation);
+    fn evaluate(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut Evaluation) {
+        const ALL: [usize; MAX_STATES] = [0, 1, 2, 3, 4, 5, 6, 7];
+        self.rates(&ALL[..self.states()], forcing, z, s, mode, out);
+        self.constraint(forcing, z, s, mode, out);
+    }
+    /// Some rows of f and their Jacobians alone.
+    fn rates(&self, rows: &[usize], forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut Evaluation);
     /// g and its Jacobian alone.
     fn constraint(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut Evaluation);
     /// What of a mode is affine.

@@ -5,7 +5,7 @@
 
 use super::columns::Adjoints;
 use super::dense::solve;
-use super::events::{EVENT_ROUGHNESS, LOCATED, Start, at_stages, crosses};
+use super::events::{EVENT_ROUGHNESS, LEAST_LOCATED, LOCATED, Start, at_stages, crosses};
 use super::flow::{self, Flow, Leg};
 use super::radau::{A, State, Stepper, Taken};
 use super::sensitivity::{self, Gradient, Stretch};
@@ -17,9 +17,10 @@ pub type Matrix = [State; MAX_STATES];
 
 /// Largest numerical damping relative to the damping of the arm.
 const NUMERICAL_DAMPING: f64 = 2e-6;
-/// Factors on size and roughness of the steps while a search is far off.
+/// Factors on size and roughness of the steps, and on the accuracy of the places of events, while a search is far off.
 const COARSE: f64 = 2.0;
 const COARSE_ROUGHNESS: f64 = 10.0;
+const COARSE_LOCATED: f64 = 100.0;
 /// Difference of the starts of two cycles, relative to the scales, at which their derivatives are the same.
 const SAME_ORBIT: f64 = 1e-6;
 /// Most changes of mode in one period.
@@ -30,6 +31,10 @@ const UNBOUNDED: f64 = 1e3;
 const KINKED: f64 = 4.0 / 3.0;
 /// Ratio of neighbouring sizes of step: a power of it is that of coarse steps to fine ones.
 const RUNG: f64 = 0.840_896_415_253_714_5;
+/// Shares of a step or of a period that are rounding.
+const ROUNDING: f64 = 1e-12;
+/// Roughness below which a step may be twice as long.
+const SMOOTH: f64 = 0.45 * 0.45 * 0.45;
 /// Most steps in one period.
 const MAX_STEPS: usize = 20_000;
 
@@ -137,6 +142,8 @@ pub struct Integrator<'a> {
     orbit: Option<Orbit>,
     /// Whether mean and extremes of the force are wanted of exact flows.
     pub observe: bool,
+    /// Whether the parts of an orbit are kept: its derivatives will be wanted.
+    pub keep: bool,
     /// Whether steps may be coarser than the tolerance asks for: enough for a search that is still far off.
     pub coarse: bool,
     /// Sizes of the first steps in each mode, from the start of the cycle or an event on, as shares of the largest.
@@ -155,6 +162,7 @@ impl<'a> Integrator<'a> {
             stepper: None,
             orbit: None,
             observe: true,
+            keep: false,
             coarse: false,
             firsts: Vec::new(),
             spent: 0,
@@ -228,7 +236,7 @@ impl<'a> Integrator<'a> {
         let (n, scales, near) = (self.system.states(), self.system.scales(), SAME_ORBIT * self.tolerance.slack());
         let begins = |(begin, ..): &Orbit| (0..n).all(|i| (begin[i] - start[i]).abs() <= near * scales[i]);
         if !self.orbit.as_ref().is_some_and(begins) {
-            (self.observe, self.coarse) = (true, false);
+            (self.observe, self.coarse, self.keep) = (true, false, true);
             self.cycle(start, Some(entry))?;
         }
         self.orbit.take().ok_or_else(|| "the parts of the cycle are not known".into())
@@ -308,16 +316,17 @@ impl<'a> Integrator<'a> {
         // The deviation from the polynomial grows with the third power of the step.
         tolerance.roughness *= tolerance.relief().powi(3) * if coarse { COARSE_ROUGHNESS } else { 1.0 };
         let (exact, observe) = (recorder.is_none(), self.observe);
+        let keep = exact && self.keep && !coarse;
         let n = system.states();
         let period = system.period();
         // The method damps an oscillation by (w h)^5/7200 a radian; that must be little against its own damping.
         let ratio = system.damping_ratio().clamp(1e-6, 1.0);
         let needed = std::f64::consts::TAU / (7200.0 * NUMERICAL_DAMPING * ratio).powf(0.2) / tolerance.relief();
         let steps = tolerance.steps as f64 * if system.is_kinked() { KINKED } else { 1.0 };
-        let largest = period / if tolerance.roughness.is_finite() { needed.max(steps) } else { steps }
+        let largest = period / if tolerance.roughness.is_finite() { needed.max(steps).ceil() } else { steps }
             * if coarse { COARSE } else { 1.0 };
         let slip_scale = system.slip_scale();
-        let located = LOCATED * tolerance.slack();
+        let located = (LOCATED * tolerance.slack() * if coarse { COARSE_LOCATED } else { 1.0 }).min(LEAST_LOCATED);
         let mut stepper = self.stepper.take();
         if let Some(stepper) = &mut stepper {
             stepper.accept(None);
@@ -348,7 +357,8 @@ impl<'a> Integrator<'a> {
         let (scales, at_first) = (system.scales(), system.initial_state());
         let mut tangents = [[[0.0; MAX_STATES]; MAX_STATES]; 3];
         let mut through = tangents;
-        while period - t > 1e-12 * period {
+        let mut reached = None;
+        while period - t > ROUNDING * period {
             if cycle.steps > MAX_STEPS {
                 return Err(format!(
                     "more than {MAX_STEPS} steps in one cycle, stopped at {:.4} of the cycle",
@@ -361,7 +371,7 @@ impl<'a> Integrator<'a> {
                     return Err(format!("the motion grew without bound at {:.4} of the cycle", t / period));
                 }
                 cycle.follow(&leg, mode, (leg.time - t) / period, n);
-                if observe {
+                if observe && keep {
                     let stretch = Stretch {
                         mode,
                         time: [t, leg.time],
@@ -372,6 +382,7 @@ impl<'a> Integrator<'a> {
                     parts.push(Part::Leg(Box::new((stretch, leg.clone()))));
                 }
                 (t, z, s, h, first) = (leg.time, leg.state, leg.slip, largest, true);
+                reached = None;
                 if leg.ended {
                     cycle.events += 1;
                     if cycle.events > MAX_EVENTS {
@@ -393,9 +404,11 @@ impl<'a> Integrator<'a> {
             if first && let Some((_, share)) = self.firsts.iter().find(|(known, _)| *known == opening) {
                 h = rung(largest, share * largest);
             }
-            let mut size = h.min(period - t);
+            // Rounding does not make the last of equal steps another one.
+            let mut size = if h < (period - t) * (1.0 + ROUNDING) { h } else { period - t };
             let mut event = false;
-            let forcing = system.forcing(t);
+            // At the end of a step it is known.
+            let forcing = reached.take().unwrap_or_else(|| system.forcing(t));
             let at_start = system.event(&forcing, &z, s, mode);
             let mut e;
             loop {
@@ -420,7 +433,7 @@ impl<'a> Integrator<'a> {
                     size = rung(largest, size * (0.9 / roughness.cbrt()).clamp(0.2, 0.7));
                     continue;
                 }
-                h = rung(largest, size * (0.9 / roughness.max(1e-9).cbrt()).min(2.0));
+                h = rung(largest, size * if roughness > SMOOTH { 0.9 / roughness.cbrt() } else { 2.0 });
                 break;
             }
             if std::mem::take(&mut first) && size < period - t {
@@ -461,7 +474,7 @@ impl<'a> Integrator<'a> {
                 let (force, _) = system.force(&stepper.forcing[i], &stepper.z[i], stepper.s[i]);
                 cycle.force = (cycle.force.0.min(force), cycle.force.1.max(force));
             }
-            if exact && !coarse {
+            if keep {
                 parts.push(Part::Step(Box::new(stepper.taken(mode, size, weight))));
             }
             if mode == Mode::Stick {
@@ -475,6 +488,7 @@ impl<'a> Integrator<'a> {
             t += size;
             z = stepper.z[2];
             s = stepper.s[2];
+            reached = Some(stepper.forcing[2]);
             cycle.steps += 1;
             if event {
                 cycle.events += 1;

@@ -9,7 +9,9 @@ pub const EVENT_ROUGHNESS: f64 = 0.03;
 
 /// Event values at the end of a step that count as zero there, at the default tolerance: the states depend on the time of an
 /// event in second order.
-pub const LOCATED: f64 = 1e-10;
+pub const LOCATED: f64 = 1e-8;
+/// The largest at any tolerance: a mode may begin as far below zero.
+pub const LEAST_LOCATED: f64 = 0.5e-6;
 /// Fraction of a step by which an event may lie off its end to be found by the slope there.
 const NEAR_EVENT: f64 = 0.05;
 /// Event values below this count as crossed.

@@ -212,7 +212,7 @@ impl Stepper {
             return;
         }
         if !unknowns.rows().is_empty() {
-            system.evaluate(forcing, z, s, mode, &mut self.evaluations[0]);
+            system.rates(unknowns.rows(), forcing, z, s, mode, &mut self.evaluations[0]);
         }
         for u in 0..m {
             let value = unknowns.row(u).map_or(s, |j| self.evaluations[0].f[j]);
@@ -252,22 +252,39 @@ impl Stepper {
         }
     }
 
-    /// Rates, constraint and their derivatives at the stages; those by the states include what goes by way of an algebraic
-    /// unknown that was eliminated.
+    /// Of rates, constraint and their derivatives at the stages what is not affine; the derivatives by the states include
+    /// what goes by way of an algebraic unknown that was eliminated.
     fn evaluate(&mut self, system: &dyn HybridSystem, mode: Mode) {
         let unknowns = &self.eliminations.current().unknowns;
         for i in 0..3 {
-            let e = &mut self.evaluations[i];
-            if unknowns.rows().is_empty() && unknowns.slip {
-                system.constraint(&self.forcing[i], &self.z[i], self.s[i], mode, e);
-                continue;
+            let (forcing, z, s, e) = (&self.forcing[i], &self.z[i], self.s[i], &mut self.evaluations[i]);
+            if unknowns.slip {
+                system.constraint(forcing, z, s, mode, e);
             }
-            system.evaluate(&self.forcing[i], &self.z[i], self.s[i], mode, e);
-            if !unknowns.slip {
-                for &j in unknowns.rows() {
-                    for (fz, by) in e.fz[j].iter_mut().zip(unknowns.slip_by()) {
-                        *fz += e.fs[j] * by;
-                    }
+            if !unknowns.rows().is_empty() {
+                system.rates(unknowns.rows(), forcing, z, s, mode, e);
+            }
+        }
+        self.through_slip();
+    }
+
+    /// The same with all rates.
+    fn evaluate_all(&mut self, system: &dyn HybridSystem, mode: Mode) {
+        for i in 0..3 {
+            system.evaluate(&self.forcing[i], &self.z[i], self.s[i], mode, &mut self.evaluations[i]);
+        }
+        self.through_slip();
+    }
+
+    fn through_slip(&mut self) {
+        let unknowns = &self.eliminations.current().unknowns;
+        if unknowns.slip {
+            return;
+        }
+        for e in &mut self.evaluations {
+            for &j in unknowns.rows() {
+                for (fz, by) in e.fz[j].iter_mut().zip(unknowns.slip_by()) {
+                    *fz += e.fs[j] * by;
                 }
             }
         }
@@ -385,7 +402,7 @@ impl Stepper {
             return false;
         }
         (self.forcing, self.z, self.s) = (taken.forcing, taken.z, taken.s);
-        self.evaluate(system, taken.mode);
+        self.evaluate_all(system, taken.mode);
         let (n, m, scales) = (system.states(), self.eliminations.current().unknowns.len(), system.scales());
         if m > 0 && !self.factorise(n, m) {
             return false;

@@ -128,6 +128,7 @@ fn search(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_>, 
         return parallel_state(model, at, &problem, &continuum, with, warm);
     }
     let mut integrator = Integrator::new(&problem, tolerance);
+    integrator.keep = derivatives;
     let found = shooting::search(&mut integrator, warm.start(&problem).as_ref())
         .or_else(|why| from_full_slip(model, at, &problem, tolerance).ok_or(why));
     let periodic = match found {

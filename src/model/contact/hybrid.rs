@@ -58,83 +58,82 @@ impl HybridSystem for Problem {
         self.laws.iter().any(|(effect, _)| effect.torque_is_kinked())
     }
 
-    fn evaluate(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut Evaluation) {
+    fn rates(&self, rows: &[usize], forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut Evaluation) {
         let v = self.relative_speed(forcing, z);
         let d = v - if mode == Mode::Stick { 0.0 } else { s };
         let force = self.pull(z, v, d);
-        let torque = self.torque(forcing.angle + z[0], forcing.velocity + z[1]);
         let (x, b) = (self.x, self.b);
         // Gradient of F by (w, u, x, q, s).
         let force_v = self.cc + self.sigma2;
         let mut force_z = [0.0; MAX_STATES];
         force_z[1] = -b * force_v;
         force_z[x] = self.kc;
+        // Relative speed of the bristles' ends.
+        let mut rate_z = [0.0; MAX_STATES];
+        rate_z[1] = -b;
         if let Some(i) = self.roller {
             force_z[i + 1] = force_v;
+            rate_z[i + 1] = 1.0;
         }
         if let Some(i) = self.q {
             force_z[i] = 1.0;
         }
         let force_s = -self.cc;
-        // Arm.
-        out.f[0] = z[1];
-        out.fz[0] = [0.0; MAX_STATES];
-        out.fz[0][1] = 1.0;
-        out.fs[0] = 0.0;
-        let gain = self.inverse_inertia * b;
-        out.f[1] = -self.c * z[1] - self.k * z[0] + self.inverse_inertia * (b * force + torque.value);
-        out.fz[1] = force_z.map(|f| gain * f);
-        out.fz[1][0] += -self.k + self.inverse_inertia * torque.d_first;
-        out.fz[1][1] += -self.c + self.inverse_inertia * torque.d_second;
-        out.fs[1] = gain * force_s;
-        // Relative speed of the bristles' ends.
-        let mut rate_z = [0.0; MAX_STATES];
-        rate_z[1] = -b;
-        if let Some(i) = self.roller {
-            rate_z[i + 1] = 1.0;
-            let [inverse, c, k] = self.support;
-            out.f[i] = z[i + 1];
-            out.fz[i] = [0.0; MAX_STATES];
-            out.fz[i][i + 1] = 1.0;
-            out.fs[i] = 0.0;
-            out.f[i + 1] = -inverse * force - c * z[i + 1] - k * z[i];
-            out.fz[i + 1] = force_z.map(|f| -inverse * f);
-            out.fz[i + 1][i] -= k;
-            out.fz[i + 1][i + 1] -= c;
-            out.fs[i + 1] = -inverse * force_s;
-        }
         // The slip rate that friction works on: that of the interface, or the relative speed for a rate element.
         let slip = if self.rate_element { v } else { s };
-        if let Some(i) = self.heat {
-            let gain = self.heating_gain;
-            out.f[i] = gain * force * slip - self.cooling_rate * z[i];
-            for j in 0..self.states {
-                let slip_z = if self.rate_element { rate_z[j] } else { 0.0 };
-                out.fz[i][j] = gain * (force_z[j] * slip + force * slip_z);
+        for &i in rows {
+            let (f, fz, fs) = (&mut out.f[i], &mut out.fz[i], &mut out.fs[i]);
+            let place = Some(i);
+            if i == 0 || place == self.roller {
+                *f = z[i + 1];
+                *fz = [0.0; MAX_STATES];
+                fz[i + 1] = 1.0;
+                *fs = 0.0;
+            } else if i == 1 {
+                let torque = self.torque(forcing.angle + z[0], forcing.velocity + z[1]);
+                let gain = self.inverse_inertia * b;
+                *f = -self.c * z[1] - self.k * z[0] + self.inverse_inertia * (b * force + torque.value);
+                *fz = force_z.map(|f| gain * f);
+                fz[0] += -self.k + self.inverse_inertia * torque.d_first;
+                fz[1] += -self.c + self.inverse_inertia * torque.d_second;
+                *fs = gain * force_s;
+            } else if i == x {
+                *f = d - self.renewal * z[x];
+                *fz = rate_z;
+                fz[x] = -self.renewal;
+                *fs = -1.0;
+            } else if place == self.q {
+                *f = self.k1 * d - self.branch_rate * z[i];
+                *fz = rate_z.map(|r| self.k1 * r);
+                fz[i] -= self.branch_rate;
+                *fs = -self.k1;
+            } else if place == self.heat {
+                let gain = self.heating_gain;
+                *f = gain * force * slip - self.cooling_rate * z[i];
+                for j in 0..self.states {
+                    let slip_z = if self.rate_element { rate_z[j] } else { 0.0 };
+                    fz[j] = gain * (force_z[j] * slip + force * slip_z);
+                }
+                fz[i] -= self.cooling_rate;
+                *fs = gain * (force_s * slip + if self.rate_element { 0.0 } else { force });
+            } else if place == self.psi {
+                let sign = Self::sign(mode);
+                let law = self.interface_rate(sign * slip, z[i]);
+                *f = law.value;
+                let slope = law.d_first * sign;
+                *fz = if self.rate_element { rate_z.map(|r| slope * r) } else { [0.0; MAX_STATES] };
+                fz[i] += law.d_second;
+                *fs = if self.rate_element { 0.0 } else { slope };
+            } else {
+                // The speed of the roller: the only row left.
+                let [inverse, c, k] = self.support;
+                *f = -inverse * force - c * z[i] - k * z[i - 1];
+                *fz = force_z.map(|f| -inverse * f);
+                fz[i - 1] -= k;
+                fz[i] -= c;
+                *fs = -inverse * force_s;
             }
-            out.fz[i][i] -= self.cooling_rate;
-            out.fs[i] = gain * (force_s * slip + if self.rate_element { 0.0 } else { force });
         }
-        out.f[x] = d - self.renewal * z[x];
-        out.fz[x] = rate_z;
-        out.fz[x][x] = -self.renewal;
-        out.fs[x] = -1.0;
-        if let Some(i) = self.q {
-            out.f[i] = self.k1 * d - self.branch_rate * z[i];
-            out.fz[i] = rate_z.map(|r| self.k1 * r);
-            out.fz[i][i] -= self.branch_rate;
-            out.fs[i] = -self.k1;
-        }
-        if let Some(i) = self.psi {
-            let sign = Self::sign(mode);
-            let law = self.interface_rate(sign * slip, z[i]);
-            out.f[i] = law.value;
-            let slope = law.d_first * sign;
-            out.fz[i] = if self.rate_element { rate_z.map(|r| slope * r) } else { [0.0; MAX_STATES] };
-            out.fz[i][i] += law.d_second;
-            out.fs[i] = if self.rate_element { 0.0 } else { slope };
-        }
-        self.constraint(forcing, z, s, mode, out);
     }
 
     fn constraint(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut Evaluation) {
