@@ -3,6 +3,7 @@
 use super::compare::{parameter, verdict, with_measurements};
 use super::gates::{self, GateLimits, Verdicts};
 use super::{Global, Json, Stamped, say};
+use crate::compare::{self, Setting};
 use crate::discover::{self, Candidate, Discovery, Options, Verdict};
 use crate::error::Result;
 use crate::gate;
@@ -85,9 +86,13 @@ pub(super) fn words(d: &Discovery) -> Vec<String> {
         lines.extend(c.regions.iter().take(CANDIDATES).map(|region| format!("  {}", region.sentence)));
     }
     if let Some(next) = &d.next_measurement {
+        let setting = Setting { speed: next.speed_m_s, load: next.load_n, drive: next.drive_m };
+        let [one, other] = &next.separates;
         lines.push(format!(
-            "measure next: V = {:.4} mm/s, W = {:.3} N, u0 = {:.3} um, f = {:.1} Hz: {} and {} differ by {:.1} sigma there",
-            next.speed_m_s * 1e3, next.load_n, next.drive_m * 1e6, next.frequency_hz, next.separates[0], next.separates[1], next.sigma
+            "measure next: {}, f = {:.1} Hz: {one} and {other} differ by {:.1} sigma there",
+            compare::words(&setting),
+            next.frequency_hz,
+            next.sigma
         ));
     }
     lines

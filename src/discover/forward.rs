@@ -1,6 +1,6 @@
 //! Forward selection with backward elimination and exchange, from the calibrated base to the explanation.
 
-use super::hypothesis::{Addition, Hypothesis, additions};
+use super::hypothesis::{Addition, Basis, Hypothesis, additions};
 use super::round::{CONTESTED, Entry, Round, Rounds};
 use super::search::{Data, movable, on_all, on_all_problem};
 use super::{Discovery, MARGIN, Options};
@@ -17,6 +17,8 @@ const NOISE_DIFFERS: f64 = 1.25;
 const CONTENDING: f64 = 1.3;
 /// ... up to so many: what explains best alone need not belong to the best pair.
 const CARRIED: usize = 2;
+/// Where the explanation leaves structure, so many other first additions are tried.
+const OTHER_BEGINNINGS: usize = 3;
 /// Times that the additions of an explanation are exchanged one after the other.
 const EXCHANGES: usize = 2;
 
@@ -53,25 +55,11 @@ impl Search<'_> {
             bic: f64::INFINITY,
         };
         let mut rounds = Rounds::default();
-        let mut chosen = start.clone();
-        let mut frontier = vec![start.clone()];
-        while chosen.additions.len() < self.options.max_effects {
-            // Nothing is looked for beside a continuum of sliders that leaves nothing but noise: it takes too long to solve.
-            if on_all_problem(&self.data, &chosen.fitted(), Vec::new()).has_continuum() && !self.structured(&chosen) {
-                break;
-            }
-            let Some((best, contenders)) = self.advance(&frontier, &mut rounds) else { break };
-            let noise = self.noise(&best);
-            if self.score(&chosen, noise) - self.score(&best, noise) <= MARGIN {
-                break;
-            }
-            let length = best.additions.len();
-            chosen = self.eliminate(best);
-            frontier = if self.structured(&chosen) && chosen.additions.len() == length {
-                contenders
-            } else {
-                vec![chosen.clone()]
-            };
+        let mut chosen = self.extend(start.clone(), &mut rounds);
+        if self.structured(&chosen)
+            && let Some(other) = self.begin_otherwise(&chosen, &mut rounds)
+        {
+            chosen = self.extend(other, &mut rounds);
         }
         let exchanged = self.exchange(chosen.clone(), &mut rounds);
         let mut chosen = if exchanged.same_additions(&chosen) { chosen } else { self.eliminate(exchanged) };
@@ -90,6 +78,55 @@ impl Search<'_> {
         };
         let ties = self.ties(&chosen, &mut rounds);
         self.conclude(&start, &chosen, explanation, &rounds, &ties)
+    }
+
+    /// Adds to a hypothesis as long as that pays, and removes what that makes needless.
+    fn extend(&self, from: Hypothesis, rounds: &mut Rounds) -> Hypothesis {
+        let mut frontier = vec![from.clone()];
+        let mut chosen = from;
+        while chosen.additions.len() < self.options.max_effects {
+            // Nothing is looked for beside a continuum of sliders that leaves nothing but noise: it takes too long to solve.
+            if on_all_problem(&self.data, &chosen.fitted(), Vec::new()).has_continuum() && !self.structured(&chosen) {
+                break;
+            }
+            let Some((best, contenders)) = self.advance(&frontier, rounds) else { break };
+            let noise = self.noise(&best);
+            if self.score(&chosen, noise) - self.score(&best, noise) <= MARGIN {
+                break;
+            }
+            let length = best.additions.len();
+            chosen = self.eliminate(best);
+            frontier = if self.structured(&chosen) && chosen.additions.len() == length {
+                contenders
+            } else {
+                vec![chosen.clone()]
+            };
+        }
+        chosen
+    }
+
+    /// Where the way from what explains best alone leaves structure: the best pair that contains another of the leading
+    /// first additions, if it explains better.
+    fn begin_otherwise(&self, chosen: &Hypothesis, rounds: &mut Rounds) -> Option<Hypothesis> {
+        let first = rounds.all().next()?.found.iter().map(|entry| &entry.found.hypothesis);
+        let mut others: Vec<Hypothesis> = first.filter(|h| h.basis() != Basis::Linear).cloned().collect();
+        others.retain(|h| !rounds.made_from(h));
+        others.sort_by(|a, b| self.square(a, 1.0).total_cmp(&self.square(b, 1.0)));
+        let mut best: Option<Hypothesis> = None;
+        for mut other in others.into_iter().take(OTHER_BEGINNINGS) {
+            if other.estimate.take().is_some() {
+                other.fit = on_all(&self.data, &other.model, &other.fit);
+            }
+            let Some((pair, _)) = self.advance(&[other], rounds) else { continue };
+            let noise = self.noise(&pair);
+            if self.score(&pair, noise) + MARGIN < self.score(best.as_ref().unwrap_or(chosen), noise) {
+                best = Some(self.eliminate(pair));
+            }
+            if best.as_ref().is_some_and(|best| !self.structured(best)) {
+                break;
+            }
+        }
+        best
     }
 
     /// The best hypothesis with one addition more than one of the frontier, and those that may lead further than it does.

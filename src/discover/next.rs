@@ -163,6 +163,13 @@ fn logarithmic((from, to): (f64, f64), count: usize, least: f64) -> Vec<f64> {
         return values;
     }
     let count = count - values.len();
-    values.extend((0..count).map(|i| low * (to / low).powf(i as f64 / (count - 1) as f64)));
+    // In between, values that one would set.
+    let between = |i: usize| {
+        let value = low * (to / low).powf(i as f64 / (count - 1) as f64);
+        format!("{value:.2e}").parse().unwrap_or(value).clamp(low, to)
+    };
+    values.push(low);
+    values.extend((1..count - 1).map(between));
+    values.push(to);
     values
 }

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 /// Fits on a part of the points begin for additions that take off, on a logarithmic scale, this share of what the best one
 /// takes off in a linear estimate; ...
 const BEGIN: f64 = 0.35;
-/// ... and, in that estimate, come within this factor of what is known to be possible; ...
+/// ... and, in that estimate, come within this factor of the best one; ...
 const WITHIN: f64 = 12.0;
 /// ... they go on where they took off this share of what the best one did, ...
 const GO_ON: f64 = 0.6;
@@ -56,6 +56,11 @@ pub(super) struct Rounds {
 }
 
 impl Rounds {
+    /// Whether there is a round from these additions.
+    pub fn made_from(&self, hypothesis: &Hypothesis) -> bool {
+        self.made.iter().any(|(from, _)| from.same_additions(hypothesis))
+    }
+
     /// The rounds in the order in which they were made.
     pub fn all(&self) -> impl Iterator<Item = &Round> {
         self.made.iter().map(|(_, round)| round)
@@ -111,7 +116,7 @@ impl Search<'_> {
         };
         let mut best: Vec<Option<Attempt>> = explored.iter().map(|_| None).collect();
         let estimates: Vec<f64> = explored.iter().map(|e| e.after.max(f64::MIN_POSITIVE)).collect();
-        let possible = estimates.iter().copied().fold(goal, f64::min);
+        let possible = estimates.iter().copied().fold(f64::INFINITY, f64::min);
         let near = |e: &Explored| e.after < WITHIN * possible;
         let begins = leading(&estimates, BEGIN);
         let begun: Vec<Vec<Attempt>> = explored
