@@ -3,17 +3,16 @@
 // Indices run over several matrices at once here.
 #![allow(clippy::needless_range_loop)]
 
+use super::collocation::roughness;
 use super::columns::Adjoints;
-use super::dense::solve;
+use super::dense::{Matrix, identity, multiply, solve};
 use super::events::{EVENT_ROUGHNESS, LEAST_LOCATED, LOCATED, Start, at_stages, crosses};
-use super::flow::{self, Flow, Leg};
-use super::radau::{A, State, Stepper, Taken};
+use super::flow::{self, Flow};
+pub use super::period::{Cycle, Part, Record};
+use super::radau::{A, State, Stepper};
 use super::sensitivity::{self, Gradient, Stretch};
 pub use super::tolerance::Tolerance;
 use crate::model::system::{HybridSystem, MAX_STATES, Mode};
-
-/// Square matrix over the states.
-pub type Matrix = [State; MAX_STATES];
 
 /// Largest numerical damping relative to the damping of the arm.
 const NUMERICAL_DAMPING: f64 = 2e-6;
@@ -37,96 +36,6 @@ const ROUNDING: f64 = 1e-12;
 const SMOOTH: f64 = 0.45 * 0.45 * 0.45;
 /// Most steps in one period.
 const MAX_STEPS: usize = 20_000;
-
-/// What a step leaves behind for a recorder: times, states and algebraic unknown at the start and the stages.
-pub struct Record<'a> {
-    /// Time at the start \[s\].
-    pub time: f64,
-    /// Size of the step \[s\].
-    pub size: f64,
-    /// States at the start.
-    pub start: &'a State,
-    /// Algebraic unknown at the start.
-    pub slip: f64,
-    /// The stages.
-    pub stepper: &'a Stepper,
-    /// Mode over the step.
-    pub mode: Mode,
-}
-
-/// Result of one period.
-#[derive(Debug, Clone)]
-pub struct Cycle {
-    /// States at the end.
-    pub end: State,
-    /// Mode and algebraic unknown at the start and at the end.
-    pub branch: [(Mode, f64); 2],
-    /// Derivative of `end` by the states at the start.
-    pub monodromy: Matrix,
-    /// Fundamental of state 0: complex A with z0 = Im(A e^{iwt}) + ... (real, imaginary).
-    pub fundamental: (f64, f64),
-    /// Derivatives of the fundamental by the states at the start (real, imaginary).
-    pub fundamental_by_start: [(f64, f64); MAX_STATES],
-    /// Mean of state 0.
-    pub mean: f64,
-    /// Its derivatives by the states at the start; not gathered on exact flows.
-    pub mean_by_start: State,
-    /// Stretches on exact flows.
-    pub legs: usize,
-    /// Whether mean and extremes of the force are complete.
-    pub observed: bool,
-    /// Share of the period in [`Mode::Stick`].
-    pub stick_fraction: f64,
-    /// Extremes of the force.
-    pub force: (f64, f64),
-    /// Steps taken.
-    pub steps: usize,
-    /// Changes of mode.
-    pub events: usize,
-}
-
-impl Cycle {
-    /// Carries the cycle over to a start that is a small step `delta` of Newton's away.
-    pub fn shift(&mut self, n: usize, delta: &State) {
-        for j in 0..n {
-            self.fundamental.0 += self.fundamental_by_start[j].0 * delta[j];
-            self.fundamental.1 += self.fundamental_by_start[j].1 * delta[j];
-            self.mean += self.mean_by_start[j] * delta[j];
-            for i in 0..n {
-                self.end[i] += self.monodromy[i][j] * delta[j];
-            }
-        }
-    }
-
-    /// Adds an exact stretch, a share of the period in one mode.
-    fn follow(&mut self, leg: &Leg, mode: Mode, share: f64, n: usize) {
-        let mut through = [[0.0; MAX_STATES]; MAX_STATES];
-        multiply(n, n, &leg.transition, &self.monodromy, &mut through);
-        self.fundamental.0 += leg.fundamental.0;
-        self.fundamental.1 += leg.fundamental.1;
-        for (by_start, column) in self.fundamental_by_start.iter_mut().zip(0..n) {
-            for (row, by) in self.monodromy.iter().zip(&leg.fundamental_by_start).take(n) {
-                by_start.0 += by.0 * row[column];
-                by_start.1 += by.1 * row[column];
-            }
-        }
-        self.monodromy = through;
-        self.mean += leg.mean;
-        self.force = (self.force.0.min(leg.force.0), self.force.1.max(leg.force.1));
-        self.stick_fraction += if mode == Mode::Stick { share } else { 0.0 };
-        self.steps += 1;
-        self.legs += 1;
-        self.observed &= leg.observed;
-    }
-}
-
-/// A part of an orbit.
-pub enum Part {
-    /// An exact stretch.
-    Leg(Box<(Stretch, Leg)>),
-    /// A step.
-    Step(Box<Taken>),
-}
 
 /// A cycle: its start, its parts and what it amounts to.
 type Orbit = (State, Vec<Part>, Cycle);
@@ -425,10 +334,8 @@ impl<'a> Integrator<'a> {
                     continue;
                 }
                 e = at_stages(system, stepper, mode);
-                let roughness = (Stepper::roughness(s, stepper.s) / slip_scale / tolerance.roughness).max(
-                    Stepper::roughness(at_start, e)
-                        / (EVENT_ROUGHNESS * e.iter().fold(1e-7, |m: f64, e| m.max(e.abs()))),
-                );
+                let roughness = (roughness(s, stepper.s) / slip_scale / tolerance.roughness)
+                    .max(roughness(at_start, e) / (EVENT_ROUGHNESS * e.iter().fold(1e-7, |m: f64, e| m.max(e.abs()))));
                 if roughness > 1.0 && size > 1e-6 * period {
                     size = rung(largest, size * (0.9 / roughness.cbrt()).clamp(0.2, 0.7));
                     continue;
@@ -513,31 +420,4 @@ fn rung(largest: f64, size: f64) -> f64 {
         rung *= RUNG;
     }
     rung
-}
-
-pub(super) fn identity() -> Matrix {
-    std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }))
-}
-
-/// The leading rows of the product of two matrices of order `n`.
-fn multiply(rows: usize, n: usize, a: &Matrix, b: &Matrix, out: &mut Matrix) {
-    match n {
-        3 => product(rows, 3, a, b, out),
-        4 => product(rows, 4, a, b, out),
-        5 => product(rows, 5, a, b, out),
-        _ => product(rows, n, a, b, out),
-    }
-}
-
-#[inline(always)]
-fn product(rows: usize, n: usize, a: &Matrix, b: &Matrix, out: &mut Matrix) {
-    for i in 0..rows {
-        for j in 0..n {
-            let mut sum = 0.0;
-            for k in 0..n {
-                sum += a[i][k] * b[k][j];
-            }
-            out[i][j] = sum;
-        }
-    }
 }

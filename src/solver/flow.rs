@@ -9,7 +9,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::cubic::{between, crossing, cubic, turning_point};
-use super::cycle::Matrix;
+use super::dense::Matrix;
 use super::eliminated::Eliminated;
 use super::events::rising;
 use super::exponential::{Map, Square, apply, dot, exponential, multiply, norm};

@@ -1,6 +1,7 @@
 //! Steady states. Knows no physics beyond the shape of the equations handed in by [`crate::model`].
 
 pub mod analytic;
+mod collocation;
 mod columns;
 mod cubic;
 pub mod cycle;
@@ -15,10 +16,12 @@ mod integrated;
 pub mod lu;
 pub mod paper_euler;
 pub mod parallel;
+mod period;
 mod prediction;
 pub mod radau;
 pub mod sensitivity;
 pub mod shooting;
+mod sliders;
 mod stages;
 mod steady;
 pub mod time;

@@ -8,8 +8,9 @@
 // Indices run over several matrices at once here.
 #![allow(clippy::needless_range_loop)]
 
-use super::cycle::{Integrator, Matrix, identity};
+use super::cycle::Integrator;
 use super::dense;
+use super::dense::{Matrix, identity};
 use super::radau::State;
 use super::shooting::Start;
 use crate::model::system::{MAX_STATES, Mode};

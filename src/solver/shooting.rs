@@ -3,8 +3,8 @@
 // Indices run over several matrices at once here.
 #![allow(clippy::needless_range_loop)]
 
-use super::cycle::{Cycle, Integrator, Matrix, Record, Tolerance};
-use super::dense;
+use super::cycle::{Cycle, Integrator, Record, Tolerance};
+use super::dense::{self, Matrix};
 use super::radau::State;
 use crate::model::system::{HybridSystem, MAX_STATES, Mode};
 

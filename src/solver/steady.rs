@@ -1,9 +1,10 @@
 //! From a model and an operating point to the observables of its steady state.
 
 use super::analytic::wrap;
+use super::collocation::interpolate;
 use super::cycle::{Integrator, Record, Tolerance};
 use super::paper_euler::{self, PaperContact};
-use super::radau::{State, Stepper};
+use super::radau::State;
 use super::{Method, Orbit, Status, SteadyState, parallel, shooting, shooting::Periodic, shooting::Start, time};
 use crate::model::contact::{LimitingState, Problem, Sliders};
 use crate::model::dual::{Dual, MAX_PARAMETERS};
@@ -424,8 +425,8 @@ pub fn orbit(model: &Model, at: &Operation, euler_steps: usize, tolerance: &Tole
                 break;
             }
             let tau = (t - r.time) / r.size;
-            let z: State = std::array::from_fn(|j| Stepper::interpolate(r.start[j], r.stepper.z.map(|z| z[j]), tau));
-            let s = if r.mode == Mode::Stick { 0.0 } else { Stepper::interpolate(r.slip, r.stepper.s, tau) };
+            let z: State = std::array::from_fn(|j| interpolate(r.start[j], r.stepper.z.map(|z| z[j]), tau));
+            let s = if r.mode == Mode::Stick { 0.0 } else { interpolate(r.slip, r.stepper.s, tau) };
             let forcing = problem.forcing(t);
             let (force, _) = problem.force(&forcing, &z, s);
             orbit.time.push(t);

@@ -1,0 +1,444 @@
+//! One cycle of a contact of many parallel sliders: fixed Radau steps, each slider solved at the stages for itself.
+
+// Indices run over several matrices at once here.
+#![allow(clippy::needless_range_loop)]
+
+use super::collocation::{A, C, interpolate};
+use super::stages::{Block, Pair, Stages, relaxation, solve3};
+use crate::model::system::{Forcing, SliderSystem};
+use nalgebra::DMatrix;
+
+/// States of a slider.
+#[derive(Debug, Clone, Copy)]
+pub struct Slider {
+    /// Stretch \[m\].
+    pub x: f64,
+    /// Force of its branch \[N\].
+    pub q: f64,
+    /// State of its interface.
+    pub psi: f64,
+}
+
+/// What a cycle leaves behind.
+pub struct Cycle {
+    /// Shared states at the end.
+    pub shared: [f64; 5],
+    /// The sliders at the end.
+    pub sliders: Vec<Slider>,
+    /// Which of them slipped.
+    pub slipped: Vec<bool>,
+    /// Complex fundamental of the relative angle.
+    pub fundamental: (f64, f64),
+    /// Mean of the relative angle.
+    pub mean: f64,
+    /// Mean share of stuck stiffness.
+    pub stick: f64,
+    /// Extremes of the force.
+    pub force: (f64, f64),
+}
+
+/// Stage coefficients of the fixed step.
+pub struct Method<'a> {
+    system: &'a dyn SliderSystem,
+    /// Steps per period.
+    steps: usize,
+    h: f64,
+    arm: Pair,
+    support: Option<(Pair, f64)>,
+    stretch: (Stages, Block),
+    branch: (Stages, Block),
+    stiffness: Block,
+    /// Where friction does not depend on the slip rate: what a slider does with each set of its stages slipping.
+    slipping: Option<[Slipping; 8]>,
+    has_interface: bool,
+}
+
+/// A slider with some of its stages slipping (the bits of its index) at a force that does not depend on the slip rate.
+struct Slipping {
+    /// Rates of stretch by the relative speeds (stuck stages) and by the forces less those at no rate (slipping ones).
+    rate: Block,
+    /// Forces by the relative speeds.
+    slope: Block,
+}
+
+impl Slipping {
+    fn new(stiffness: &Block, stages: usize) -> Self {
+        let slips = |i: usize| stages >> i & 1 == 1;
+        let unit = |i: usize, k: usize| f64::from(u8::from(i == k));
+        let matrix: Block =
+            std::array::from_fn(|i| if slips(i) { stiffness[i] } else { std::array::from_fn(|k| unit(i, k)) });
+        let (mut rate, mut slope) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
+        for k in 0..3 {
+            let column = solve3(matrix, std::array::from_fn(|i| unit(i, k)));
+            for i in 0..3 {
+                rate[i][k] = column[i];
+                if !slips(k) {
+                    slope[i][k] = (0..3).map(|l| stiffness[i][l] * column[l]).sum();
+                }
+            }
+        }
+        Self { rate, slope }
+    }
+}
+
+impl<'a> Method<'a> {
+    /// With so many steps per period.
+    pub fn new(system: &'a dyn SliderSystem, steps: usize) -> Self {
+        let h = system.period() / steps as f64;
+        let [kc, cc, renewal, k1, rate] = system.bristles();
+        let stretch = relaxation(h, renewal);
+        let branch = relaxation(h, rate);
+        let mut stiffness = [[0.0; 3]; 3];
+        for i in 0..3 {
+            for k in 0..3 {
+                stiffness[i][k] = kc * stretch.1[i][k] + k1 * branch.1[i][k];
+            }
+            stiffness[i][i] += cc;
+        }
+        let support = system.support().map(|(linear, gain)| (Pair::new(h, linear), gain));
+        let slipping =
+            system.rate_independent().then(|| std::array::from_fn(|stages| Slipping::new(&stiffness, stages)));
+        let has_interface = system.interface(0.0).is_some();
+        let arm = Pair::new(h, system.arm());
+        Self { system, steps, h, arm, support, stretch, branch, stiffness, slipping, has_interface }
+    }
+
+    /// The shared states that there are.
+    pub fn active(&self) -> Vec<usize> {
+        let mut active = vec![0, 1];
+        if self.support.is_some() {
+            active.extend([2, 3]);
+        }
+        if self.system.heating().0 > 0.0 {
+            active.push(4);
+        }
+        active
+    }
+
+    /// Derivatives of the shared states at the end of a cycle by those at its start, in units of the scales, by differences.
+    pub fn jacobian(
+        &self,
+        shared: &[f64; 5],
+        sliders: &[Slider],
+        base: &Cycle,
+        scales: &[f64; 5],
+        active: &[usize],
+    ) -> Result<DMatrix<f64>, String> {
+        let n = active.len();
+        let mut out = DMatrix::zeros(n, n);
+        for (column, &j) in active.iter().enumerate() {
+            let mut moved = *shared;
+            moved[j] += 1e-6 * scales[j];
+            let cycle = self.cycle(&moved, sliders)?;
+            for (row, &i) in active.iter().enumerate() {
+                out[(row, column)] = (cycle.shared[i] - base.shared[i]) / (1e-6 * scales[i]);
+            }
+        }
+        Ok(out)
+    }
+
+    /// One cycle from these states.
+    pub fn cycle(&self, shared: &[f64; 5], sliders: &[Slider]) -> Result<Cycle, String> {
+        let system = self.system;
+        let mut out = Cycle {
+            shared: *shared,
+            sliders: sliders.to_vec(),
+            slipped: vec![false; sliders.len()],
+            fundamental: (0.0, 0.0),
+            mean: 0.0,
+            stick: 0.0,
+            force: (f64::INFINITY, f64::NEG_INFINITY),
+        };
+        let kc = system.bristles()[0];
+        let mut force: Stages =
+            [system.elements().iter().zip(sliders).map(|(e, s)| e.share * (kc * s.x + s.q)).sum(); 3];
+        let mut before: Option<(f64, Stages)> = None;
+        for step in 0..self.steps {
+            // The first guess continues the polynomial of the last step.
+            let start = force[2];
+            if let Some((start, stages)) = before {
+                force = C.map(|c| interpolate(start, stages, 1.0 + c));
+            }
+            let stages = self.step(self.h * step as f64, force, &mut out, shared[0])?;
+            before = Some((start, stages));
+            force = stages;
+        }
+        Ok(out)
+    }
+
+    /// One step; returns the stage forces.
+    fn step(&self, t: f64, guess: Stages, cycle: &mut Cycle, reference: f64) -> Result<Stages, String> {
+        let system = self.system;
+        let elements = system.elements();
+        let [angle, velocity, support, support_velocity, heat] = cycle.shared;
+        let forcing = C.map(|c| system.forcing(t + c * self.h));
+        let (stroke, speed) = system.scale();
+        let tolerance = 1e-10 * system.bristles()[0] * stroke;
+        let mut force = guess;
+        let mut torque = [0.0; 3];
+        let mut heats = [heat; 3];
+        let mut rates: Vec<Stages> = vec![[0.0; 3]; elements.len()];
+        for round in 0..60 {
+            let gain = system.arm_load(&forcing[0], angle, velocity).0;
+            let load: Stages = std::array::from_fn(|i| gain * force[i] + torque[i]);
+            let angles = self.arm.states(0, angle, velocity, &load);
+            let velocities = self.arm.states(1, angle, velocity, &load);
+            for i in 0..3 {
+                torque[i] = system.arm_load(&forcing[i], angles[i], velocities[i]).1;
+            }
+            let mut supports = ([0.0; 3], [0.0; 3]);
+            let mut by_force: Block = std::array::from_fn(|i| {
+                std::array::from_fn(|k| self.relative_slope(&forcing[i]) * gain * self.arm.force[1][i][k])
+            });
+            if let Some((pair, gain)) = &self.support {
+                let load = force.map(|f| gain * f);
+                supports = (
+                    pair.states(0, support, support_velocity, &load),
+                    pair.states(1, support, support_velocity, &load),
+                );
+                for i in 0..3 {
+                    for k in 0..3 {
+                        by_force[i][k] += gain * pair.force[1][i][k];
+                    }
+                }
+            }
+            let v: Stages = std::array::from_fn(|i| system.relative_speed(&forcing[i], velocities[i], supports.1[i]));
+            // All sliders at these speeds.
+            let (mut sum, mut slope, mut power) = ([0.0; 3], [[0.0; 3]; 3], [0.0; 3]);
+            let most: Stages = std::array::from_fn(|i| system.limit(&forcing[i], angles[i], 0.0, 0.0, heats[i]).0);
+            for (j, element) in elements.iter().enumerate() {
+                let solved = if let Some(slipping) = &self.slipping {
+                    self.steady_slider(slipping, &cycle.sliders[j], &v, &most.map(|most| element.limit * most), speed)
+                } else {
+                    let limit = |i: usize, s: f64, psi: f64| {
+                        let (most, by_s) = system.limit(&forcing[i], angles[i], s, psi, heats[i]);
+                        (element.limit * most, element.limit * by_s)
+                    };
+                    self.slider(&cycle.sliders[j], &v, &limit, speed)
+                };
+                for i in 0..3 {
+                    sum[i] += element.share * solved.force[i];
+                    power[i] += element.share * solved.force[i] * (v[i] - solved.rate[i]);
+                    for k in 0..3 {
+                        slope[i][k] += element.share * solved.slope[i][k];
+                    }
+                }
+                rates[j] = solved.rate;
+            }
+            let (heating, cooling) = system.heating();
+            if heating > 0.0 {
+                let (start, by_rate) = relaxation(self.h, cooling);
+                heats = std::array::from_fn(|i| {
+                    start[i] * heat + heating * (0..3).map(|k| by_rate[i][k] * power[k]).sum::<f64>()
+                });
+            }
+            // (1 - dF/dv dv/dF) delta = F(v) - F
+            let matrix: Block = std::array::from_fn(|i| {
+                std::array::from_fn(|k| {
+                    f64::from(u8::from(i == k)) - (0..3).map(|l| slope[i][l] * by_force[l][k]).sum::<f64>()
+                })
+            });
+            let delta = solve3(matrix, std::array::from_fn(|i| sum[i] - force[i]));
+            let size = delta.iter().fold(0.0f64, |m, d| m.max(d.abs()));
+            if !size.is_finite() {
+                return Err("the forces of the parallel sliders diverge".into());
+            }
+            for i in 0..3 {
+                force[i] += delta[i];
+            }
+            if size < tolerance || (round > 30 && size < 1e4 * tolerance) {
+                self.accept(cycle, &forcing, &v, &rates, &angles, &force, reference);
+                cycle.shared = [angles[2], velocities[2], supports.0[2], supports.1[2], heats[2]];
+                return Ok(force);
+            }
+        }
+        Err(format!("the parallel sliders did not converge at {:.4} of the cycle", t / system.period()))
+    }
+
+    fn relative_slope(&self, forcing: &Forcing) -> f64 {
+        self.system.relative_speed(forcing, 1.0, 0.0) - self.system.relative_speed(forcing, 0.0, 0.0)
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn accept(
+        &self,
+        cycle: &mut Cycle,
+        forcing: &[Forcing; 3],
+        v: &Stages,
+        rates: &[Stages],
+        angles: &Stages,
+        force: &Stages,
+        reference: f64,
+    ) {
+        let (_, speed) = self.system.scale();
+        let weight = 2.0 / self.steps as f64;
+        for i in 0..3 {
+            let swing = weight * A[2][i] * (angles[i] - reference);
+            cycle.fundamental.0 += swing * forcing[i].sine;
+            cycle.fundamental.1 += swing * forcing[i].cosine;
+            cycle.mean += 0.5 * weight * A[2][i] * angles[i];
+            cycle.force = (cycle.force.0.min(force[i]), cycle.force.1.max(force[i]));
+        }
+        for (j, element) in self.system.elements().iter().enumerate() {
+            let slider = &mut cycle.sliders[j];
+            let d = rates[j];
+            let dot = |row: &Stages| row[0] * d[0] + row[1] * d[1] + row[2] * d[2];
+            slider.x = self.stretch.0[2] * slider.x + dot(&self.stretch.1[2]);
+            let k1 = self.system.bristles()[3];
+            slider.q = self.branch.0[2] * slider.q + k1 * dot(&self.branch.1[2]);
+            let slip: Stages = std::array::from_fn(|i| (v[i] - d[i]).abs());
+            slider.psi = self.interface(slider.psi, &slip)[2];
+            for i in 0..3 {
+                if slip[i] > 1e-12 * speed {
+                    cycle.slipped[j] = true;
+                } else {
+                    cycle.stick += element.share * A[2][i] / self.steps as f64;
+                }
+            }
+        }
+    }
+
+    /// Interface state at the stages for given slip rates.
+    fn interface(&self, psi: f64, slip: &Stages) -> Stages {
+        if !self.has_interface {
+            return [psi; 3];
+        }
+        let rate = slip.map(|s| self.system.interface(s).unwrap_or_default());
+        let matrix: Block = std::array::from_fn(|i| {
+            std::array::from_fn(|k| f64::from(u8::from(i == k)) - self.h * A[i][k] * rate[k].1)
+        });
+        solve3(matrix, std::array::from_fn(|i| psi + self.h * (0..3).map(|k| A[i][k] * rate[k].0).sum::<f64>()))
+    }
+
+    /// One slider at the stages, where its limit does not depend on the slip rate.
+    fn steady_slider(
+        &self,
+        slipping: &[Slipping; 8],
+        slider: &Slider,
+        v: &Stages,
+        most: &Stages,
+        speed: f64,
+    ) -> Solved {
+        let kc = self.system.bristles()[0];
+        let own: Stages = std::array::from_fn(|i| kc * self.stretch.0[i] * slider.x + self.branch.0[i] * slider.q);
+        let mut rate = *v;
+        let mut force = plus(&own, &self.stiffness, &rate);
+        let mut sign = [0.0; 3];
+        let mut stages = 0;
+        for _ in 0..40 {
+            let mut changed = false;
+            for i in 0..3 {
+                if sign[i] == 0.0 {
+                    if force[i].abs() > most[i] {
+                        sign[i] = force[i].signum();
+                        changed = true;
+                    }
+                } else if sign[i] * (v[i] - rate[i]) < -1e-13 * speed {
+                    sign[i] = 0.0;
+                    changed = true;
+                }
+            }
+            if !changed {
+                break;
+            }
+            stages = (0..3).filter(|&i| sign[i] != 0.0).map(|i| 1 << i).sum();
+            let known = std::array::from_fn(|i| if sign[i] == 0.0 { v[i] } else { sign[i] * most[i] - own[i] });
+            rate = plus(&[0.0; 3], &slipping[stages].rate, &known);
+            force = plus(&own, &self.stiffness, &rate);
+        }
+        Solved { force, rate, slope: slipping[stages].slope }
+    }
+
+    /// One slider at the stages: stuck or at its limit, each stage by itself.
+    fn slider(&self, slider: &Slider, v: &Stages, limit: &dyn Fn(usize, f64, f64) -> (f64, f64), speed: f64) -> Solved {
+        let kc = self.system.bristles()[0];
+        let own: Stages = std::array::from_fn(|i| kc * self.stretch.0[i] * slider.x + self.branch.0[i] * slider.q);
+        let force = |d: &Stages| -> Stages {
+            std::array::from_fn(|i| own[i] + (0..3).map(|k| self.stiffness[i][k] * d[k]).sum::<f64>())
+        };
+        let mut d = *v;
+        let mut f = force(&d);
+        if (0..3).all(|i| f[i].abs() <= limit(i, 0.0, slider.psi).0) && !self.has_interface {
+            return Solved { force: f, rate: d, slope: self.stiffness };
+        }
+        let mut psi = [slider.psi; 3];
+        let mut sign = [0.0; 3];
+        let mut slopes = [0.0; 3];
+        for _ in 0..40 {
+            let mut changed = false;
+            for i in 0..3 {
+                let slip = sign[i] * (v[i] - d[i]);
+                if sign[i] == 0.0 {
+                    if f[i].abs() > limit(i, 0.0, psi[i]).0 {
+                        sign[i] = f[i].signum();
+                        changed = true;
+                    }
+                } else if slip < -1e-13 * speed {
+                    sign[i] = 0.0;
+                    changed = true;
+                }
+            }
+            if sign == [0.0; 3] && !changed {
+                break;
+            }
+            let mut matrix = [[0.0; 3]; 3];
+            let mut right = [0.0; 3];
+            for i in 0..3 {
+                if sign[i] == 0.0 {
+                    matrix[i][i] = 1.0;
+                    right[i] = v[i];
+                    slopes[i] = 0.0;
+                } else {
+                    let slip = (sign[i] * (v[i] - d[i])).max(0.0);
+                    let (most, by_s) = limit(i, slip, psi[i]);
+                    matrix[i] = self.stiffness[i];
+                    matrix[i][i] += by_s;
+                    right[i] = -own[i] + sign[i] * (most - by_s * slip) + by_s * v[i];
+                    slopes[i] = by_s;
+                }
+            }
+            let new = solve3(matrix, right);
+            let change = (0..3).fold(0.0f64, |m, i| m.max((new[i] - d[i]).abs()));
+            d = new;
+            f = force(&d);
+            psi = self.interface(slider.psi, &std::array::from_fn(|i| (v[i] - d[i]).abs()));
+            if !changed && change < 1e-13 * speed {
+                break;
+            }
+        }
+        if sign.iter().all(|s| *s != 0.0) && slopes == [0.0; 3] {
+            return Solved { force: f, rate: d, slope: [[0.0; 3]; 3] };
+        }
+        // dd/dv: stuck stages follow, slipping ones through the slope of the law.
+        let mut matrix = [[0.0; 3]; 3];
+        for i in 0..3 {
+            if sign[i] == 0.0 {
+                matrix[i][i] = 1.0;
+            } else {
+                matrix[i] = self.stiffness[i];
+                matrix[i][i] += slopes[i];
+            }
+        }
+        let mut slope = [[0.0; 3]; 3];
+        for k in 0..3 {
+            let mut right = [0.0; 3];
+            right[k] = if sign[k] == 0.0 { 1.0 } else { slopes[k] };
+            let column = solve3(matrix, right);
+            for i in 0..3 {
+                slope[i][k] = (0..3).map(|l| self.stiffness[i][l] * column[l]).sum();
+            }
+        }
+        Solved { force: f, rate: d, slope }
+    }
+}
+
+/// a + B v
+fn plus(a: &Stages, b: &Block, v: &Stages) -> Stages {
+    std::array::from_fn(|i| a[i] + b[i][0] * v[0] + b[i][1] * v[1] + b[i][2] * v[2])
+}
+
+struct Solved {
+    force: Stages,
+    rate: Stages,
+    slope: Block,
+}
