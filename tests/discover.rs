@@ -5,12 +5,16 @@ use stickslip::discover::{Discovery, Options, Verdict, discover};
 use stickslip::{measurement, scenario};
 
 fn found(number: u32) -> Discovery {
+    found_with(number, &Options::default())
+}
+
+fn found_with(number: u32, options: &Options) -> Discovery {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
     let places = [format!("scenarios/practice/{number}"), format!("tests/data/practice/{number}")];
     let path = places.iter().map(|p| folder.join(p).join("scenario.toml")).find(|p| p.is_file()).expect("the table");
     let scenario = scenario::load(path).expect("a scenario");
     let table = measurement::load(&scenario).expect("a table").expect("measurements");
-    discover(&scenario, &table, &Options::default())
+    discover(&scenario, &table, options)
 }
 
 /// Verdict, names and parameters (key, true value) of an explanation that fits to the noise.
@@ -88,4 +92,11 @@ fn practice_8_too_small_to_see() {
     let d = found(8);
     assert_eq!(d.verdict, Verdict::NothingMissing);
     assert!(d.explanation().comparison.overall.chi2_per_point < 1.05);
+}
+
+#[test]
+fn no_more_effects_are_named_than_asked_for_although_structure_is_left() {
+    let d = found_with(7, &Options { max_effects: 1, ..Options::default() });
+    assert_eq!(d.verdict, Verdict::Unexplained);
+    assert_eq!(d.explanation().hypothesis.additions.len(), 1);
 }

@@ -94,6 +94,20 @@ fn pairs_of_effects_agree() {
     });
 }
 
+/// The lighter the roller, the more a force moves it within a step: plain iteration for the force diverges.
+#[test]
+fn a_roller_of_less_than_a_gram_agrees() {
+    let mut model = paper_model(Series);
+    (model.contact.stiffness, model.contact.damping) = (1.5e5, 300.0);
+    model.effects.push(setting("rate-strengthening", "beta=0.4 v_0=0.0026"));
+    model.effects.push(setting("roller-compliance", "m_r=0.0004 k_r=350000 zeta_r=1.1"));
+    let plan = Plan { steps: 4000, cycles: 4000, ..Plan::default() };
+    for (speed, load, drive) in [(1e-4, 20.0, 2.5e-6), (0.0, 0.1, 7.5e-6)] {
+        let found = difference(&model, &Operation { speed, load, drive, frequency: 74.0 }, &plan);
+        assert!(found < 2e-5, "V = {speed}: {found:e}");
+    }
+}
+
 #[test]
 fn time_integration_converges_with_order_two() {
     let model = paper_model(Series);

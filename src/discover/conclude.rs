@@ -25,29 +25,23 @@ impl Search<'_> {
         let (factor, contradicted) = self.scatter(chosen);
         let noise = if contradicted { factor } else { 1.0 };
         // The ladder, one addition after the other.
-        let mut ladder = vec![start.clone()];
-        for length in 1..chosen.additions.len() {
-            ladder.push(self.refit(chosen, chosen.additions[..length].to_vec()));
-        }
-        ladder.truncate(chosen.additions.len());
-        let mut rungs: Vec<(Hypothesis, Comparison)> = ladder
-            .into_par_iter()
-            .map(|hypothesis| {
-                let comparison = self.comparison(&hypothesis, false, noise);
-                (hypothesis, comparison)
-            })
-            .collect();
-        rungs.push((chosen.clone(), explanation));
-        let steps: Vec<Step> = rungs
-            .into_par_iter()
-            .enumerate()
-            .map(|(i, (hypothesis, comparison))| Step {
-                added: i.checked_sub(1).map(|k| hypothesis.additions[k].name().to_string()),
-                held_out: held_out(&self.data, &hypothesis),
-                comparison,
-                hypothesis,
-            })
-            .collect();
+        let rung = |length: usize| match length {
+            0 => start.clone(),
+            _ => self.refit(chosen, chosen.additions[..length].to_vec()),
+        };
+        let ladder: Vec<Hypothesis> = (0..chosen.additions.len()).map(rung).collect();
+        let step = |index: usize, hypothesis: Hypothesis, comparison: Comparison| Step {
+            added: index.checked_sub(1).map(|k| hypothesis.additions[k].name().to_string()),
+            held_out: held_out(&self.data, &hypothesis),
+            comparison,
+            hypothesis,
+        };
+        let compared = |(index, hypothesis): (usize, Hypothesis)| {
+            let comparison = self.comparison(&hypothesis, false, noise);
+            step(index, hypothesis, comparison)
+        };
+        let mut steps: Vec<Step> = ladder.into_par_iter().enumerate().map(compared).collect();
+        steps.push(step(steps.len(), chosen.clone(), explanation));
         let last = steps.len() - 1;
         let candidates = self.rank(&steps, rounds, ties, noise);
         let end = &steps[last];

@@ -56,7 +56,8 @@ impl Search<'_> {
         };
         let mut rounds = Rounds::default();
         let mut chosen = self.extend(start.clone(), &mut rounds);
-        if self.structured(&chosen)
+        if self.options.max_effects > 1
+            && self.structured(&chosen)
             && let Some(other) = self.begin_otherwise(&chosen, &mut rounds)
         {
             chosen = self.extend(other, &mut rounds);

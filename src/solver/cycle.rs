@@ -6,7 +6,7 @@
 use super::collocation::roughness;
 use super::columns::Adjoints;
 use super::dense::{Matrix, identity, multiply, solve};
-use super::events::{EVENT_ROUGHNESS, LEAST_LOCATED, LOCATED, Start, at_stages, crosses};
+use super::events::{EVENT_ROUGHNESS, LOCATED, LOOSEST_LOCATED, Start, at_stages, crosses};
 use super::flow::{self, Flow};
 pub use super::period::{Cycle, Part, Record};
 use super::radau::{A, State, Stepper};
@@ -235,7 +235,7 @@ impl<'a> Integrator<'a> {
         let largest = period / if tolerance.roughness.is_finite() { needed.max(steps).ceil() } else { steps }
             * if coarse { COARSE } else { 1.0 };
         let slip_scale = system.slip_scale();
-        let located = (LOCATED * tolerance.slack() * if coarse { COARSE_LOCATED } else { 1.0 }).min(LEAST_LOCATED);
+        let located = (LOCATED * tolerance.slack() * if coarse { COARSE_LOCATED } else { 1.0 }).min(LOOSEST_LOCATED);
         let mut stepper = self.stepper.take();
         if let Some(stepper) = &mut stepper {
             stepper.accept(None);

@@ -11,7 +11,7 @@ pub const EVENT_ROUGHNESS: f64 = 0.03;
 /// event in second order.
 pub const LOCATED: f64 = 1e-8;
 /// The largest at any tolerance: a mode may begin as far below zero.
-pub const LEAST_LOCATED: f64 = 0.5e-6;
+pub const LOOSEST_LOCATED: f64 = 0.5e-6;
 /// Fraction of a step by which an event may lie off its end to be found by the slope there.
 const NEAR_EVENT: f64 = 0.05;
 /// Event values below this count as crossed.
