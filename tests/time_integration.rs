@@ -117,3 +117,22 @@ fn time_integration_converges_with_order_two() {
     let order = (coarse / fine).log2() / 2.0;
     assert!(order > 1.6 && order < 2.6, "order {order}: {coarse:e} {fine:e}");
 }
+
+#[test]
+fn a_healing_contact_at_rest_slips_on_or_rests_as_it_does_in_time() {
+    // Ageing friction over a roller at rest: a slip cycle that keeps the age in balance, and healing until nothing slips.
+    let plan = Plan { steps: 2000, cycles: 400, settled: 1e-7, window: 10, solved: Plan::SOLVED };
+    let cases = [
+        ("a=0.0983 B=0.0501 v_0=1.053e-6 D_c=4.361e-5", 0.0231, 1.855e-5, 74.68, false),
+        ("a=0.0355 B=0.363 v_0=2.157e-6 D_c=9.866e-5", 0.0792, 1.39e-5, 73.55, false),
+        ("a=0.1 B=0.08 v_0=1e-4 D_c=6e-5", 0.1, 7.5e-6, 72.09, true),
+        ("a=0.1 B=0.08 v_0=1e-4 D_c=6e-5", 0.1, 7.5e-6, 87.74, true),
+    ];
+    cases.par_iter().for_each(|&(parameters, load, drive, frequency, rests)| {
+        let at = Operation { speed: 0.0, load, drive, frequency };
+        let model = model_of("rate-and-state", parameters);
+        assert_eq!(steady(&model, &at).stick_fraction == 1.0, rests, "{parameters} {at:?}");
+        let difference = difference(&model, &at, &plan);
+        assert!(difference < 3e-4, "{parameters} {at:?}: {difference:e}");
+    });
+}

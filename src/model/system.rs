@@ -149,6 +149,8 @@ pub trait HybridSystem {
     /// Whether a contact in these states, over a roller at rest, would hold the stuck motion for ever: it strengthens as it
     /// rests, and is strong enough already.
     fn locks(&self, z: &[f64]) -> bool;
+    /// Over a roller at rest: the state that is the age of a contact that strengthens without bound as it rests.
+    fn age_at_rest(&self) -> Option<usize>;
     /// A first guess of the periodic state at time 0.
     fn initial_state(&self) -> [f64; MAX_STATES];
     /// Deflections under the mean force: what a start taken from a neighbouring problem is measured from.

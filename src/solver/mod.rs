@@ -12,6 +12,7 @@ mod events;
 pub mod exponential;
 pub mod flow;
 mod harmonic;
+mod healing;
 mod integrated;
 pub mod lu;
 pub mod paper_euler;

@@ -5,11 +5,27 @@
 
 use super::cycle::{Cycle, Integrator, Record, Tolerance};
 use super::dense::{self, Matrix};
+use super::healing::{self, Healed};
 use super::radau::State;
 use crate::model::system::{HybridSystem, MAX_STATES, Mode};
 
 /// States at time 0 with the mode and the algebraic unknown there.
 pub type Start = (State, (Mode, f64));
+
+/// Why no periodic solution is given.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Unsolved {
+    /// The contact, which strengthens without bound as it rests over a roller at rest, comes to rest for ever.
+    Rests,
+    /// None was found, for this reason.
+    Failed(String),
+}
+
+impl From<String> for Unsolved {
+    fn from(why: String) -> Self {
+        Self::Failed(why)
+    }
+}
 
 /// A periodic solution.
 #[derive(Debug, Clone)]
@@ -43,13 +59,13 @@ const RESTING: usize = 3;
 /// Most cycles where the contact may come to rest: there is a closed form for that.
 const MAX_CYCLES_AT_REST: usize = 150;
 
-/// Finds the periodic solution from `guess` (or from the system's own first guess). Errors say why in words.
-pub fn solve(system: &dyn HybridSystem, guess: Option<&Start>, tolerance: &Tolerance) -> Result<Periodic, String> {
+/// Finds the periodic solution from `guess` (or from the system's own first guess).
+pub fn solve(system: &dyn HybridSystem, guess: Option<&Start>, tolerance: &Tolerance) -> Result<Periodic, Unsolved> {
     search(&mut Integrator::new(system, tolerance), guess)
 }
 
 /// The same with an integrator that has been in use for the system.
-pub fn search(integrator: &mut Integrator, guess: Option<&Start>) -> Result<Periodic, String> {
+pub fn search(integrator: &mut Integrator, guess: Option<&Start>) -> Result<Periodic, Unsolved> {
     let system = integrator.system();
     let n = system.states();
     let scales = system.scales();
@@ -70,6 +86,11 @@ pub fn search(integrator: &mut Integrator, guess: Option<&Start>) -> Result<Peri
     let mut resting = 0;
     integrator.observe = guess.is_some();
     integrator.coarse = guess.is_none() && !integrator.measures_order();
+    match healing::heal(integrator, &start, &mut cycles) {
+        Some(Healed::Rests) => return Err(Unsolved::Rests),
+        Some(Healed::Slips(near)) => (start, entry) = (near.0, Some(near.1)),
+        None => {}
+    }
     let most = integrator.tolerance().cycles.min(if system.can_rest() { MAX_CYCLES_AT_REST } else { usize::MAX });
     while cycles < most {
         cycles += 1;
@@ -80,7 +101,7 @@ pub fn search(integrator: &mut Integrator, guess: Option<&Start>) -> Result<Peri
                 (start, entry) = match sound.take() {
                     Some(end) => (end.0, Some(end.1)),
                     None if warm => (system.initial_state(), None),
-                    None => return Err(why),
+                    None => return Err(Unsolved::Failed(why)),
                 };
                 warm = false;
                 march = next_march;
@@ -97,7 +118,7 @@ pub fn search(integrator: &mut Integrator, guess: Option<&Start>) -> Result<Peri
             && system.locks(&cycle.end);
         resting = if rests { resting + 1 } else { 0 };
         if resting == RESTING {
-            return Err("the contact has come to rest for ever".into());
+            return Err(Unsolved::Rests);
         }
         sound = Some((cycle.end, cycle.branch[1]));
         entry = Some(cycle.branch[1]);
@@ -158,7 +179,7 @@ pub fn search(integrator: &mut Integrator, guess: Option<&Start>) -> Result<Peri
             None => start = cycle.end,
         }
     }
-    Err(format!("no periodic state within {most} cycles"))
+    Err(Unsolved::Failed(format!("no periodic state within {most} cycles")))
 }
 
 /// Whether a cycle ends on the branch on which it began, and, where it cannot be one of rest, in the states in which it began.

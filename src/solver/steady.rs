@@ -5,7 +5,8 @@ use super::collocation::interpolate;
 use super::cycle::{Integrator, Record, Tolerance};
 use super::paper_euler::{self, PaperContact};
 use super::radau::State;
-use super::{Method, Orbit, Status, SteadyState, parallel, shooting, shooting::Periodic, shooting::Start, time};
+use super::shooting::{Periodic, Start, Unsolved};
+use super::{Method, Orbit, Status, SteadyState, parallel, shooting, time};
 use crate::model::contact::{LimitingState, Problem, Sliders};
 use crate::model::dual::{Dual, MAX_PARAMETERS};
 use crate::model::lumps::Lumps;
@@ -136,7 +137,11 @@ fn search(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_>, 
         Ok(periodic) => periodic,
         Err(why) => {
             warm.orbit = None;
-            return without_periodic_state(&problem, &why, with);
+            return match (why, problem.locked_state()) {
+                (Unsolved::Rests, Some(limit)) => closed_form(&problem.lumps, limit, derivatives),
+                (Unsolved::Rests, None) => without_periodic_state(&problem, "the contact comes to rest", with),
+                (Unsolved::Failed(why), _) => without_periodic_state(&problem, &why, with),
+            };
         }
     };
     warm.keep(&problem, &periodic);
@@ -239,12 +244,9 @@ fn stability(multiplier: f64) -> Status {
     }
 }
 
-/// What there is where no periodic state was found: the contact that rests for ever, if its interface grows the stronger
-/// the longer it rests; otherwise what a time integration settles in, or its lock-in average. Without derivatives.
+/// What there is where no periodic state was found: what a time integration settles in, or its lock-in average. Without
+/// derivatives.
 fn without_periodic_state(problem: &Problem, why: &str, with: &Search<'_>) -> Solution {
-    if let Some(limit) = problem.locked_state() {
-        return closed_form(&problem.lumps, limit, with.derivatives);
-    }
     if with.integrate { lock_in(problem, why) } else { failed(why.into()) }
 }
 

@@ -335,6 +335,10 @@ impl HybridSystem for Problem {
         self.locked_state().is_some_and(|locked| locked.force.1 < mu * self.load)
     }
 
+    fn age_at_rest(&self) -> Option<usize> {
+        self.locked_state().and(self.psi)
+    }
+
     fn initial_state(&self) -> [f64; MAX_STATES] {
         let mut z = [0.0; MAX_STATES];
         if self.speed == 0.0 {

@@ -1,0 +1,105 @@
+//! Whether a contact over a roller at rest heals until it rests for ever, or slips on at an age that slip keeps in balance.
+//!
+//! The age psi changes little in a cycle, the other states settle in few. Followed in time the contact thus heals for tens
+//! or hundreds of cycles. Here the age is an unknown that is held while Newton's method settles the others; what is left
+//! is a drift D(psi) of the age per cycle and its slope. The slip of a cycle falls about as the logarithm of the age, so
+//! that D = T - psi S(psi)/D_c is convex: it has a zero, where the contact slips for ever, or a lowest value above zero.
+//! Newton's method for D = 0 from ages below does not pass a zero of a convex function; where it comes to ages at which the
+//! drift is positive and grows, there is none, and the contact rests in the end.
+
+use super::cycle::Integrator;
+use super::dense;
+use super::radau::State;
+use super::shooting::Start;
+use crate::model::system::Mode;
+
+/// How healing ends.
+#[derive(Debug)]
+pub enum Healed {
+    /// At rest for ever.
+    Rests,
+    /// In a periodic motion near this start.
+    Slips(Start),
+}
+
+/// Change of the settled states over a cycle, relative to their scales, below which the drift of the age is known.
+const SETTLED: f64 = 1e-2;
+/// Most cycles.
+const MAX_CYCLES: usize = 40;
+/// Largest factor on the age in a step.
+const FAR: f64 = 4.0;
+/// Relative step of the age below which the ordinary search takes over.
+const NEAR: f64 = 0.1;
+
+/// Follows the age of `system` from `start` on, in `cycles` cycles; `None` where this does not tell.
+pub fn heal(integrator: &mut Integrator, start: &State, cycles: &mut usize) -> Option<Healed> {
+    let system = integrator.system();
+    let age = system.age_at_rest()?;
+    let (n, scales) = (system.states(), system.scales());
+    let mut start = *start;
+    let mut entry: Option<(Mode, f64)> = None;
+    let mut before = f64::INFINITY;
+    for _ in 0..MAX_CYCLES {
+        *cycles += 1;
+        let cycle = integrator.cycle(&start, entry).ok()?;
+        entry = Some(cycle.branch[1]);
+        if cycle.stick_fraction > 1.0 - 1e-9 {
+            if system.locks(&cycle.end) {
+                return Some(Healed::Rests);
+            }
+            start = cycle.end;
+            continue;
+        }
+        let residual: State = std::array::from_fn(|i| (cycle.end[i] - start[i]) / scales[i]);
+        // Equations of the other states with the age held; their answer to a change of the age beside them.
+        let mut matrix = cycle.monodromy;
+        for (i, row) in matrix.iter_mut().enumerate() {
+            for (j, entry) in row.iter_mut().enumerate() {
+                *entry = (*entry * scales[j] / scales[i]) - f64::from(i == j);
+            }
+        }
+        let drift_by = matrix[age];
+        let by_age: State = std::array::from_fn(|i| if i == age { 1.0 } else { -matrix[i][age] });
+        for (i, row) in matrix.iter_mut().enumerate() {
+            row[age] = f64::from(i == age);
+        }
+        matrix[age] = std::array::from_fn(|j| f64::from(j == age));
+        let mut settle = dense::solve(n, matrix, std::array::from_fn(|i| if i == age { 0.0 } else { -residual[i] }))?;
+        let size = (0..n).filter(|&i| i != age).fold(0.0f64, |most, i| most.max(residual[i].abs()));
+        if size < SETTLED {
+            let answer = dense::solve(n, matrix, by_age)?;
+            let along = |delta: &State| (0..n).map(|j| drift_by[j] * delta[j]).sum::<f64>();
+            let (drift, slope) = (residual[age] + along(&settle), along(&answer));
+            if drift > 0.0 && slope >= 0.0 {
+                return Some(Healed::Rests);
+            }
+            let now = start[age] / scales[age];
+            let next = if slope < 0.0 { now - drift / slope } else { 0.0 };
+            let mut aged = start;
+            aged[age] = scales[age] * next;
+            if drift > 0.0 && system.locks(&aged) {
+                return Some(Healed::Rests);
+            }
+            let step = next.max(now / FAR) - now;
+            for i in 0..n {
+                start[i] += scales[i] * (settle[i] + step * answer[i]);
+            }
+            if (next - now).abs() < NEAR * now {
+                return Some(Healed::Slips((start, cycle.branch[0])));
+            }
+            before = f64::INFINITY;
+            continue;
+        }
+        // Newton's method where it helps, the transient at this age where it does not.
+        if size > before {
+            settle = std::array::from_fn(|i| if i == age { 0.0 } else { residual[i] });
+            before = f64::INFINITY;
+        } else {
+            before = size;
+        }
+        for i in 0..n {
+            start[i] += scales[i] * settle[i];
+        }
+    }
+    None
+}
