@@ -48,10 +48,14 @@ pub struct Periodic {
 const PERIODIC: f64 = 1e-10;
 /// Relative difference of slip rates from which on two branches are two.
 const SAME_SLIP: f64 = 1e-5;
+/// Factor on the change over a cycle by which the first step of Newton's may increase it.
+const FARTHER: f64 = 2.0;
 /// Relative change over a cycle below which coarse steps no longer serve.
 const NEAR: f64 = 3e-2;
 /// Relative change over a cycle below which the last step of Newton's may stand for a cycle.
 const SQUARED: f64 = 1e-4;
+/// The same where the derivative of the mean by the start is not known.
+const SQUARED_WITHOUT_MEAN: f64 = 1e-8;
 /// Relative change over a cycle below which the next may be the last, and is observed.
 const LAST: f64 = 1e-3;
 /// Cycles of a transient without slip both ways after which a contact that strengthens as it rests is taken to rest for ever.
@@ -84,6 +88,7 @@ pub fn search(integrator: &mut Integrator, guess: Option<&Start>) -> Result<Peri
     let mut sound: Option<Start> = None;
     let mut before = f64::INFINITY;
     let mut resting = 0;
+    let mut stepped = false;
     integrator.observe = guess.is_some();
     integrator.coarse = guess.is_none() && !integrator.measures_order();
     match healing::heal(integrator, &start, &mut cycles) {
@@ -134,13 +139,15 @@ pub fn search(integrator: &mut Integrator, guess: Option<&Start>) -> Result<Peri
         let tolerated = PERIODIC + 1e-15 * rounding;
         // Near the solution, and where nothing pulls towards it, the full accuracy is needed.
         let coarse = integrator.coarse;
-        integrator.coarse = coarse && size > NEAR && size < 0.9 * best;
+        // From a first guess far off the first step of Newton's may lead no nearer, and the second does.
+        let far = coarse && !std::mem::replace(&mut stepped, march == 0 && best.is_finite()) && size < FARTHER * best;
+        integrator.coarse = coarse && size > NEAR && (far || size < 0.9 * best);
         integrator.observe = size < LAST;
         if !coarse && cycle.observed && size < tolerated && closes(system, &start, &cycle, tolerated) {
             let multiplier = largest_multiplier(system, &cycle);
             return Ok(Periodic { start, entry: cycle.branch[0], cycle, cycles, residual: size, multiplier });
         }
-        if march == 0 && size > 0.9 * best {
+        if march == 0 && size > 0.9 * best && !far {
             // Newton does not help here: follow the transient for some cycles, longer each time.
             march = next_march;
             next_march = (2 * next_march).min(32);
@@ -152,7 +159,13 @@ pub fn search(integrator: &mut Integrator, guess: Option<&Start>) -> Result<Peri
             continue;
         }
         // Coarse and fine cycles differ by more than their defects near the solution.
-        best = if coarse && !integrator.coarse { f64::INFINITY } else { best.min(size) };
+        best = if coarse && !integrator.coarse {
+            f64::INFINITY
+        } else if far {
+            size
+        } else {
+            best.min(size)
+        };
         let before = std::mem::replace(&mut before, size);
         let matrix = std::array::from_fn(|i| std::array::from_fn(|j| jacobian[i][j] * scales[j] / scales[i]));
         match dense::solve(n, matrix, residual.map(|r| -r)) {
@@ -166,8 +179,8 @@ pub fn search(integrator: &mut Integrator, guess: Option<&Start>) -> Result<Peri
                 let left = size * ratio * ratio;
                 if !coarse
                     && !integrator.measures_order()
-                    && cycle.legs == 0
-                    && size < SQUARED
+                    && cycle.observed
+                    && size < if cycle.legs == 0 { SQUARED } else { SQUARED_WITHOUT_MEAN }
                     && left < integrator.left()
                     && same_branch(system, &cycle)
                 {
