@@ -12,6 +12,7 @@ mod regions;
 mod whiteness;
 
 pub use budget::{ErrorBudget, NUMERICAL_POINTS};
+pub(crate) use calibrate::scattered;
 pub use calibrate::{Calibration, calibrate, conditions_of, problem};
 pub use curves::{ModelCurve, model_curves};
 pub use fingerprint::{ContactPoint, fingerprint};

@@ -1,8 +1,8 @@
 //! Forward selection with backward elimination and exchange, from the calibrated base to the explanation.
 
-use super::hypothesis::{Addition, Basis, Hypothesis, additions};
+use super::hypothesis::{Addition, Hypothesis, additions};
 use super::round::{CONTESTED, Entry, Round, Rounds};
-use super::search::{Data, movable, on_all, on_all_problem};
+use super::search::{Data, movable, on_all, on_all_problem, scattered_fit};
 use super::{Discovery, MARGIN, Options};
 use crate::compare::{self, Calibration, Whiteness, conditions_of};
 use crate::fit::{HUBER, robust_chi2};
@@ -10,6 +10,7 @@ use crate::measurement::Table;
 use crate::model::Model;
 use crate::scenario::Scenario;
 use crate::solver::cycle::Tolerance;
+use rayon::prelude::*;
 
 /// The stated noise is contradicted by a scatter that differs by more than this factor.
 const NOISE_DIFFERS: f64 = 1.25;
@@ -56,6 +57,12 @@ impl Search<'_> {
         };
         let mut rounds = Rounds::default();
         let mut chosen = self.extend(start.clone(), &mut rounds);
+        if self.structured(&chosen)
+            && let Some(better) = self.from_elsewhere(&chosen, &rounds)
+        {
+            rounds.forget(&better);
+            chosen = self.extend(self.eliminate(better), &mut rounds);
+        }
         if self.options.max_effects > 1
             && self.structured(&chosen)
             && let Some(other) = self.begin_otherwise(&chosen, &mut rounds)
@@ -106,13 +113,30 @@ impl Search<'_> {
         chosen
     }
 
+    /// Where structure is left, the explanation or one of the leading first additions may sit in a local minimum, the
+    /// parameters of the base with it: the best of them fitted from starts scattered over the ranges of all parameters, if it
+    /// explains better.
+    fn from_elsewhere(&self, chosen: &Hypothesis, rounds: &Rounds) -> Option<Hypothesis> {
+        let mut from: Vec<Hypothesis> = rounds.first_additions().into_iter().take(OTHER_BEGINNINGS).collect();
+        from.retain(|h| !h.same_additions(chosen));
+        from.push(chosen.clone());
+        let refitted = from.into_par_iter().filter(|h| !h.additions.is_empty()).filter_map(|h| {
+            let fit = scattered_fit(&self.data, &h.model, &h.fit)?;
+            let mut found = Hypothesis { fit, estimate: None, ..h };
+            self.settle(&mut found);
+            Some(found)
+        });
+        let refitted: Vec<Hypothesis> = refitted.collect();
+        let noise = self.noise(chosen);
+        let best = refitted.into_iter().min_by(|a, b| self.score(a, noise).total_cmp(&self.score(b, noise)))?;
+        (self.score(&best, noise) + MARGIN < self.score(chosen, noise)).then_some(best)
+    }
+
     /// Where the way from what explains best alone leaves structure: the best pair that contains another of the leading
     /// first additions, if it explains better.
     fn begin_otherwise(&self, chosen: &Hypothesis, rounds: &mut Rounds) -> Option<Hypothesis> {
-        let first = rounds.all().next()?.found.iter().map(|entry| &entry.found.hypothesis);
-        let mut others: Vec<Hypothesis> = first.filter(|h| h.basis() != Basis::Linear).cloned().collect();
+        let mut others = rounds.first_additions();
         others.retain(|h| !rounds.made_from(h));
-        others.sort_by(|a, b| self.square(a, 1.0).total_cmp(&self.square(b, 1.0)));
         let mut best: Option<Hypothesis> = None;
         for mut other in others.into_iter().take(OTHER_BEGINNINGS) {
             if other.estimate.take().is_some() {

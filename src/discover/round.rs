@@ -1,7 +1,7 @@
 //! All additions to one hypothesis in a race: each is looked at, the promising ones are fitted, the best to all points.
 
 use super::forward::Search;
-use super::hypothesis::{Addition, Hypothesis, compatible};
+use super::hypothesis::{Addition, Basis, Hypothesis, compatible};
 use super::sampling::{Base, Hint, at_stated_values};
 use super::search::{Attempt, Explored, Found, explore, lead, on_all};
 use rayon::prelude::*;
@@ -59,6 +59,21 @@ impl Rounds {
     /// Whether there is a round from these additions.
     pub fn made_from(&self, hypothesis: &Hypothesis) -> bool {
         self.made.iter().any(|(from, _)| from.same_additions(hypothesis))
+    }
+
+    /// Forgets the round from these additions: they are fitted anew.
+    pub fn forget(&mut self, hypothesis: &Hypothesis) {
+        self.made.retain(|(from, _)| !from.same_additions(hypothesis));
+    }
+
+    /// The hypotheses of the first round for which a fit was at least begun, the best first.
+    pub fn first_additions(&self) -> Vec<Hypothesis> {
+        let found = self.made.first().map_or(&[][..], |(_, round)| &round.found);
+        let fitted = found.iter().map(|entry| &entry.found.hypothesis).filter(|h| h.basis() != Basis::Linear);
+        let mut all: Vec<Hypothesis> = fitted.cloned().collect();
+        let square = |h: &Hypothesis| h.estimate.map_or(h.fit.objective, |estimate| estimate.square);
+        all.sort_by(|a, b| square(a).total_cmp(&square(b)));
+        all
     }
 
     /// The rounds in the order in which they were made.

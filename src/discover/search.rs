@@ -4,6 +4,7 @@
 use super::MARGIN;
 use super::hypothesis::{Addition, Basis, Estimate, Hypothesis, extended};
 use super::sampling::{Base, Hint, about, far_off, look, samples};
+use crate::compare::scattered;
 use crate::fit::{Fit, HUBER, Parameter, Problem, Settings, minimise, parameter, robust_chi2};
 use crate::measurement::Point;
 use crate::model::Model;
@@ -28,6 +29,8 @@ const END: usize = 30;
 const ALL: usize = 15;
 /// Of the fits begun, so many go on, if within this factor of the best.
 const GOING_ON: (usize, f64) = (2, 3.0);
+/// Starts scattered over the ranges of all parameters, and how many of them are followed.
+const ELSEWHERE: (u32, usize) = (48, 4);
 /// Relative change of the sum of squares at which a fit to a part of the points is done, and one to all.
 const CLOSE: f64 = 1e-4;
 const CLOSER: f64 = 1e-6;
@@ -293,6 +296,26 @@ pub fn on_all(data: &Data<'_>, model: &Model, fit: &Fit) -> Fit {
     let mut problem = on_all_problem(data, model, fit.parameters.clone());
     let evaluations = if problem.has_continuum() { GO_ON } else { ALL };
     minimise(&mut problem, &fit.values, &Settings { evaluations, threshold: data.threshold, converged: CLOSER })
+}
+
+/// A fit from starts scattered over the ranges of all its parameters, begun on the part of the points and followed on all;
+/// `None` for a continuum of sliders, which takes too long, or where no start can be solved.
+pub fn scattered_fit(data: &Data<'_>, model: &Model, fit: &Fit) -> Option<Fit> {
+    let problem = on_part(data, model, fit.parameters.clone());
+    if problem.has_continuum() {
+        return None;
+    }
+    let (count, followed) = ELSEWHERE;
+    let starts = (0..count).map(|number| scattered(&fit.parameters, number, data.seed));
+    let mut tried: Vec<(f64, Vec<f64>)> = starts
+        .map(|start| (robust_chi2(&problem.clone().evaluate(&start, false).residuals, data.threshold), start))
+        .collect();
+    tried.retain(|(square, _)| square.is_finite());
+    tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let settings = Settings { evaluations: END, threshold: data.threshold, converged: CLOSE };
+    let ends = tried.iter().take(followed).map(|(_, start)| minimise(&mut problem.clone(), start, &settings));
+    let best = ends.min_by(|a, b| a.objective.total_cmp(&b.objective))?;
+    Some(on_all(data, model, &best))
 }
 
 /// Parameters of these keys, with the signs that the model has.
