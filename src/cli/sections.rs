@@ -68,14 +68,14 @@ pub fn make(
 fn compute(work: &Work<'_>, out: &Folder, clock: &mut Clock, quiet: bool) -> Result<Vec<Section>> {
     let outcomes = work.iter().map(|(s, _)| simulate::outcome(s, quiet)).collect::<Result<Vec<_>>>()?;
     clock.lap("sweeps");
-    let figures = simulate::figures(&outcomes, out)?;
-    clock.lap("figures");
-    let compared = compared(work, out)?;
-    clock.lap("comparisons");
-    let discovered = discovered(work, out)?;
-    clock.lap("discoveries");
-    let answered = work.iter().map(|(s, _)| question::answer(s, out)).collect::<Result<Vec<_>>>()?;
-    clock.lap("questions");
+    // Towards its end each of these keeps few threads busy.
+    let (figures, compared) = rayon::join(|| simulate::figures(&outcomes, out), || compared(work, out));
+    let (figures, compared) = (figures?, compared?);
+    clock.lap("figures and comparisons");
+    let answers = || work.par_iter().map(|(s, _)| question::answer(s, out)).collect::<Result<Vec<_>>>();
+    let (discovered, answered) = rayon::join(|| discovered(work, out), answers);
+    let (discovered, answered) = (discovered?, answered?);
+    clock.lap("discoveries and questions");
     let points: Vec<_> = outcomes.par_iter().map(verification::solved_twice).collect();
     clock.lap("verification");
     let section = |(index, points): (usize, Vec<Compared>)| {
@@ -105,7 +105,7 @@ fn compared(work: &Work<'_>, out: &Folder) -> Result<Vec<Option<Compare>>> {
         let figures = simulate::comparison(&comparison, out)?;
         Ok(Some((comparison, figures)))
     };
-    work.iter().map(one).collect()
+    work.par_iter().map(one).collect()
 }
 
 /// Looks for what is missing in every scenario that has measurements, and draws that.
@@ -117,7 +117,6 @@ fn discovered(work: &Work<'_>, out: &Folder) -> Result<Vec<Option<Discover>>> {
         let figures = simulate::discovery(&discovery, out)?;
         Ok(Some((discovery, figures)))
     };
-    // One table keeps few threads busy towards its end.
     work.par_iter().map(one).collect()
 }
 

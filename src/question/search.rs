@@ -19,7 +19,7 @@ use crate::solver::cycle::Tolerance;
 use crate::sweep::{Condition, curve};
 
 /// Points that a search works on, at most.
-const POINTS: usize = 51;
+const POINTS: usize = 34;
 /// Samples over the ranges of an effect of one, two, three, four parameters, of each sign.
 const SAMPLES: [usize; 4] = [12, 24, 32, 40];
 /// Samples that are followed.
@@ -132,15 +132,17 @@ impl<'a> Search<'a> {
 
     /// The closest setting with all features within a strain; `None` where a compass search finds none.
     fn able(&self, starts: &[Start], strain: f64) -> Option<Start> {
+        let able = WEIGHT * 1e-9 + self.judge.most();
+        // What a box holds is asked, not what is closest in it.
+        let enough = if strain.is_finite() { able } else { f64::NEG_INFINITY };
         let mut best: Option<(f64, Start)> = None;
         for (parameters, values) in starts {
             let narrowed: Vec<Parameter> = parameters.iter().map(|p| p.strained_at_most(strain)).collect();
             let values: Vec<f64> = narrowed.iter().zip(values).map(|(p, &x)| p.moved(x, 0.0)).collect();
-            let (cost, values) = self.compass(&narrowed, values);
-            if cost < WEIGHT * 1e-9 + self.judge.most() && best.as_ref().is_none_or(|(least, _)| cost < *least) {
+            let (cost, values) = self.compass(&narrowed, values, enough);
+            if cost < able && best.as_ref().is_none_or(|(least, _)| cost < *least) {
                 best = Some((cost, (parameters.clone(), values)));
             }
-            // What a box holds is asked, not what is closest in it.
             if strain.is_finite() && best.is_some() {
                 break;
             }
@@ -148,8 +150,8 @@ impl<'a> Search<'a> {
         best.map(|(_, start)| start)
     }
 
-    /// Goes downhill along one parameter at a time from a start within the bounds.
-    fn compass(&self, parameters: &[Parameter], start: Vec<f64>) -> (f64, Vec<f64>) {
+    /// Goes downhill along one parameter at a time from a start within the bounds, until the cost is below `enough`.
+    fn compass(&self, parameters: &[Parameter], start: Vec<f64>, enough: f64) -> (f64, Vec<f64>) {
         let mut problem = self.problem(parameters);
         let mut cost = |values: &[f64]| {
             let predictions = problem.evaluate(values, false).predictions;
@@ -162,7 +164,7 @@ impl<'a> Search<'a> {
         let (mut step, last, most) = COMPASS;
         let mut best = (cost(&start), start);
         let mut tried = 1;
-        while step > last && tried < most {
+        while step > last && tried < most && best.0 >= enough {
             let mut next = best.clone();
             for (d, parameter) in parameters.iter().enumerate() {
                 for direction in [step, -step] {
