@@ -14,6 +14,8 @@ use rayon::prelude::*;
 
 /// The stated noise is contradicted by a scatter that differs by more than this factor.
 const NOISE_DIFFERS: f64 = 1.25;
+/// Sum of squares per reading up to which structure may be left by a fit that is not quite the best.
+const NEARLY: f64 = 1.1;
 /// Where structure is left, additions whose sum of squares is within this factor of the best are carried on ...
 const CONTENDING: f64 = 1.3;
 /// ... up to so many: what explains best alone need not belong to the best pair.
@@ -73,8 +75,10 @@ impl Search<'_> {
         let mut chosen = if exchanged.same_additions(&chosen) { chosen } else { self.eliminate(exchanged) };
         self.settle(&mut chosen);
         let explanation = loop {
-            // A profile of what does not explain the data says nothing.
-            let comparison = self.comparison(&chosen, !self.structured(&chosen), self.noise(&chosen));
+            // A profile of what does not explain the data says nothing; of what nearly does, it may lead to a better fit.
+            let nearly = chosen.fit.objective < NEARLY * self.readings() as f64;
+            let profiled = !self.structured(&chosen) || (nearly && !chosen.additions.is_empty());
+            let comparison = self.comparison(&chosen, profiled, self.noise(&chosen));
             let moved = comparison.fit.values != chosen.fit.values;
             chosen.fit.clone_from(&comparison.fit);
             // Where the profiles moved the fit, an addition may have become needless.
