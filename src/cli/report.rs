@@ -112,8 +112,10 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     let mut provenance = Provenance::from_environment(&command(paths), rayon::current_num_threads());
     provenance.timings = clock.laps;
     let mut plain = ReportView::assemble(TITLE, claims.views, sections, atlas.0, checks, &provenance);
-    if let Some(summary) = trial::committed().filter(|_| tables.iter().any(Option::is_some)) {
-        plain = plain.with_trust(summary, &simulate::trial(summary, &results)?);
+    if tables.iter().any(Option::is_some)
+        && let [main, others @ ..] = trial::committed()
+    {
+        plain = plain.with_trust(main, others, &simulate::committed_trials(main, others, &results)?);
     }
     let against = match &baseline {
         Some(baseline) => Some(baseline.against(&plain.clone().with_gates(&judged), &results)?),

@@ -10,7 +10,7 @@ use crate::figures::{self, Drawing, Figure, FigureError};
 use crate::report::{self, EffectView, FigureInput};
 use crate::scenario::Scenario;
 use crate::sweep::{self, Outcome};
-use crate::trial::Summary;
+use crate::trial::{Series, Summary};
 use rayon::prelude::*;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -121,6 +121,15 @@ pub fn discovery(discovery: &Discovery, out: &Folder) -> Result<Vec<FigureInput>
 /// Draws the figures of a series of trials and writes them below `out`.
 pub fn trial(summary: &Summary, out: &Folder) -> Result<Vec<FigureInput>> {
     drawn(figures::trial::REGISTRY, summary, "figures", out)
+}
+
+/// Draws the figures of the trials that come with the program and writes them below `out`.
+pub fn committed_trials(main: &Series, others: &[Series], out: &Folder) -> Result<Vec<FigureInput>> {
+    let mut figures = trial(&main.summary, out)?;
+    for series in others {
+        figures.extend(drawn(figures::trial::OF_SCORES, &series.summary, "figures", out)?);
+    }
+    Ok(figures)
 }
 
 /// Writes those files of a drawing that are wanted into the folder `id` below `out`.

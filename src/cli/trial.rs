@@ -40,6 +40,9 @@ pub struct Arguments {
     /// Write the scores as JSON; - for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Leave the trials out of the JSON: the scores alone
+    #[arg(long, requires = "json")]
+    scores_alone: bool,
     /// Hold the trials against those of an earlier run, as --json wrote it: exit status 1 where another thing is named
     #[arg(long, value_name = "FILE")]
     agree: Option<PathBuf>,
@@ -85,7 +88,11 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     let json = a.json.clone().map(Json::from);
     if let Some(json) = &json {
         let inputs: Vec<_> = a.conditions.iter().map(PathBuf::as_path).collect();
-        json.write(&summary, &inputs)?;
+        if a.scores_alone {
+            json.write(&summary.clone().scores_alone(), &inputs)?;
+        } else {
+            json.write(&summary, &inputs)?;
+        }
     }
     let drawn = simulate::trial(&summary, &Folder::new(&options.out))?;
     if !json.as_ref().is_some_and(Json::to_standard_output) {
@@ -150,7 +157,8 @@ fn words(s: &Summary) -> Vec<String> {
     let heads = s.scores.iter().map(|x| x.noise.map_or("all".into(), |n| format!("noise {} %", 100.0 * n)));
     lines.push(format!("{:<34}{}", "", heads.map(|head: String| format!("{head:>20}")).collect::<String>()));
     type Column = fn(&trial::Scores) -> String;
-    let rows: [(&str, Column); 11] = [
+    let rows: [(&str, Column); 12] = [
+        ("draws that the data could show", |x| x.visible.to_string()),
         ("right verdict", |x| x.verdict.to_string()),
         ("right effect first", |x| x.first.to_string()),
         ("truth named or tied", |x| x.named.to_string()),

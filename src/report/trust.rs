@@ -3,7 +3,7 @@
 use super::format::{NONE, quantity};
 use super::scenario::{FigureInput, figure};
 use super::view::{FigureView, ReportView};
-use crate::trial::{ByCause, COMMAND, Kind, Proportion, Score, Scores, Summary};
+use crate::trial::{ByCause, Kind, Proportion, Score, Scores, Series, Summary};
 use serde::{Deserialize, Serialize};
 
 /// The section of the page.
@@ -19,6 +19,12 @@ pub struct TrustView {
     pub program: String,
     /// Shares over all trials.
     pub scores: Vec<ScoreView>,
+    /// The same under other conditions, the main ones first.
+    #[serde(default)]
+    pub otherwise: Vec<OtherwiseView>,
+    /// The commands that made them.
+    #[serde(default)]
+    pub commands: Vec<String>,
     /// How each cause fared.
     pub causes: Vec<CauseView>,
     /// The figures.
@@ -36,6 +42,27 @@ pub struct ScoreView {
     pub share: String,
     /// Wilson's 95 % interval.
     pub interval: String,
+}
+
+/// Scores under some conditions.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OtherwiseView {
+    /// The conditions.
+    pub conditions: String,
+    /// Trials.
+    pub trials: usize,
+    /// Draws that the data could show, of all.
+    pub visible: String,
+    /// Right verdicts.
+    pub verdict: String,
+    /// Planted effects named, or in a declared tie.
+    pub named: String,
+    /// False alarms where nothing was planted.
+    pub false_alarm: String,
+    /// Causes outside the catalogue called unexplained.
+    pub flagged: String,
+    /// Intervals that hold the truth.
+    pub coverage: String,
 }
 
 /// One cause.
@@ -57,13 +84,14 @@ pub struct CauseView {
 
 impl ReportView {
     /// The report with the section on how far the search can be trusted.
-    pub fn with_trust(mut self, summary: &Summary, figures: &[FigureInput]) -> Self {
-        self.trust = Some(view(summary, figures));
+    pub fn with_trust(mut self, main: &Series, others: &[Series], figures: &[FigureInput]) -> Self {
+        self.trust = Some(view(main, others, figures));
         self
     }
 }
 
-fn view(s: &Summary, figures: &[FigureInput]) -> TrustView {
+fn view(main: &Series, others: &[Series], figures: &[FigureInput]) -> TrustView {
+    let s = &main.summary;
     let all = &s.scores[0];
     let noise: Vec<String> = noise_levels(s).iter().map(|n| quantity(100.0 * n, "%", 2)).collect();
     let right = |p: &Proportion| format!("{} of {}", p.successes, p.of);
@@ -87,7 +115,7 @@ fn view(s: &Summary, figures: &[FigureInput]) -> TrustView {
         if s.phase { "" } else { ", without phases" },
         quantity(s.visible, "1", 2)
     );
-    let command = COMMAND.trim().into();
+    let command = main.command.into();
     let program = format!("{}, build {}", s.program, s.builds.join(", "));
     TrustView {
         sentence: sentence + ".",
@@ -95,6 +123,8 @@ fn view(s: &Summary, figures: &[FigureInput]) -> TrustView {
         command,
         program,
         scores: scores(all),
+        otherwise: if others.is_empty() { Vec::new() } else { otherwise(main, others) },
+        commands: others.iter().map(|series| series.command.into()).collect(),
         causes: s.causes.iter().map(|cause| cause_view(s, cause)).collect(),
         figures: figures.iter().map(|input| figure("trust", input)).collect(),
     }
@@ -128,6 +158,33 @@ fn scores(all: &Scores) -> Vec<ScoreView> {
         })
     };
     rows.into_iter().filter_map(row).collect()
+}
+
+/// A row for each level of noise of each series.
+fn otherwise(main: &Series, others: &[Series]) -> Vec<OtherwiseView> {
+    let share = |p: &Proportion| {
+        p.share.map_or(NONE.into(), |share| format!("{:.0} % ({} of {})", 100.0 * share, p.successes, p.of))
+    };
+    let row = |conditions: String, s: &Scores| OtherwiseView {
+        conditions,
+        trials: s.trials,
+        visible: share(&s.visible),
+        verdict: share(&s.verdict),
+        named: share(&s.named),
+        false_alarm: share(&s.false_alarm),
+        flagged: share(&s.flagged),
+        coverage: share(&s.coverage),
+    };
+    let mut rows = vec![row("as above".into(), &main.summary.scores[0])];
+    for series in others {
+        let levels: Vec<&Scores> = series.summary.scores.iter().filter(|s| s.noise.is_some()).collect();
+        if levels.is_empty() {
+            rows.extend(series.summary.scores.first().map(|s| row(series.otherwise.into(), s)));
+        }
+        let named = |s: &&Scores| format!("noise of {}", quantity(100.0 * s.noise.unwrap_or(f64::NAN), "%", 2));
+        rows.extend(levels.iter().map(|s| row(named(s), s)));
+    }
+    rows
 }
 
 fn cause_view(s: &Summary, cause: &ByCause) -> CauseView {

@@ -4,7 +4,7 @@
 //! `cause` lists what is planted, `outside` holds causes that the catalogue does not have; `draw` chooses strengths,
 //! `generate` integrates, `visible` says whether the data could show it; `table` adds noise and writes what the search
 //! reads, `answer` what it must not; `examine` searches, `score` judges, `record` keeps a finished trial, `summary` counts,
-//! `agreement` holds two runs against each other, `committed` is the result that comes with the program.
+//! `agreement` holds two runs against each other, `committed` holds the results that come with the program.
 
 mod agreement;
 mod answer;
@@ -26,7 +26,7 @@ mod visible;
 pub use agreement::{Both, agreement, load};
 pub use answer::{Answer, Draws, Seal, open, seal};
 pub use cause::{Cause, Kind, causes};
-pub use committed::{COMMAND, committed};
+pub use committed::{Series, committed};
 pub use conditions::{Bench, practice};
 pub use draw::{Planted, draw};
 pub use examine::{Estimate, Found, Rung, examine};

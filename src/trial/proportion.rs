@@ -44,6 +44,12 @@ impl Proportion {
     }
 }
 
+impl Default for Proportion {
+    fn default() -> Self {
+        Self::new(0, 0)
+    }
+}
+
 impl std::fmt::Display for Proportion {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let text = match self.share {

@@ -16,6 +16,9 @@ pub struct Scores {
     pub noise: Option<f64>,
     /// Trials that were searched.
     pub trials: usize,
+    /// Draws with a steady state everywhere: those that the data could show, of all.
+    #[serde(default)]
+    pub visible: Proportion,
     /// The verdict is right.
     pub verdict: Proportion,
     /// A planted effect is the first that is named.
@@ -108,6 +111,13 @@ pub struct Summary {
     pub trials: Vec<Record>,
 }
 
+impl Summary {
+    /// The scores alone, without the trials.
+    pub fn scores_alone(self) -> Self {
+        Self { trials: Vec::new(), ..self }
+    }
+}
+
 /// Counts the scores of finished trials.
 pub fn summarise(records: Vec<Record>, options: &Options, points: usize) -> Summary {
     let mut scores = vec![over(records.iter(), None)];
@@ -159,7 +169,12 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
     (n > 0).then(|| 0.5 * (values[(n - 1) / 2] + values[n / 2]))
 }
 
-fn over<'a>(records: impl Iterator<Item = &'a Record>, noise: Option<f64>) -> Scores {
+fn over<'a>(records: impl Iterator<Item = &'a Record> + Clone, noise: Option<f64>) -> Scores {
+    let drawn = records.clone().flat_map(|r| {
+        let unseen = std::iter::repeat_n(Some(false), r.answer.draws.invisible);
+        unseen.chain(r.found.is_some().then_some(Some(true)))
+    });
+    let visible = Proportion::count(drawn);
     let found: Vec<(&Record, &Score)> = records.filter_map(|r| Some((r, r.score.as_ref()?))).collect();
     let count = |of: &dyn Fn(&Score) -> Option<bool>| Proportion::count(found.iter().map(|(_, s)| of(s)));
     let parameters = found.iter().flat_map(|(_, s)| &s.parameters).filter(|p| p.identified);
@@ -168,6 +183,7 @@ fn over<'a>(records: impl Iterator<Item = &'a Record>, noise: Option<f64>) -> Sc
     Scores {
         noise,
         trials: found.len(),
+        visible,
         verdict: count(&|s| Some(s.verdict)),
         first: count(&|s| s.first),
         named: count(&|s| s.named),
