@@ -247,17 +247,27 @@ fn trials_are_sealed_scored_kept_and_resumed() {
     run(&options);
     assert_eq!(*fresh.borrow(), [true, true]);
 
-    let summary = trial::summarise(records, &options, bench.operations.len());
+    let summary = trial::summarise(records.clone(), &options, bench.operations.len());
     assert_eq!(summary.confusion.planted, ["none", "quadratic-damping"]);
     assert_eq!(summary.confusion.counts.iter().flatten().sum::<usize>(), 2);
     let json = serde_json::to_value(&summary).unwrap();
     assert_eq!(json["schema"], "stickslip.trial/1");
     assert_eq!(json["trials"][1]["answer"]["cause"], "quadratic-damping");
+    // The draws that the first level of noise hides count against what the data can show; at the second none was made.
+    options.noise = vec![0.01, 0.03];
+    let summary = trial::summarise(records.clone(), &options, bench.operations.len());
+    let hidden: usize = records.iter().map(|r| r.answer.draws.invisible).sum();
+    let visible: Vec<_> = summary.scores.iter().map(|s| (s.noise, s.visible.successes, s.visible.of)).collect();
+    assert_eq!(visible, [(None, 1, 1 + hidden), (Some(0.01), 1, 1 + hidden), (Some(0.03), 0, 0)]);
     for figure in figures::trial::REGISTRY {
         let drawing = figure.draw(&summary).unwrap();
-        assert!(drawing.svg.contains("quadratic-damping") && drawing.csv.lines().count() > 1, "{}", drawing.name);
+        let by_cause = figures::trial::OF_SCORES.iter().all(|other| other.name() != figure.name());
+        assert!(drawing.svg.contains("quadratic-damping") || !by_cause, "{}", drawing.name);
+        assert!(drawing.csv.lines().count() > 1, "{}", drawing.name);
         assert!(figures::png(&drawing.svg, 1.0).is_ok());
     }
+    let alone = summary.scores_alone();
+    assert!(alone.trials.is_empty() && figures::trial::OF_SCORES.iter().all(|figure| figure.draw(&alone).is_ok()));
 }
 
 #[test]

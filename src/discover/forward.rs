@@ -62,8 +62,9 @@ impl Search<'_> {
         if self.structured(&chosen)
             && let Some(better) = self.from_elsewhere(&chosen, &rounds)
         {
+            let better = self.eliminate(better);
             rounds.forget(&better);
-            chosen = self.extend(self.eliminate(better), &mut rounds);
+            chosen = self.extend(better, &mut rounds);
         }
         if self.options.max_effects > 1
             && self.structured(&chosen)
@@ -121,12 +122,12 @@ impl Search<'_> {
     /// parameters of the base with it: the best of them fitted from starts scattered over the ranges of all parameters, if it
     /// explains better.
     fn from_elsewhere(&self, chosen: &Hypothesis, rounds: &Rounds) -> Option<Hypothesis> {
-        let mut from: Vec<Hypothesis> = rounds.first_additions().into_iter().take(OTHER_BEGINNINGS).collect();
+        let mut from: Vec<Hypothesis> = self.first_additions(rounds).into_iter().take(OTHER_BEGINNINGS).collect();
         from.retain(|h| !h.same_additions(chosen));
         from.push(chosen.clone());
         let refitted = from.into_par_iter().filter(|h| !h.additions.is_empty()).filter_map(|h| {
-            let fit = scattered_fit(&self.data, &h.model, &h.fit)?;
-            let mut found = Hypothesis { fit, estimate: None, ..h };
+            let (model, fit) = scattered_fit(&self.data, &h.model, &h.fit)?;
+            let mut found = Hypothesis { model, fit, estimate: None, ..h };
             self.settle(&mut found);
             Some(found)
         });
@@ -139,7 +140,7 @@ impl Search<'_> {
     /// Where the way from what explains best alone leaves structure: the best pair that contains another of the leading
     /// first additions, if it explains better.
     fn begin_otherwise(&self, chosen: &Hypothesis, rounds: &mut Rounds) -> Option<Hypothesis> {
-        let mut others = rounds.first_additions();
+        let mut others = self.first_additions(rounds);
         others.retain(|h| !rounds.made_from(h));
         let mut best: Option<Hypothesis> = None;
         for mut other in others.into_iter().take(OTHER_BEGINNINGS) {

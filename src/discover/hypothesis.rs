@@ -157,7 +157,7 @@ impl Hypothesis {
     }
 
     /// Whether another has all its additions.
-    fn within(&self, other: &Self) -> bool {
+    pub fn within(&self, other: &Self) -> bool {
         self.additions.iter().all(|a| other.additions.contains(a))
     }
 

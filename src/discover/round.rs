@@ -61,19 +61,15 @@ impl Rounds {
         self.made.iter().any(|(from, _)| from.same_additions(hypothesis))
     }
 
-    /// Forgets the round from these additions: they are fitted anew.
+    /// Forgets the rounds from these additions and from more than these: they are fitted anew.
     pub fn forget(&mut self, hypothesis: &Hypothesis) {
-        self.made.retain(|(from, _)| !from.same_additions(hypothesis));
+        self.made.retain(|(from, _)| from.additions.is_empty() || !hypothesis.within(from));
     }
 
-    /// The hypotheses of the first round for which a fit was at least begun, the best first.
-    pub fn first_additions(&self) -> Vec<Hypothesis> {
+    /// The hypotheses of the first round for which a fit was at least begun.
+    fn begun(&self) -> impl Iterator<Item = &Hypothesis> {
         let found = self.made.first().map_or(&[][..], |(_, round)| &round.found);
-        let fitted = found.iter().map(|entry| &entry.found.hypothesis).filter(|h| h.basis() != Basis::Linear);
-        let mut all: Vec<Hypothesis> = fitted.cloned().collect();
-        let square = |h: &Hypothesis| h.estimate.map_or(h.fit.objective, |estimate| estimate.square);
-        all.sort_by(|a, b| square(a).total_cmp(&square(b)));
-        all
+        found.iter().map(|entry| &entry.found.hypothesis).filter(|h| h.basis() != Basis::Linear)
     }
 
     /// The rounds in the order in which they were made.
@@ -83,6 +79,13 @@ impl Rounds {
 }
 
 impl Search<'_> {
+    /// The hypotheses of the first round for which a fit was at least begun, the best first.
+    pub(super) fn first_additions(&self, rounds: &Rounds) -> Vec<Hypothesis> {
+        let mut all: Vec<Hypothesis> = rounds.begun().cloned().collect();
+        all.sort_by(|a, b| self.square(a, 1.0).total_cmp(&self.square(b, 1.0)));
+        all
+    }
+
     /// All additions that go with a hypothesis. What cannot come near the `goal` is not fitted to its end.
     pub(super) fn round<'r>(&self, from: &Hypothesis, rounds: &'r mut Rounds, goal: Option<&Hypothesis>) -> &'r Round {
         let known = rounds.made.iter().position(|(other, _)| other.same_additions(from));

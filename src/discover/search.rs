@@ -298,24 +298,30 @@ pub fn on_all(data: &Data<'_>, model: &Model, fit: &Fit) -> Fit {
     minimise(&mut problem, &fit.values, &Settings { evaluations, threshold: data.threshold, converged: CLOSER })
 }
 
-/// A fit from starts scattered over the ranges of all its parameters, begun on the part of the points and followed on all;
-/// `None` for a continuum of sliders, which takes too long, or where no start can be solved.
-pub fn scattered_fit(data: &Data<'_>, model: &Model, fit: &Fit) -> Option<Fit> {
-    let problem = on_part(data, model, fit.parameters.clone());
-    if problem.has_continuum() {
+/// A fit from starts scattered over the ranges of all its parameters, of either sign where there are two, begun on the part
+/// of the points and followed on all; the model with the signs it ends with. `None` for a continuum of sliders, which takes
+/// too long.
+pub fn scattered_fit(data: &Data<'_>, model: &Model, fit: &Fit) -> Option<(Model, Fit)> {
+    if on_part(data, model, Vec::new()).has_continuum() {
         return None;
     }
     let (count, followed) = ELSEWHERE;
-    let starts = (0..count).map(|number| scattered(&fit.parameters, number, data.seed));
-    let mut tried: Vec<(f64, Vec<f64>)> = starts
-        .map(|start| (robust_chi2(&problem.clone().evaluate(&start, false).residuals, data.threshold), start))
-        .collect();
-    tried.retain(|(square, _)| square.is_finite());
+    let start = |number: u32| {
+        let turn = |p: &Parameter| if p.signed && number % 2 == 1 { p.mirrored() } else { p.clone() };
+        let parameters: Vec<Parameter> = fit.parameters.iter().map(turn).collect();
+        let values = scattered(&parameters, number, data.seed);
+        let mut problem = on_part(data, model, parameters);
+        let square = robust_chi2(&problem.evaluate(&values, false).residuals, data.threshold);
+        (square, problem, values)
+    };
+    let mut tried: Vec<(f64, Problem<'_>, Vec<f64>)> = (0..count).map(start).collect();
     tried.sort_by(|a, b| a.0.total_cmp(&b.0));
     let settings = Settings { evaluations: END, threshold: data.threshold, converged: CLOSE };
-    let ends = tried.iter().take(followed).map(|(_, start)| minimise(&mut problem.clone(), start, &settings));
+    let ends = tried.iter_mut().take(followed).map(|(_, problem, start)| minimise(problem, start, &settings));
     let best = ends.min_by(|a, b| a.objective.total_cmp(&b.objective))?;
-    Some(on_all(data, model, &best))
+    let model = on_part(data, model, best.parameters.clone()).model(&best.values);
+    let fit = on_all(data, &model, &best);
+    Some((model, fit))
 }
 
 /// Parameters of these keys, with the signs that the model has.

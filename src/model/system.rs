@@ -149,7 +149,8 @@ pub trait HybridSystem {
     /// Whether a contact in these states, over a roller at rest, would hold the stuck motion for ever: it strengthens as it
     /// rests, and is strong enough already.
     fn locks(&self, z: &[f64]) -> bool;
-    /// Over a roller at rest: the state that is the age of a contact that strengthens without bound as it rests.
+    /// Over a roller at rest: the state that is the age of a contact that strengthens without bound as it rests, if age is all
+    /// that its strength at rest depends on.
     fn age_at_rest(&self) -> Option<usize>;
     /// A first guess of the periodic state at time 0.
     fn initial_state(&self) -> [f64; MAX_STATES];

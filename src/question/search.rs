@@ -74,7 +74,7 @@ pub(super) fn search(
     }
     let mut all = vec![nearest];
     all.extend(starts);
-    let able = search.able(&all, f64::INFINITY);
+    let able = search.able(&all, f64::INFINITY, true);
     let Some(best) = able.as_ref().map(|start| search.setting(start)).filter(|setting| setting.features.all()) else {
         return Hypothesis { effect, best: near, mildest: None, idle };
     };
@@ -130,11 +130,10 @@ impl<'a> Search<'a> {
         Setting { values, strain, curve, features }
     }
 
-    /// The closest setting with all features within a strain; `None` where a compass search finds none.
-    fn able(&self, starts: &[Start], strain: f64) -> Option<Start> {
+    /// A setting with all features within a strain, the `closest` one or any; `None` where a compass search finds none.
+    fn able(&self, starts: &[Start], strain: f64, closest: bool) -> Option<Start> {
         let able = WEIGHT * 1e-9 + self.judge.most();
-        // What a box holds is asked, not what is closest in it.
-        let enough = if strain.is_finite() { able } else { f64::NEG_INFINITY };
+        let enough = if closest { f64::NEG_INFINITY } else { able };
         let mut best: Option<(f64, Start)> = None;
         for (parameters, values) in starts {
             let narrowed: Vec<Parameter> = parameters.iter().map(|p| p.strained_at_most(strain)).collect();
@@ -143,7 +142,7 @@ impl<'a> Search<'a> {
             if cost < able && best.as_ref().is_none_or(|(least, _)| cost < *least) {
                 best = Some((cost, (parameters.clone(), values)));
             }
-            if strain.is_finite() && best.is_some() {
+            if !closest && best.is_some() {
                 break;
             }
         }
@@ -193,7 +192,12 @@ impl<'a> Search<'a> {
         let (mut low, mut high) = (0.0, best.strain);
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (low + high);
-            let within = self.able(&starts, middle).map(|start| (self.setting(&start), start));
+            let tried = |closest| self.able(&starts, middle, closest).map(|start| (self.setting(&start), start));
+            // What is enough on a part of the frequencies need not be on all of them: then the closest has to be.
+            let within = match tried(false) {
+                Some((setting, _)) if !setting.features.all() => tried(true),
+                found => found,
+            };
             match within.filter(|(setting, _)| setting.features.all()) {
                 Some((setting, start)) => {
                     high = setting.strain.min(middle);

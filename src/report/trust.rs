@@ -181,8 +181,8 @@ fn otherwise(main: &Series, others: &[Series]) -> Vec<OtherwiseView> {
         if levels.is_empty() {
             rows.extend(series.summary.scores.first().map(|s| row(series.otherwise.into(), s)));
         }
-        let named = |s: &&Scores| format!("noise of {}", quantity(100.0 * s.noise.unwrap_or(f64::NAN), "%", 2));
-        rows.extend(levels.iter().map(|s| row(named(s), s)));
+        let noise = |s: &&Scores| quantity(100.0 * s.noise.unwrap_or(f64::NAN), "%", 2);
+        rows.extend(levels.iter().map(|s| row(format!("{}, noise of {}", series.otherwise, noise(s)), s)));
     }
     rows
 }

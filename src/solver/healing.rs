@@ -20,18 +20,21 @@ pub enum Healed {
     Rests,
     /// In a periodic motion near this start.
     Slips(Start),
+    /// Nobody knows: it came to this start.
+    Undecided(Start),
 }
 
 /// Change of the settled states over a cycle, relative to their scales, below which the drift of the age is known.
 const SETTLED: f64 = 1e-2;
 /// Most cycles.
-const MAX_CYCLES: usize = 40;
-/// Largest factor on the age in a step.
+const MAX_CYCLES: usize = 30;
+/// Largest factor by which a step makes the contact younger.
 const FAR: f64 = 4.0;
 /// Relative step of the age below which the ordinary search takes over.
-const NEAR: f64 = 0.1;
+const NEAR: f64 = 0.03;
 
-/// Follows the age of `system` from `start` on, in `cycles` cycles; `None` where this does not tell.
+/// Follows the age from `start` on and adds the cycles that takes to `cycles`; `None` where the contact does not heal, or a
+/// cycle cannot be followed.
 pub fn heal(integrator: &mut Integrator, start: &State, cycles: &mut usize) -> Option<Healed> {
     let system = integrator.system();
     let age = system.age_at_rest()?;
@@ -39,10 +42,13 @@ pub fn heal(integrator: &mut Integrator, start: &State, cycles: &mut usize) -> O
     let mut start = *start;
     let mut entry: Option<(Mode, f64)> = None;
     let mut before = f64::INFINITY;
-    for _ in 0..MAX_CYCLES {
+    let most = MAX_CYCLES.min(integrator.tolerance().cycles / 2);
+    let mut last = None;
+    for _ in 0..most {
         *cycles += 1;
         let cycle = integrator.cycle(&start, entry).ok()?;
         entry = Some(cycle.branch[1]);
+        last = Some((cycle.end, cycle.branch[1]));
         if cycle.stick_fraction > 1.0 - 1e-9 {
             if system.locks(&cycle.end) {
                 return Some(Healed::Rests);
@@ -101,5 +107,5 @@ pub fn heal(integrator: &mut Integrator, start: &State, cycles: &mut usize) -> O
             start[i] += scales[i] * settle[i];
         }
     }
-    None
+    last.map(Healed::Undecided)
 }

@@ -21,12 +21,6 @@ pub enum Unsolved {
     Failed(String),
 }
 
-impl From<String> for Unsolved {
-    fn from(why: String) -> Self {
-        Self::Failed(why)
-    }
-}
-
 /// A periodic solution.
 #[derive(Debug, Clone)]
 pub struct Periodic {
@@ -54,13 +48,13 @@ const FARTHER: f64 = 2.0;
 const NEAR: f64 = 3e-2;
 /// Relative change over a cycle below which the last step of Newton's may stand for a cycle.
 const SQUARED: f64 = 1e-4;
-/// The same where the derivative of the mean by the start is not known.
-const SQUARED_WITHOUT_MEAN: f64 = 1e-8;
+/// Largest last step of Newton's, relative to the scales, where the derivative of the mean by the start is not known.
+const STEP_WITHOUT_MEAN: f64 = 1e-8;
 /// Relative change over a cycle below which the next may be the last, and is observed.
 const LAST: f64 = 1e-3;
 /// Cycles of a transient without slip both ways after which a contact that strengthens as it rests is taken to rest for ever.
 const RESTING: usize = 3;
-/// Most cycles where the contact may come to rest: there is a closed form for that.
+/// Most cycles where the contact may come to rest.
 const MAX_CYCLES_AT_REST: usize = 150;
 
 /// Finds the periodic solution from `guess` (or from the system's own first guess).
@@ -91,9 +85,14 @@ pub fn search(integrator: &mut Integrator, guess: Option<&Start>) -> Result<Peri
     let mut stepped = false;
     integrator.observe = guess.is_some();
     integrator.coarse = guess.is_none() && !integrator.measures_order();
-    match healing::heal(integrator, &start, &mut cycles) {
+    let mut healed = healing::heal(integrator, &start, &mut cycles);
+    if guess.is_some() && matches!(healed, Some(Healed::Rests)) {
+        // A neighbour may have been older than this contact ever becomes.
+        healed = healing::heal(integrator, &system.initial_state(), &mut cycles);
+    }
+    match healed {
         Some(Healed::Rests) => return Err(Unsolved::Rests),
-        Some(Healed::Slips(near)) => (start, entry) = (near.0, Some(near.1)),
+        Some(Healed::Slips(near) | Healed::Undecided(near)) => (start, entry) = (near.0, Some(near.1)),
         None => {}
     }
     let most = integrator.tolerance().cycles.min(if system.can_rest() { MAX_CYCLES_AT_REST } else { usize::MAX });
@@ -139,7 +138,7 @@ pub fn search(integrator: &mut Integrator, guess: Option<&Start>) -> Result<Peri
         let tolerated = PERIODIC + 1e-15 * rounding;
         // Near the solution, and where nothing pulls towards it, the full accuracy is needed.
         let coarse = integrator.coarse;
-        // From a first guess far off the first step of Newton's may lead no nearer, and the second does.
+        // From a first guess far off a first step of Newton's may lead no nearer, and the second does.
         let far = coarse && !std::mem::replace(&mut stepped, march == 0 && best.is_finite()) && size < FARTHER * best;
         integrator.coarse = coarse && size > NEAR && (far || size < 0.9 * best);
         integrator.observe = size < LAST;
@@ -170,6 +169,7 @@ pub fn search(integrator: &mut Integrator, guess: Option<&Start>) -> Result<Peri
         let matrix = std::array::from_fn(|i| std::array::from_fn(|j| jacobian[i][j] * scales[j] / scales[i]));
         match dense::solve(n, matrix, residual.map(|r| -r)) {
             Some(delta) => {
+                let step = delta.iter().take(n).fold(0.0f64, |most, d| most.max(d.abs()));
                 let delta: State = std::array::from_fn(|i| delta[i] * scales[i]);
                 for i in 0..n {
                     start[i] += delta[i];
@@ -180,7 +180,8 @@ pub fn search(integrator: &mut Integrator, guess: Option<&Start>) -> Result<Peri
                 if !coarse
                     && !integrator.measures_order()
                     && cycle.observed
-                    && size < if cycle.legs == 0 { SQUARED } else { SQUARED_WITHOUT_MEAN }
+                    && size < SQUARED
+                    && (cycle.legs == 0 || step < STEP_WITHOUT_MEAN)
                     && left < integrator.left()
                     && same_branch(system, &cycle)
                 {

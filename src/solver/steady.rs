@@ -139,6 +139,7 @@ fn search(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_>, 
             warm.orbit = None;
             return match (why, problem.locked_state()) {
                 (Unsolved::Rests, Some(limit)) => closed_form(&problem.lumps, limit, derivatives),
+                // Only a contact with a locked state is found to rest.
                 (Unsolved::Rests, None) => without_periodic_state(&problem, "the contact comes to rest", with),
                 (Unsolved::Failed(why), _) => without_periodic_state(&problem, &why, with),
             };

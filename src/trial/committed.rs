@@ -18,14 +18,15 @@ pub struct Series {
 const RESULTS: [(&str, &str, &str); 1] =
     [("", include_str!("../../docs/trials/command.txt"), include_str!("../../docs/trials/result.json"))];
 
-/// The results that come with the program, the main one first; none where they are of another version of the format.
+/// The results that come with the program, the main one first; none where that is of another version of the format.
 pub fn committed() -> &'static [Series] {
     static SERIES: OnceLock<Vec<Series>> = OnceLock::new();
     SERIES.get_or_init(|| {
         let series = |&(otherwise, command, text): &(&'static str, &'static str, &str)| {
             Some(Series { otherwise, command: command.trim(), summary: parse(text).ok()? })
         };
-        RESULTS.iter().map(series).collect::<Option<Vec<_>>>().unwrap_or_default()
+        let Some(main) = series(&RESULTS[0]) else { return Vec::new() };
+        std::iter::once(main).chain(RESULTS[1..].iter().filter_map(series)).collect()
     })
 }
 

@@ -1,5 +1,6 @@
 //! Counting the scores.
 
+use super::cause::Kind;
 use super::proportion::Proportion;
 use super::record::Record;
 use super::score::{Score, Share};
@@ -16,7 +17,7 @@ pub struct Scores {
     pub noise: Option<f64>,
     /// Trials that were searched.
     pub trials: usize,
-    /// Draws with a steady state everywhere: those that the data could show, of all.
+    /// Draws of causes with a steady state everywhere: those that the data could show, of all.
     #[serde(default)]
     pub visible: Proportion,
     /// The verdict is right.
@@ -170,7 +171,7 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
 }
 
 fn over<'a>(records: impl Iterator<Item = &'a Record> + Clone, noise: Option<f64>) -> Scores {
-    let drawn = records.clone().flat_map(|r| {
+    let drawn = records.clone().filter(|r| r.answer.kind != Kind::None).flat_map(|r| {
         let unseen = std::iter::repeat_n(Some(false), r.answer.draws.invisible);
         unseen.chain(r.found.is_some().then_some(Some(true)))
     });

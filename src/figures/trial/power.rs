@@ -4,7 +4,7 @@ use crate::figures::axes::{Axis, Panel};
 use crate::figures::canvas::{Stroke, document};
 use crate::figures::legend::{Key, legend, legend_width};
 use crate::figures::marks::Mark;
-use crate::figures::style::{Color, GREY, INK, ROLLER, SLIP, STATIC, Table, WIDTH, cell, count};
+use crate::figures::style::{Color, GREY, INK, ROLLER, SLIP, STATIC, Table, WHITE, WIDTH, cell, count};
 use crate::figures::{Drawing, Figure, FigureError};
 use crate::trial::{Proportion, Scores, Summary};
 
@@ -22,25 +22,26 @@ struct Series {
     name: &'static str,
     of: fn(&Scores) -> &Proportion,
     look: (Mark, Color),
+    filled: bool,
 }
 
 const SERIES: [Series; 5] = [
-    Series { name: "draws that the data could show", of: |s| &s.visible, look: (Mark::Diamond, GREY) },
-    Series { name: "of those: right verdict", of: |s| &s.verdict, look: (Mark::Circle, INK) },
-    Series { name: "effects named, or in a tie", of: |s| &s.named, look: (Mark::Square, STATIC) },
-    Series { name: "outside causes flagged", of: |s| &s.flagged, look: (Mark::Triangle, ROLLER) },
-    Series { name: "false alarms", of: |s| &s.false_alarm, look: (Mark::Circle, SLIP) },
+    Series { name: "draws that the data could show", of: |s| &s.visible, look: (Mark::Diamond, GREY), filled: true },
+    Series { name: "right verdict", of: |s| &s.verdict, look: (Mark::Circle, INK), filled: true },
+    Series { name: "effects named, or in a tie", of: |s| &s.named, look: (Mark::Square, STATIC), filled: true },
+    Series { name: "outside causes flagged", of: |s| &s.flagged, look: (Mark::Triangle, ROLLER), filled: true },
+    Series { name: "false alarms", of: |s| &s.false_alarm, look: (Mark::Circle, SLIP), filled: false },
 ];
 
 fn draw(levels: &[(f64, &Scores)], title: &str, alt: &str) -> Result<String, FigureError> {
-    let keys: Vec<_> = SERIES.iter().map(|s| (Key::Mark(s.look.0, s.look.1, true), s.name.to_string())).collect();
+    let keys: Vec<_> = SERIES.iter().map(|s| (Key::Mark(s.look.0, s.look.1, s.filled), s.name.to_string())).collect();
     let width = WIDTH - LEFT - legend_width(&keys) - 40.0;
     document((WIDTH, TOP + HEIGHT + 62.0), (title, alt), |canvas| {
         let x = Axis::logarithmic("noise of the readings [%]", levels.iter().map(|(noise, _)| 100.0 * noise), 0.08);
         let y = Axis::linear("share [%]", 0.0, 100.0).step(20.0);
         let panel = Panel { left: LEFT, top: TOP, width, height: HEIGHT, x, y };
         panel.frame(canvas, true, true);
-        for (index, Series { of, look: (mark, color), .. }) in SERIES.iter().enumerate() {
+        for (index, Series { of, look: (mark, color), filled, .. }) in SERIES.iter().enumerate() {
             let aside = ASIDE * (index as f64 - 0.5 * (SERIES.len() - 1) as f64);
             let mut last = None;
             for (noise, scores) in levels {
@@ -52,7 +53,9 @@ fn draw(levels: &[(f64, &Scores)], title: &str, alt: &str) -> Result<String, Fig
                 }
                 let ends = [p.low, p.high].map(|share| (at.0, panel.py(100.0 * share)));
                 canvas.line(ends[0], ends[1], Stroke::solid(*color, 2.0));
-                canvas.mark(*mark, at, 5.0, *color, Stroke::solid(INK, 0.6));
+                let (fill, outline) =
+                    if *filled { (*color, Stroke::solid(INK, 0.6)) } else { (WHITE, Stroke::solid(*color, 1.6)) };
+                canvas.mark(*mark, at, 5.0, fill, outline);
             }
         }
         legend(canvas, LEFT + width + 20.0, TOP - 6.0, &keys);
@@ -77,14 +80,15 @@ impl Figure<Summary> for Power {
     }
 
     fn draw(&self, summary: &Summary) -> Result<Drawing, FigureError> {
-        let levels: Vec<(f64, &Scores)> = summary.scores.iter().filter_map(|s| Some((s.noise?, s))).collect();
+        let mut levels: Vec<(f64, &Scores)> = summary.scores.iter().filter_map(|s| Some((s.noise?, s))).collect();
+        levels.sort_by(|a, b| a.0.total_cmp(&b.0));
         if levels.len() < 2 {
             return Err(FigureError::missing(self.name(), "trials at two levels of noise"));
         }
         let trials: usize = levels.iter().map(|(_, s)| s.trials).sum();
         let alt = format!("Shares with bars at {} of noise.", count(levels.len(), "level"));
         let caption = format!(
-            "{} at {} levels of noise: share of the draws that the data could show (grey), and of the trials with one of those the \
+            "{} at {} levels of noise: share of the draws that the data could show (each trial draws until one is), and of the trials the \
              shares of right verdicts, of planted effects that were named, of causes outside the catalogue that were flagged, and of false \
              alarms where nothing was planted. Bars are Wilson's 95 % intervals; the marks of one level stand side by side.",
             count(trials, "trial"),

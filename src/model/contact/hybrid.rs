@@ -336,7 +336,9 @@ impl HybridSystem for Problem {
     }
 
     fn age_at_rest(&self) -> Option<usize> {
-        self.locked_state().and(self.psi)
+        // Beside heat or another law of friction a contact that would hold may slip on all the same.
+        let laws = self.laws.iter().filter(|(e, p)| e.friction(p, 0.0, 0.0).is_some()).count();
+        self.locked_state().and(self.psi).filter(|_| laws == 1 && self.heat.is_none())
     }
 
     fn initial_state(&self) -> [f64; MAX_STATES] {
