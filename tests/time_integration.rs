@@ -8,8 +8,9 @@ use stickslip::effects;
 use stickslip::model::contact::Problem;
 use stickslip::model::{Model, Operation};
 use stickslip::scenario::Formulation::Series;
+use stickslip::solver::cycle::Tolerance;
 use stickslip::solver::time::{Plan, integrate};
-use stickslip::solver::{Status, analytic::wrap};
+use stickslip::solver::{Status, Warm, analytic::wrap, solve_steady};
 
 /// Model of a row of the reference table.
 fn model_of(name: &str, parameters: &str) -> Model {
@@ -134,5 +135,18 @@ fn a_healing_contact_at_rest_slips_on_or_rests_as_it_does_in_time() {
         assert_eq!(steady(&model, &at).stick_fraction == 1.0, rests, "{parameters} {at:?}");
         let difference = difference(&model, &at, &plan);
         assert!(difference < 3e-4, "{parameters} {at:?}: {difference:e}");
+        // The same with the patience of a search, and from the orbit of a neighbour.
+        let cold = steady(&model, &at).amplitude;
+        let mut warm = Warm::default();
+        solve_steady(&model, &Operation { frequency: frequency - 0.5, ..at }, &Tolerance::default(), false, &mut warm);
+        for (tolerance, mut start, most) in [
+            (Tolerance::COARSE, Warm::default(), 5e-3),
+            (Tolerance::FIT, Warm::default(), 1e-4),
+            (Tolerance::default(), warm, 1e-6),
+        ] {
+            let state = solve_steady(&model, &at, &tolerance, false, &mut start).state;
+            assert_eq!(state.status, Status::Steady, "{parameters} {at:?} {tolerance:?}");
+            assert!((state.amplitude / cold - 1.0).abs() < most, "{parameters} {at:?} {tolerance:?}");
+        }
     });
 }

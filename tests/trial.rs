@@ -290,11 +290,14 @@ fn names_of_causes_are_read_and_unknown_ones_refused() {
 /// The calibration without the roller's compliance takes the contact to a thousandth of its stiffness, where a roller that
 /// gives way changes nothing: the search has to look at the stated contact as well.
 #[test]
-fn an_effect_is_found_that_the_calibration_has_hidden() {
+fn effects_that_the_calibration_hides_are_found() {
     let folder = tempfile::tempdir().unwrap();
-    let options = Options { seed: 0, ..options(&["roller-compliance"], folder.path().into()) };
-    let record = trial::single(&trial::practice(), &options, &options.causes[0], 0, 0.01, "").unwrap();
-    let (score, found) = (record.score.unwrap(), record.found.unwrap());
-    assert_eq!(score.exact, Some(true), "{}", found.label());
-    assert!(found.steps[0].chi2_per_point > 5.0 && score.final_error < 1.1, "{:?}", found.steps);
+    // The calibrated base of the first is far off; the fit that begins at that of the second ends at a roller without mass.
+    for seed in [0, 4] {
+        let options = Options { seed, ..options(&["roller-compliance"], folder.path().into()) };
+        let record = trial::single(&trial::practice(), &options, &options.causes[0], seed, 0.01, "").unwrap();
+        let (score, found) = (record.score.unwrap(), record.found.unwrap());
+        assert_eq!(score.exact, Some(true), "{seed}: {}", found.label());
+        assert!(found.steps[0].chi2_per_point > 2.0 && score.final_error < 1.1, "{seed}: {:?}", found.steps);
+    }
 }
