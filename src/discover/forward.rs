@@ -60,7 +60,7 @@ impl Search<'_> {
         let mut rounds = Rounds::default();
         let mut chosen = self.extend(start.clone(), &mut rounds);
         if self.structured(&chosen)
-            && let Some(better) = self.from_elsewhere(&chosen, &rounds)
+            && let Some(better) = self.begin_elsewhere(&chosen, &rounds)
         {
             let better = self.eliminate(better);
             rounds.forget(&better);
@@ -121,7 +121,7 @@ impl Search<'_> {
     /// Where structure is left, the explanation or one of the leading first additions may sit in a local minimum, the
     /// parameters of the base with it: the best of them fitted from starts scattered over the ranges of all parameters, if it
     /// explains better.
-    fn from_elsewhere(&self, chosen: &Hypothesis, rounds: &Rounds) -> Option<Hypothesis> {
+    fn begin_elsewhere(&self, chosen: &Hypothesis, rounds: &Rounds) -> Option<Hypothesis> {
         let mut from: Vec<Hypothesis> = self.first_additions(rounds).into_iter().take(OTHER_BEGINNINGS).collect();
         from.retain(|h| !h.same_additions(chosen));
         from.push(chosen.clone());
