@@ -119,6 +119,8 @@ pub trait HybridSystem {
     fn forcing_at(&self, sine: f64, cosine: f64) -> Forcing;
     /// Whether a slope of the rates has a kink within a mode.
     fn is_kinked(&self) -> bool;
+    /// Whether the equations of a mode are smooth wherever a motion may take them.
+    fn is_smooth(&self) -> bool;
     /// f, g and their Jacobians.
     fn evaluate(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut Evaluation) {
         const ALL: [usize; MAX_STATES] = [0, 1, 2, 3, 4, 5, 6, 7];

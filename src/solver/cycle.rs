@@ -88,9 +88,9 @@ impl<'a> Integrator<'a> {
         self.system
     }
 
-    /// Whether exactly the steps asked for are wanted, to measure the order of convergence: an infinite roughness says so.
+    /// Whether exactly the steps asked for are wanted.
     pub fn measures_order(&self) -> bool {
-        self.tolerance.roughness.is_infinite()
+        self.tolerance.measures_order()
     }
 
     /// Relative change of the states over a cycle that may be left by the last step of Newton's.

@@ -1,6 +1,7 @@
 //! Steady states. Knows no physics beyond the shape of the equations handed in by [`crate::model`].
 
 pub mod analytic;
+mod balance;
 mod collocation;
 mod columns;
 mod cubic;
@@ -63,6 +64,8 @@ pub enum Method {
     Analytic,
     /// The published explicit Euler procedure.
     PaperEuler,
+    /// Fourier series of a motion that stays in one mode.
+    HarmonicBalance,
     /// Newton shooting on a collocation integrator with exact events.
     Shooting,
     /// Plain time integration until the transient has died out.

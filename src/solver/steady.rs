@@ -1,6 +1,7 @@
 //! From a model and an operating point to the observables of its steady state.
 
 use super::analytic::wrap;
+use super::balance::{self, Balance};
 use super::collocation::interpolate;
 use super::cycle::{Integrator, Record, Tolerance};
 use super::paper_euler::{self, PaperContact};
@@ -20,6 +21,8 @@ const UNSTABLE: f64 = 1.0 + 1e-6;
 /// Time integration of points without a stable periodic state.
 pub const LOCK_IN: time::Plan =
     time::Plan { steps: 1000, cycles: 200, settled: 1e-7, window: 100, solved: time::Plan::SOLVED };
+/// Distance of the starts of neighbouring motions, in units of the scales, from which on they may be on other branches.
+const NEIGHBOUR: f64 = 0.3;
 /// Factor between the speeds of one step on the way down from full slip.
 const SLOWER: f64 = 0.8;
 /// A motion this many times larger than without contact has no bound.
@@ -29,6 +32,8 @@ const RUNAWAY: f64 = 1e6;
 #[derive(Debug, Clone, Default)]
 pub struct Warm {
     orbit: Option<Start>,
+    /// Whether the orbit passed from mode to mode.
+    broken: bool,
     sliders: Option<parallel::Memory>,
 }
 
@@ -45,9 +50,17 @@ impl Warm {
         self.orbit.map(|(z, entry)| (std::array::from_fn(|i| z[i] + reference[i]), entry))
     }
 
-    fn keep(&mut self, system: &dyn HybridSystem, periodic: &Periodic) {
-        let (reference, z) = (system.reference(), periodic.start);
-        self.orbit = Some((std::array::from_fn(|i| z[i] - reference[i]), periodic.entry));
+    fn keep(&mut self, system: &dyn HybridSystem, (z, entry): &Start, broken: bool) {
+        let reference = system.reference();
+        self.orbit = Some((std::array::from_fn(|i| z[i] - reference[i]), *entry));
+        self.broken = broken;
+    }
+
+    /// Whether a motion in one mode, found without regard to the start, is what follows from it.
+    fn leads_to(&self, system: &dyn HybridSystem, found: &Balance) -> bool {
+        let Some((z, _)) = self.start(system) else { return true };
+        let scales = system.scales();
+        (0..system.states()).all(|i| (z[i] - found.start.0[i]).abs() < NEIGHBOUR * scales[i])
     }
 }
 
@@ -129,6 +142,12 @@ fn search(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_>, 
     if let Some(continuum) = problem.continuum() {
         return parallel_state(model, at, &problem, &continuum, with, warm);
     }
+    if !(warm.orbit.is_some() && warm.broken)
+        && let Some(balance) = balance::solve(&problem, tolerance, derivatives)
+        && warm.leads_to(&problem, &balance)
+    {
+        return balanced(&problem, &balance, warm);
+    }
     let mut integrator = Integrator::new(&problem, tolerance);
     integrator.keep = derivatives;
     let found = shooting::search(&mut integrator, warm.start(&problem).as_ref())
@@ -145,44 +164,67 @@ fn search(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_>, 
             };
         }
     };
-    warm.keep(&problem, &periodic);
-    let lumps = &problem.lumps;
-    let (free_re, free_im) = lumps.free_response();
-    let (re, im) = (free_re.value + periodic.cycle.fundamental.0, free_im.value + periodic.cycle.fundamental.1);
+    warm.keep(&problem, &(periodic.start, periodic.entry), periodic.cycle.events > 0);
     let mut status = stability(periodic.multiplier);
     if let (Status::SelfExcited(why), true) = (&status, with.averages()) {
         return lock_in(&problem, why);
     }
-    let gradient = derivatives.then(|| {
-        let columns = shooting::column_derivatives(&mut integrator, &periodic)?;
-        let mut by_parameter = vec![(0.0, 0.0); MAX_PARAMETERS];
-        for (p, out) in by_parameter.iter_mut().enumerate() {
-            let (mut dre, mut dim) = (free_re.gradient[p], free_im.gradient[p]);
-            for ((cre, cim), lump) in columns.iter().zip(problem.column_gradients()) {
-                dre += cre * lump.gradient[p];
-                dim += cim * lump.gradient[p];
-            }
-            *out = polar_derivative(lumps, (re, im), (dre, dim), p);
-        }
-        Ok(by_parameter)
-    });
-    let derivatives = match gradient.transpose() {
-        Ok(gradient) => gradient,
+    let response = response(&problem.lumps, periodic.cycle.fundamental);
+    let columns = derivatives.then(|| shooting::column_derivatives(&mut integrator, &periodic));
+    let derivatives = match columns.transpose() {
+        Ok(columns) => columns.map(|columns| by_parameter(&problem, response, &columns)),
         Err(why) => {
-            let why: String = why;
             status = Status::Failed(why);
             None
         }
     };
     let motion = Motion {
-        response: (re, im),
+        response,
         mean: periodic.cycle.mean,
         stick_fraction: periodic.cycle.stick_fraction,
         force: periodic.cycle.force,
         cycles: periodic.cycles,
         change: periodic.residual,
     };
-    Solution { state: motion.observe(lumps, status, Method::Shooting), derivatives }
+    Solution { state: motion.observe(&problem.lumps, status, Method::Shooting), derivatives }
+}
+
+/// The solution where the motion stays in one mode.
+fn balanced(problem: &Problem, found: &Balance, warm: &mut Warm) -> Solution {
+    warm.keep(problem, &found.start, false);
+    let response = response(&problem.lumps, found.fundamental);
+    let motion = Motion {
+        response,
+        mean: found.mean,
+        stick_fraction: f64::from(u8::from(found.start.1.0 == Mode::Stick)),
+        force: found.force,
+        cycles: found.iterations,
+        change: found.left,
+    };
+    let derivatives = found.columns.as_ref().map(|columns| by_parameter(problem, response, columns));
+    Solution { state: motion.observe(&problem.lumps, Status::Steady, Method::HarmonicBalance), derivatives }
+}
+
+/// Complex amplitude of the arm from that of its motion relative to the one without contact.
+fn response(lumps: &Lumps, relative: (f64, f64)) -> (f64, f64) {
+    let (re, im) = lumps.free_response();
+    (re.value + relative.0, im.value + relative.1)
+}
+
+/// Derivatives of (amplitude, phase) by the parameters of the model from those of the relative motion by the columns.
+fn by_parameter(problem: &Problem, response: (f64, f64), columns: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let lumps = &problem.lumps;
+    let (free_re, free_im) = lumps.free_response();
+    let mut by_parameter = vec![(0.0, 0.0); MAX_PARAMETERS];
+    for (p, out) in by_parameter.iter_mut().enumerate() {
+        let (mut dre, mut dim) = (free_re.gradient[p], free_im.gradient[p]);
+        for ((cre, cim), lump) in columns.iter().zip(problem.column_gradients()) {
+            dre += cre * lump.gradient[p];
+            dim += cim * lump.gradient[p];
+        }
+        *out = polar_derivative(lumps, response, (dre, dim), p);
+    }
+    by_parameter
 }
 
 /// What a solver found, before it is read.

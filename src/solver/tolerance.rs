@@ -25,6 +25,11 @@ impl Tolerance {
 }
 
 impl Tolerance {
+    /// Whether exactly the steps asked for are wanted, to measure the order of convergence: an infinite roughness says so.
+    pub(super) fn measures_order(&self) -> bool {
+        self.roughness.is_infinite()
+    }
+
     /// Factor >= 1 by which steps may be longer than by default: where fewer of them are asked for, that holds for those too
     /// that follow from the damping of the arm and from the roughness.
     pub(super) fn relief(&self) -> f64 {

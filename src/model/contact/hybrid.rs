@@ -58,6 +58,10 @@ impl HybridSystem for Problem {
         self.laws.iter().any(|(effect, _)| effect.torque_is_kinked())
     }
 
+    fn is_smooth(&self) -> bool {
+        !self.is_kinked() && self.never_lifts()
+    }
+
     fn rates(&self, rows: &[usize], forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut Evaluation) {
         let v = self.relative_speed(forcing, z);
         let d = v - if mode == Mode::Stick { 0.0 } else { s };

@@ -1,0 +1,617 @@
+//! Harmonic balance: periodic states that stay in one mode all through the cycle, as Fourier series.
+//!
+//! The laws are evaluated at equidistant instants and the rates transformed (alternating frequency and time). What is not
+//! constant of the Jacobian is left to iteration: (ikw - A) dZ_k = F_k - ikw Z_k with A the mean over the cycle. Where that
+//! does not contract, the series does not fall off or the mode would end, there is no answer, and shooting finds one.
+
+// Indices run over several matrices at once here.
+#![allow(clippy::needless_range_loop)]
+
+use super::exponential::{Square, apply, exponential, multiply, unit};
+use super::harmonic::{Complex, resolvent, times};
+use super::shooting::Start;
+use super::tolerance::Tolerance;
+use crate::model::system::{Evaluation, Forcing, HybridSystem, MAX_COLUMNS, MAX_STATES, Mode, ParameterColumns};
+use std::f64::consts::TAU;
+use std::sync::LazyLock;
+
+/// Most instants.
+const MOST: usize = 64;
+/// Fewest instants.
+const FEWEST: usize = 8;
+/// Most harmonics.
+const HARMONICS: usize = MOST / 2 - 1;
+/// Most iterations with one number of instants.
+const ITERATIONS: usize = 14;
+/// Largest share of a correction that the next one may be.
+const CONTRACTION: f64 = 0.6;
+/// Largest of the last two harmonics of a state, relative to its scale: aliasing of a series that falls off geometrically
+/// goes with the square.
+const TAIL: f64 = 2e-4;
+/// Largest mean rate of a state of rest, relative to its scale and the frequency.
+const DRIFT: f64 = 1e-9;
+/// Largest modulus of the Floquet multipliers of a motion that is stable beyond doubt; of others, and of what there may be
+/// instead, shooting knows more.
+const STABLE: f64 = 1.0 - 1e-4;
+/// Largest change of the slopes over a cycle, times the period, that is weak.
+const WEAK: f64 = 0.1;
+
+/// Cosine and sine of the equidistant phases.
+static ROOTS: LazyLock<[Complex; MOST]> = LazyLock::new(|| {
+    std::array::from_fn(|j| {
+        let (sine, cosine) = (TAU * j as f64 / MOST as f64).sin_cos();
+        (cosine, sine)
+    })
+});
+
+/// A stable periodic state in one mode.
+#[derive(Debug, Clone)]
+pub struct Balance {
+    /// States, mode and algebraic unknown at time 0.
+    pub start: Start,
+    /// Complex amplitude of the first state, as that of [`super::cycle::Cycle`].
+    pub fundamental: Complex,
+    /// Its mean.
+    pub mean: f64,
+    /// Extremes of the tangential force \[N\].
+    pub force: (f64, f64),
+    /// Iterations: evaluations of the laws over a cycle.
+    pub iterations: usize,
+    /// Estimated relative error that the iteration left.
+    pub left: f64,
+    /// Derivatives of the fundamental by the columns, where asked for.
+    pub columns: Option<Vec<Complex>>,
+}
+
+/// The periodic state in the mode in which a cycle begins; `None` where none is found that stays in it and is stable.
+pub fn solve(system: &dyn HybridSystem, tolerance: &Tolerance, columns: bool) -> Option<Balance> {
+    if tolerance.measures_order() {
+        return None;
+    }
+    match system.states() {
+        3 => balance::<3>(system, tolerance, columns),
+        4 => balance::<4>(system, tolerance, columns),
+        5 => balance::<5>(system, tolerance, columns),
+        6 => balance::<6>(system, tolerance, columns),
+        7 => balance::<7>(system, tolerance, columns),
+        8 => balance::<8>(system, tolerance, columns),
+        _ => None,
+    }
+}
+
+/// One instant; rates and slopes in units of the scales of the states, the algebraic unknown eliminated.
+#[derive(Clone, Copy)]
+struct Sample<const N: usize> {
+    forcing: Forcing,
+    z: [f64; MAX_STATES],
+    s: f64,
+    rate: [f64; N],
+    slope: Square<N>,
+    /// s moves by -(excess + by dz) where the states move by dz.
+    excess: f64,
+    by: [f64; N],
+    /// df/ds over dg/ds.
+    through: [f64; N],
+    /// Of the mode.
+    margin: f64,
+}
+
+/// Harmonics 0, 1, .. of every state.
+type Series<const N: usize> = [[Complex; N]; HARMONICS + 1];
+
+struct Balancing<'a, const N: usize> {
+    system: &'a dyn HybridSystem,
+    mode: Mode,
+    scales: [f64; MAX_STATES],
+    omega: f64,
+    /// First guess of the algebraic unknown.
+    slip: f64,
+    samples: Vec<Sample<N>>,
+    series: Series<N>,
+    /// Mean of the slopes and (ikw - A)^-1.
+    mean_slope: Square<N>,
+    resolvents: Vec<[[Complex; N]; N]>,
+}
+
+fn balance<const N: usize>(system: &dyn HybridSystem, tolerance: &Tolerance, columns: bool) -> Option<Balance> {
+    let mut search = Balancing::<N>::new(system)?;
+    let left = tolerance.left();
+    let mut iterations = 0;
+    let mut count = FEWEST;
+    let error = loop {
+        search.spread(count);
+        let error = search.iterate(left, &mut iterations)?;
+        if !search.holds() {
+            return None;
+        }
+        if search.tail() < TAIL {
+            break error;
+        }
+        count *= 2;
+        if count > MOST {
+            return None;
+        }
+    };
+    if !search.is_stable() {
+        return None;
+    }
+    let columns = if columns { Some(search.columns()?) } else { None };
+    let (first, scale) = (search.samples[0], search.scales[0]);
+    let (re, im) = search.series[1][0];
+    Some(Balance {
+        start: (first.z, (search.mode, first.s)),
+        // z = Im (A e^{iwt}) = 2 Re (Z e^{iwt})
+        fundamental: (-2.0 * im * scale, 2.0 * re * scale),
+        mean: search.series[0][0].0 * scale,
+        force: search.force(),
+        iterations,
+        left: error,
+        columns,
+    })
+}
+
+impl<'a, const N: usize> Balancing<'a, N> {
+    /// The search from the first guess of the system; `None` where exact flows serve better or the mode is not smooth.
+    fn new(system: &'a dyn HybridSystem) -> Option<Self> {
+        let start = system.initial_state();
+        let (mode, s) = system.enter(&system.forcing(0.0), &start, None);
+        let affine = system.affine(mode);
+        let linear = affine.constraint && affine.rows.iter().all(|&row| row);
+        if linear || !system.is_smooth() {
+            return None;
+        }
+        let rests = mode == Mode::Stick;
+        if rests && !(0..N).all(|i| affine.rows[i] || system.resting_state(&start)[i].is_none()) {
+            return None;
+        }
+        let scales = system.scales();
+        let mut series = [[(0.0, 0.0); N]; HARMONICS + 1];
+        if !rests {
+            series[0] = std::array::from_fn(|i| (start[i] / scales[i], 0.0));
+        }
+        Some(Self {
+            system,
+            mode,
+            scales,
+            omega: TAU / system.period(),
+            slip: s,
+            samples: Vec::with_capacity(MOST),
+            series,
+            mean_slope: unit(),
+            resolvents: Vec::with_capacity(HARMONICS + 1),
+        })
+    }
+}
+
+impl<const N: usize> Balancing<'_, N> {
+    /// Instants per cycle.
+    fn count(&self) -> usize {
+        self.samples.len()
+    }
+
+    /// Harmonics that they determine.
+    fn harmonics(&self) -> usize {
+        self.count() / 2 - 1
+    }
+
+    /// Phase of a harmonic at an instant: cosine and sine.
+    fn root(&self, harmonic: usize, instant: usize) -> Complex {
+        ROOTS[harmonic * instant * (MOST / self.count()) % MOST]
+    }
+
+    /// Lays the series out at `count` instants; the algebraic unknown as at the instants before it, or as guessed.
+    fn spread(&mut self, count: usize) {
+        let before: Vec<f64> = self.samples.iter().map(|sample| sample.s).collect();
+        let blank = Sample {
+            forcing: Forcing::default(),
+            z: [0.0; MAX_STATES],
+            s: self.slip,
+            rate: [0.0; N],
+            slope: [[0.0; N]; N],
+            excess: 0.0,
+            by: [0.0; N],
+            through: [0.0; N],
+            margin: 0.0,
+        };
+        let harmonics = if before.is_empty() { 0 } else { self.harmonics() };
+        self.samples.clear();
+        self.samples.resize(count, blank);
+        for j in 0..count {
+            let (cosine, sine) = self.root(1, j);
+            let mut value: [f64; N] = self.series[0].map(|z| z.0);
+            for k in 1..=harmonics {
+                let root = self.root(k, j);
+                for i in 0..N {
+                    let z = self.series[k][i];
+                    value[i] += 2.0 * (z.0 * root.0 - z.1 * root.1);
+                }
+            }
+            let sample = &mut self.samples[j];
+            sample.forcing = self.system.forcing_at(sine, cosine);
+            for i in 0..N {
+                sample.z[i] = value[i] * self.scales[i];
+            }
+            if !before.is_empty() {
+                let next = before[(j / 2 + j % 2) % before.len()];
+                sample.s = 0.5 * (before[j / 2] + next);
+            }
+        }
+        self.resolvents.clear();
+    }
+
+    /// Evaluates the laws at every instant; `None` where they do not determine the algebraic unknown.
+    fn evaluate(&mut self) -> Option<()> {
+        let mut out = Evaluation::default();
+        for sample in &mut self.samples {
+            self.system.evaluate(&sample.forcing, &sample.z[..N], sample.s, self.mode, &mut out);
+            if out.gs == 0.0 || !out.gs.is_finite() {
+                return None;
+            }
+            sample.excess = out.g / out.gs;
+            for j in 0..N {
+                sample.by[j] = out.gz[j] * self.scales[j] / out.gs;
+            }
+            for i in 0..N {
+                let scale = 1.0 / self.scales[i];
+                sample.through[i] = out.fs[i] / out.gs;
+                sample.rate[i] = (out.f[i] - out.fs[i] * sample.excess) * scale;
+                for j in 0..N {
+                    sample.slope[i][j] = (out.fz[i][j] * self.scales[j] - out.fs[i] * sample.by[j]) * scale;
+                }
+            }
+            sample.margin = self.system.event(&sample.forcing, &sample.z[..N], sample.s, self.mode);
+        }
+        Some(())
+    }
+
+    /// Mean of the slopes and what follows from it.
+    fn linearise(&mut self) -> Option<()> {
+        let mut mean = [[0.0; N]; N];
+        let share = 1.0 / self.count() as f64;
+        for sample in &self.samples {
+            for i in 0..N {
+                for j in 0..N {
+                    mean[i][j] += share * sample.slope[i][j];
+                }
+            }
+        }
+        self.mean_slope = mean;
+        self.resolvents.clear();
+        for k in 0..=self.harmonics() {
+            let constant = k == 0 && self.mode == Mode::Stick;
+            // Over a roller at rest a stuck motion has no mean; its states are open there.
+            let inverse = if constant { [[(0.0, 0.0); N]; N] } else { resolvent(&mean, k as f64 * self.omega)? };
+            self.resolvents.push(inverse);
+        }
+        Some(())
+    }
+
+    /// Iterates until a correction leaves less than `left`; what it leaves. Says in `iterations` how often.
+    fn iterate(&mut self, left: f64, iterations: &mut usize) -> Option<f64> {
+        let harmonics = self.harmonics();
+        let by_slip = 1.0 / self.system.slip_scale();
+        let mut before = f64::INFINITY;
+        for round in 0..ITERATIONS {
+            self.evaluate()?;
+            *iterations += 1;
+            if round < 2 {
+                self.linearise()?;
+            } else if !self.nearly_holds() {
+                return None;
+            }
+            let mut size = 0.0f64;
+            let mut change = [[(0.0, 0.0); N]; HARMONICS + 1];
+            for k in 0..=harmonics {
+                let mut excess = self.transform(k, |sample| &sample.rate);
+                let turning = k as f64 * self.omega;
+                for i in 0..N {
+                    let z = self.series[k][i];
+                    excess[i] = (excess[i].0 + turning * z.1, excess[i].1 - turning * z.0);
+                }
+                if k == 0 && self.mode == Mode::Stick && excess.iter().any(|rate| rate.0.abs() > DRIFT * self.omega) {
+                    return None;
+                }
+                let by = &self.resolvents[k];
+                for i in 0..N {
+                    let mut sum = (0.0, 0.0);
+                    for j in 0..N {
+                        let part = times(by[i][j], excess[j]);
+                        sum = (sum.0 + part.0, sum.1 + part.1);
+                    }
+                    let z = &mut self.series[k][i];
+                    *z = (z.0 + sum.0, z.1 + sum.1);
+                    change[k][i] = sum;
+                    size = size.max(sum.0.abs()).max(sum.1.abs());
+                }
+            }
+            for j in 0..self.count() {
+                let mut moved: [f64; N] = change[0].map(|z| z.0);
+                for k in 1..=harmonics {
+                    let root = self.root(k, j);
+                    for i in 0..N {
+                        moved[i] += 2.0 * (change[k][i].0 * root.0 - change[k][i].1 * root.1);
+                    }
+                }
+                let sample = &mut self.samples[j];
+                let mut slip = sample.excess;
+                for i in 0..N {
+                    slip += sample.by[i] * moved[i];
+                    sample.z[i] += moved[i] * self.scales[i];
+                }
+                sample.s -= slip;
+                size = size.max(slip.abs() * by_slip);
+            }
+            if !size.is_finite() {
+                return None;
+            }
+            let ratio = if before.is_finite() { size / before } else { 1.0 };
+            if round > 2 && ratio > CONTRACTION {
+                return None;
+            }
+            if round > 0 && size * ratio < left {
+                return Some(size * ratio);
+            }
+            before = size;
+        }
+        None
+    }
+
+    /// Harmonic `k` of a quantity.
+    fn transform<const M: usize>(&self, k: usize, of: impl Fn(&Sample<N>) -> &[f64; M]) -> [Complex; M] {
+        let mut sum = [(0.0, 0.0); M];
+        for (j, sample) in self.samples.iter().enumerate() {
+            let root = self.root(k, j);
+            for (sum, value) in sum.iter_mut().zip(of(sample)) {
+                sum.0 += value * root.0;
+                sum.1 -= value * root.1;
+            }
+        }
+        let share = 1.0 / self.count() as f64;
+        sum.map(|sum| (sum.0 * share, sum.1 * share))
+    }
+
+    /// Smallest and largest margin.
+    fn margins(&self) -> (f64, f64) {
+        let margins = self.samples.iter().map(|sample| sample.margin);
+        margins.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), m| (low.min(m), high.max(m)))
+    }
+
+    /// Whether the mode may hold, as far as a search under way can tell.
+    fn nearly_holds(&self) -> bool {
+        let (low, high) = self.margins();
+        low > -0.1 * (high - low)
+    }
+
+    /// Whether the mode holds, between the instants too: there a wave falls below its lowest sample by this much at most.
+    fn holds(&self) -> bool {
+        let (low, high) = self.margins();
+        let between = 1.0 - (0.5 * TAU / self.count() as f64).cos();
+        low > between * (high - low)
+    }
+
+    /// The larger of the last two harmonics, over all states.
+    fn tail(&self) -> f64 {
+        let last = self.harmonics();
+        let states = self.series[last - 1..=last].iter().flatten();
+        states.fold(0.0, |most, z| most.max(2.0 * z.0.hypot(z.1)))
+    }
+
+    /// Whether every disturbance dies out, by the Floquet multipliers.
+    fn is_stable(&self) -> bool {
+        let period = TAU / self.omega;
+        // Slopes that hardly change: what their changes do is of second order in them.
+        let change = |sample: &Sample<N>| -> f64 {
+            let rows = sample.slope.iter().zip(&self.mean_slope);
+            rows.map(|(row, mean)| row.iter().zip(mean).map(|(a, b)| (a - b).abs()).sum()).fold(0.0, f64::max)
+        };
+        let largest = self.samples.iter().map(change).fold(0.0, f64::max) * period;
+        if largest < WEAK {
+            let radius = spectral_radius(&self.at_rest(exponential(&self.mean_slope, period)));
+            return radius.is_some_and(|radius| radius < STABLE - largest * largest);
+        }
+        let step = period / self.count() as f64;
+        let mut monodromy: Square<N> = unit();
+        for sample in &self.samples {
+            monodromy = multiply(&exponential(&sample.slope, step), &monodromy);
+        }
+        // What grows beyond all numbers within a cycle is no number.
+        spectral_radius(&self.at_rest(monodromy)).is_some_and(|largest| largest < STABLE)
+    }
+
+    /// The disturbances that a contact at rest lets live: it keeps what it came to rest with.
+    fn at_rest(&self, mut monodromy: Square<N>) -> Square<N> {
+        if self.mode == Mode::Stick {
+            for (i, rest) in self.system.resting_state(&self.samples[0].z)[..N].iter().enumerate() {
+                let Some((_, gradient)) = rest else { continue };
+                for m in 0..N {
+                    let by = std::mem::take(&mut monodromy[m][i]) / (gradient[i] * self.scales[i]);
+                    for j in (0..N).filter(|&j| j != i) {
+                        monodromy[m][j] -= by * gradient[j] * self.scales[j];
+                    }
+                }
+                monodromy[i] = [0.0; N];
+            }
+        }
+        monodromy
+    }
+
+    /// Extremes of the tangential force, its series evaluated at many phases and the extremes taken from parabolas.
+    fn force(&self) -> (f64, f64) {
+        let forces: Vec<f64> = self.samples.iter().map(|p| self.system.force(&p.forcing, &p.z[..N], p.s).0).collect();
+        let harmonics = self.harmonics();
+        let mut series = [(0.0, 0.0); HARMONICS + 1];
+        for (k, out) in series.iter_mut().enumerate().take(harmonics + 1) {
+            for (j, force) in forces.iter().enumerate() {
+                let root = self.root(k, j);
+                *out = (out.0 + force * root.0, out.1 - force * root.1);
+            }
+            *out = (out.0 / self.count() as f64, out.1 / self.count() as f64);
+        }
+        let value: [f64; MOST] = std::array::from_fn(|j| {
+            let wave = |k: usize| {
+                let root = ROOTS[k * j % MOST];
+                2.0 * (series[k].0 * root.0 - series[k].1 * root.1)
+            };
+            series[0].0 + (1..=harmonics).map(wave).sum::<f64>()
+        });
+        let mut extremes = (f64::INFINITY, f64::NEG_INFINITY);
+        for j in 0..MOST {
+            let (one, two, three) = (value[(j + MOST - 1) % MOST], value[j], value[(j + 1) % MOST]);
+            let (slope, bend) = (0.5 * (three - one), one - 2.0 * two + three);
+            let vertex = if bend != 0.0 && slope.abs() <= bend.abs() { two - 0.5 * slope * slope / bend } else { two };
+            extremes = (extremes.0.min(vertex), extremes.1.max(vertex));
+        }
+        extremes
+    }
+
+    /// Derivatives of the fundamental by the columns, by the adjoint method: the equations of the adjoint are solved by the
+    /// same iteration, for the real and the imaginary part in turn.
+    fn columns(&self) -> Option<Vec<Complex>> {
+        let count = self.count();
+        let share = 2.0 / count as f64;
+        // A = (2i/T) integral of z e^{-iwt}
+        let re: Vec<f64> = (0..count).map(|j| share * self.root(1, j).1).collect();
+        let im: Vec<f64> = (0..count).map(|j| share * self.root(1, j).0).collect();
+        let (re, im) = (self.adjoint(&re)?, self.adjoint(&im)?);
+        let mut out = vec![(0.0, 0.0); self.system.columns()];
+        let mut columns = ParameterColumns { f: [[0.0; MAX_STATES]; MAX_COLUMNS], g: [0.0; MAX_COLUMNS] };
+        for ((sample, re), im) in self.samples.iter().zip(&re).zip(&im) {
+            self.system.parameter_columns(&sample.forcing, &sample.z[..N], sample.s, self.mode, &mut columns);
+            for (out, (f, g)) in out.iter_mut().zip(columns.f.iter().zip(&columns.g)) {
+                for i in 0..N {
+                    let rate = (f[i] - sample.through[i] * g) * self.scales[0] / self.scales[i];
+                    out.0 += re[i] * rate;
+                    out.1 += im[i] * rate;
+                }
+            }
+        }
+        Some(out)
+    }
+
+    /// l with (-d/dt - A^T) l = `functional` in the first state.
+    fn adjoint(&self, functional: &[f64]) -> Option<Vec<[f64; N]>> {
+        let (count, harmonics) = (self.count(), self.harmonics());
+        let transposed: Square<N> = std::array::from_fn(|i| std::array::from_fn(|j| self.mean_slope[j][i]));
+        let mut adjoint = vec![[0.0; N]; count];
+        let mut before = f64::INFINITY;
+        for round in 0..4 * ITERATIONS {
+            // (-d/dt - A_mean^T) l = functional + (A - A_mean)^T l
+            let mut right = vec![[0.0; N]; count];
+            for (j, sample) in self.samples.iter().enumerate() {
+                let l = &adjoint[j];
+                let steady = apply(&transposed, l);
+                for i in 0..N {
+                    right[j][i] = -steady[i];
+                    for m in 0..N {
+                        right[j][i] += sample.slope[m][i] * l[m];
+                    }
+                }
+                right[j][0] += functional[j];
+            }
+            let mut next = vec![[0.0; N]; count];
+            for k in 0..=harmonics {
+                let mut of = [(0.0, 0.0); N];
+                for (j, right) in right.iter().enumerate() {
+                    let root = self.root(k, j);
+                    for i in 0..N {
+                        of[i] = (of[i].0 + right[i] * root.0, of[i].1 - right[i] * root.1);
+                    }
+                }
+                let weight = if k == 0 { 1.0 } else { 2.0 } / count as f64;
+                let by = &self.resolvents[k];
+                let mut harmonic = [(0.0, 0.0); N];
+                for i in 0..N {
+                    for m in 0..N {
+                        // Transposed and conjugate.
+                        let part = times((by[m][i].0, -by[m][i].1), of[m]);
+                        harmonic[i] = (harmonic[i].0 + weight * part.0, harmonic[i].1 + weight * part.1);
+                    }
+                }
+                for (j, next) in next.iter_mut().enumerate() {
+                    let root = self.root(k, j);
+                    for i in 0..N {
+                        next[i] += harmonic[i].0 * root.0 - harmonic[i].1 * root.1;
+                    }
+                }
+            }
+            let (mut size, mut most) = (0.0f64, 0.0f64);
+            for (next, last) in next.iter().flatten().zip(adjoint.iter().flatten()) {
+                size = size.max((next - last).abs());
+                most = most.max(next.abs());
+            }
+            adjoint = next;
+            if size < 1e-10 * most {
+                return Some(adjoint);
+            }
+            if !size.is_finite() || (round > 4 && size > before) {
+                return None;
+            }
+            before = size;
+        }
+        None
+    }
+}
+
+/// Spectral radius by repeated squaring; `None` where the matrix is not finite.
+fn spectral_radius<const N: usize>(matrix: &Square<N>) -> Option<f64> {
+    if !matrix.iter().flatten().all(|v| v.is_finite()) {
+        return None;
+    }
+    let largest = |m: &Square<N>| m.iter().flatten().fold(0.0f64, |most, v| most.max(v.abs()));
+    let (mut matrix, mut log, mut power) = (*matrix, 0.0, 1.0);
+    for _ in 0..10 {
+        let norm = largest(&matrix);
+        if norm == 0.0 {
+            return Some(0.0);
+        }
+        log += norm.ln() / power;
+        matrix = matrix.map(|row| row.map(|v| v / norm));
+        matrix = multiply(&matrix, &matrix);
+        power *= 2.0;
+    }
+    Some((log + largest(&matrix).max(1e-300).ln() / power).exp())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::find;
+    use crate::model::contact::Problem;
+    use crate::model::{Model, Operation};
+    use crate::scenario::{Contact, Formulation, Instrument, Rig};
+
+    /// The fundamental with a fixed number of instants, on a hardening spring over a fast roller.
+    fn fundamental(count: usize) -> Complex {
+        let rig = Rig {
+            inertia: 5.0e-3,
+            torsional_stiffness: 990.0,
+            torsional_damping: 0.43,
+            spring_stiffness: 1.6e4,
+            spring_damping: 12.0,
+            spring_arm: 0.03,
+            contact_arm: 0.06,
+        };
+        let contact = Contact { stiffness: 8.9e4, damping: 26.0, friction: 0.5, formulation: Formulation::Series };
+        let effects = vec![(find("cubic-stiffness").expect("known"), vec![2e11])];
+        let model = Model { rig, contact, instrument: Instrument::default(), effects };
+        let at = Operation { speed: 0.1, load: 0.02, drive: 1e-5, frequency: 55.0 };
+        let problem = Problem::new(&model, &at);
+        let mut search = Balancing::<3>::new(&problem).expect("slips");
+        search.spread(count);
+        search.iterate(1e-12, &mut 0).expect("contracts");
+        assert!(search.holds());
+        search.series[1][0]
+    }
+
+    #[test]
+    fn the_error_falls_faster_than_any_power_of_the_number_of_instants() {
+        let exact = fundamental(MOST);
+        let error = |count| {
+            let found = fundamental(count);
+            (found.0 - exact.0).hypot(found.1 - exact.1) / exact.0.hypot(exact.1)
+        };
+        let (one, two, four) = (error(8), error(16), error(32));
+        assert!(one > 1e-9, "{one:e}");
+        assert!(two < 1e-2 * one && four < 1e-2 * two.max(1e-11), "{one:e} {two:e} {four:e}");
+    }
+}
