@@ -72,7 +72,9 @@ fn agrees_with_shooting_over_the_ranges_of_all_effects() {
             let what = format!("{} {:?} {at:?}", effect.name(), model.effects[0].1);
             let (a, b) = (&found.state, &fine.state);
             assert_eq!((&a.status, &b.status), (&Status::Steady, &Status::Steady), "{what}");
-            assert!(distance(a, b) < 1e-6, "{what}: {:e}", distance(a, b));
+            // Uniform steps lose a part of what they are good for over a kink.
+            let most = if effect.name() == "quadratic-damping" { 5e-6 } else { 1e-6 };
+            assert!(distance(a, b) < most, "{what}: {:e}", distance(a, b));
             assert!((a.mean - b.mean).abs() < 1e-6 * (b.amplitude + b.mean.abs()), "{what}: mean");
             assert!((a.stick_fraction - b.stick_fraction).abs() < 1e-9, "{what}: stick");
             let swing = (b.force_maximum - b.force_minimum).max(1e-3 * b.force_maximum);
@@ -94,18 +96,10 @@ fn agrees_with_shooting_over_the_ranges_of_all_effects() {
             balanced.push((effect.name(), count));
         }
     }
-    // Who has a law that is not linear and smooth; the others have closed forms and exact flows.
+    // Who has a law that is not linear; the others have closed forms and exact flows.
     let names: Vec<&str> = balanced.iter().map(|(name, _)| *name).collect();
-    let expected = [
-        "stribeck",
-        "rate-strengthening",
-        "grosch",
-        "rate-and-state",
-        "frictional-heating",
-        "lugre",
-        "cubic-stiffness",
-    ];
-    assert_eq!(names, expected);
+    let friction = ["stribeck", "rate-strengthening", "grosch", "rate-and-state", "frictional-heating", "lugre"];
+    assert_eq!(names, [&friction[..], &["cubic-stiffness", "quadratic-damping"]].concat());
     assert!(balanced.iter().all(|&(_, count)| count > DRAWS / 3), "{balanced:?}");
 }
 

@@ -113,7 +113,7 @@ pub trait Effect: Sync {
     fn torque(&self, _p: &[f64], _th: f64, _w: f64) -> Option<Law> {
         None
     }
-    /// Whether the torque has a kink in its slope, over which steps of high order lose it.
+    /// Whether the torque has a kink in its slope where the angular velocity is zero, over which steps of high order lose it.
     fn torque_is_kinked(&self) -> bool {
         false
     }

@@ -119,7 +119,9 @@ pub trait HybridSystem {
     fn forcing_at(&self, sine: f64, cosine: f64) -> Forcing;
     /// Whether a slope of the rates has a kink within a mode.
     fn is_kinked(&self) -> bool;
-    /// Whether the equations of a mode are smooth wherever a motion may take them.
+    /// Smooth, and zero where that kink is.
+    fn kink(&self, forcing: &Forcing, z: &[f64]) -> f64;
+    /// Whether the equations of a mode are smooth but for that kink, wherever a motion may take them.
     fn is_smooth(&self) -> bool;
     /// f, g and their Jacobians.
     fn evaluate(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut Evaluation) {

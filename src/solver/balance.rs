@@ -1,8 +1,9 @@
 //! Harmonic balance: periodic states that stay in one mode all through the cycle, as Fourier series.
 //!
-//! The laws are evaluated at equidistant instants and the rates transformed (alternating frequency and time). What is not
-//! constant of the Jacobian is left to iteration: (ikw - A) dZ_k = F_k - ikw Z_k with A the mean over the cycle. Where that
-//! does not contract, the series does not fall off or the mode would end, there is no answer, and shooting finds one.
+//! The laws are evaluated at some instants and the rates transformed (alternating frequency and time). The instants are
+//! equidistant; where a slope has a kink they are the points of Gauss between the kinks of the motion. What is not constant of
+//! the Jacobian is left to iteration: (ikw - A) dZ_k = F_k - ikw Z_k with A the mean over the cycle. Where that does not
+//! contract, the series does not fall off or the mode would end, there is no answer, and shooting finds one.
 
 // Indices run over several matrices at once here.
 #![allow(clippy::needless_range_loop)]
@@ -16,18 +17,26 @@ use std::f64::consts::TAU;
 use std::sync::LazyLock;
 
 /// Most instants.
-const MOST: usize = 64;
-/// Fewest instants.
+const MOST: usize = FEWEST << (SMOOTH - 1);
+/// Fewest instants, and how many numbers of them are tried, each twice the one before.
 const FEWEST: usize = 8;
+const SMOOTH: usize = 4;
 /// Most harmonics.
 const HARMONICS: usize = MOST / 2 - 1;
 /// Most iterations with one number of instants.
-const ITERATIONS: usize = 14;
+const ITERATIONS: usize = 24;
+/// Points of Gauss between two kinks and the harmonics that they determine: what is tried in turn.
+const KINKED: [(usize, usize); 2] = [(14, 7), (28, 15)];
+/// Corrections up to which the instants follow the kinks: what a misplaced kink does goes with the third power.
+const FOLLOWED: f64 = 1e-3;
 /// Largest share of a correction that the next one may be.
 const CONTRACTION: f64 = 0.6;
+/// Share of the range of the margins by which the lowest may be too low while the search is under way.
+const NEARLY: f64 = 0.15;
 /// Largest of the last two harmonics of a state, relative to its scale: aliasing of a series that falls off geometrically
-/// goes with the square.
+/// goes with the square, and so does what higher harmonics would do to the fundamental.
 const TAIL: f64 = 2e-4;
+const KINKED_TAIL: f64 = 1.5e-4;
 /// Largest mean rate of a state of rest, relative to its scale and the frequency.
 const DRIFT: f64 = 1e-9;
 /// Largest modulus of the Floquet multipliers of a motion that is stable beyond doubt; of others, and of what there may be
@@ -43,6 +52,29 @@ static ROOTS: LazyLock<[Complex; MOST]> = LazyLock::new(|| {
         (cosine, sine)
     })
 });
+
+/// Points and weights of Gauss's quadrature from 0 to 1.
+static GAUSS: LazyLock<[Vec<(f64, f64)>; 2]> = LazyLock::new(|| KINKED.map(|(points, _)| gauss(points)));
+
+/// Zeros of the Legendre polynomial by Newton's method, and the weights that belong to them.
+fn gauss(points: usize) -> Vec<(f64, f64)> {
+    let degree = points as f64;
+    let point = |j: usize| {
+        let mut x = -((j as f64 + 0.75) / (degree + 0.5) * 0.5 * TAU).cos();
+        let mut slope = 0.0;
+        for _ in 0..20 {
+            let (mut before, mut value) = (1.0, x);
+            for n in 2..=points {
+                let n = n as f64;
+                (before, value) = (value, ((2.0 * n - 1.0) * x * value - (n - 1.0) * before) / n);
+            }
+            slope = degree * (x * value - before) / (x * x - 1.0);
+            x -= value / slope;
+        }
+        (0.5 + 0.5 * x, 1.0 / ((1.0 - x * x) * slope * slope))
+    };
+    (0..points).map(point).collect()
+}
 
 /// A stable periodic state in one mode.
 #[derive(Debug, Clone)]
@@ -82,6 +114,8 @@ pub fn solve(system: &dyn HybridSystem, tolerance: &Tolerance, columns: bool) ->
 /// One instant; rates and slopes in units of the scales of the states, the algebraic unknown eliminated.
 #[derive(Clone, Copy)]
 struct Sample<const N: usize> {
+    /// Share of the cycle.
+    weight: f64,
     forcing: Forcing,
     z: [f64; MAX_STATES],
     s: f64,
@@ -93,7 +127,7 @@ struct Sample<const N: usize> {
     /// df/ds over dg/ds.
     through: [f64; N],
     /// Of the mode.
-    margin: f64,
+    margins: [f64; 2],
 }
 
 /// Harmonics 0, 1, .. of every state.
@@ -107,6 +141,12 @@ struct Balancing<'a, const N: usize> {
     /// First guess of the algebraic unknown.
     slip: f64,
     samples: Vec<Sample<N>>,
+    /// Cosine and sine of the phase of every harmonic at every instant.
+    roots: Vec<Complex>,
+    /// Harmonics that the instants determine.
+    harmonics: usize,
+    /// How often there were too few of them.
+    level: usize,
     series: Series<N>,
     /// Mean of the slopes and (ikw - A)^-1.
     mean_slope: Square<N>,
@@ -115,31 +155,33 @@ struct Balancing<'a, const N: usize> {
 
 fn balance<const N: usize>(system: &dyn HybridSystem, tolerance: &Tolerance, columns: bool) -> Option<Balance> {
     let mut search = Balancing::<N>::new(system)?;
-    let left = tolerance.left();
+    let kinked = system.is_kinked();
+    let (levels, tail) = if kinked { (KINKED.len(), KINKED_TAIL) } else { (SMOOTH, TAIL) };
     let mut iterations = 0;
-    let mut count = FEWEST;
-    let error = loop {
-        search.spread(count);
-        let error = search.iterate(left, &mut iterations)?;
+    let mut error = None;
+    for level in 0..levels {
+        search.level = level;
+        if !kinked {
+            search.spread(FEWEST << level);
+        }
+        let left = search.iterate(tolerance.left(), &mut iterations)?;
         if !search.holds() {
             return None;
         }
-        if search.tail() < TAIL {
-            break error;
+        if search.tail() < tail {
+            error = Some(left);
+            break;
         }
-        count *= 2;
-        if count > MOST {
-            return None;
-        }
-    };
+    }
+    let error = error?;
     if !search.is_stable() {
         return None;
     }
     let columns = if columns { Some(search.columns()?) } else { None };
-    let (first, scale) = (search.samples[0], search.scales[0]);
+    let scale = search.scales[0];
     let (re, im) = search.series[1][0];
     Some(Balance {
-        start: (first.z, (search.mode, first.s)),
+        start: search.start()?,
         // z = Im (A e^{iwt}) = 2 Re (Z e^{iwt})
         fundamental: (-2.0 * im * scale, 2.0 * re * scale),
         mean: search.series[0][0].0 * scale,
@@ -176,6 +218,9 @@ impl<'a, const N: usize> Balancing<'a, N> {
             omega: TAU / system.period(),
             slip: s,
             samples: Vec::with_capacity(MOST),
+            roots: Vec::new(),
+            harmonics: 0,
+            level: 0,
             series,
             mean_slope: unit(),
             resolvents: Vec::with_capacity(HARMONICS + 1),
@@ -184,59 +229,131 @@ impl<'a, const N: usize> Balancing<'a, N> {
 }
 
 impl<const N: usize> Balancing<'_, N> {
-    /// Instants per cycle.
-    fn count(&self) -> usize {
-        self.samples.len()
-    }
-
-    /// Harmonics that they determine.
-    fn harmonics(&self) -> usize {
-        self.count() / 2 - 1
-    }
-
     /// Phase of a harmonic at an instant: cosine and sine.
     fn root(&self, harmonic: usize, instant: usize) -> Complex {
-        ROOTS[harmonic * instant * (MOST / self.count()) % MOST]
+        self.roots[(self.harmonics + 1) * instant + harmonic]
     }
 
-    /// Lays the series out at `count` instants; the algebraic unknown as at the instants before it, or as guessed.
+    /// The states at the phase with these cosines and sines of its multiples.
+    fn states(&self, root: impl Fn(usize) -> Complex) -> [f64; MAX_STATES] {
+        let mut value: [f64; N] = self.series[0].map(|z| z.0);
+        for k in 1..=self.harmonics {
+            let root = root(k);
+            for i in 0..N {
+                let z = self.series[k][i];
+                value[i] += 2.0 * (z.0 * root.0 - z.1 * root.1);
+            }
+        }
+        let mut z = [0.0; MAX_STATES];
+        for i in 0..N {
+            z[i] = value[i] * self.scales[i];
+        }
+        z
+    }
+
+    /// Forcing and states at a phase.
+    fn at(&self, phase: f64) -> (Forcing, [f64; MAX_STATES]) {
+        let (sine, cosine) = phase.sin_cos();
+        let roots = powers((cosine, sine), self.harmonics);
+        (self.system.forcing_at(sine, cosine), self.states(|k| roots[k]))
+    }
+
+    /// States, mode and algebraic unknown at time 0.
+    fn start(&self) -> Option<Start> {
+        let (forcing, z) = self.at(0.0);
+        let mut s = self.samples[0].s;
+        let mut out = Evaluation::default();
+        for _ in 0..4 {
+            self.system.constraint(&forcing, &z[..N], s, self.mode, &mut out);
+            s -= out.g / out.gs;
+        }
+        s.is_finite().then_some((z, (self.mode, s)))
+    }
+
+    /// Lays the series out at equidistant instants; the algebraic unknown as at the instants before them, or as guessed.
     fn spread(&mut self, count: usize) {
         let before: Vec<f64> = self.samples.iter().map(|sample| sample.s).collect();
-        let blank = Sample {
-            forcing: Forcing::default(),
-            z: [0.0; MAX_STATES],
-            s: self.slip,
+        let harmonics = count / 2 - 1;
+        let stride = MOST / count;
+        let places: Vec<(f64, [Complex; HARMONICS + 1])> =
+            (0..count).map(|j| (1.0 / count as f64, std::array::from_fn(|k| ROOTS[k * j * stride % MOST]))).collect();
+        let slip = self.slip;
+        self.place(harmonics, &places, |j| {
+            if before.is_empty() {
+                return slip;
+            }
+            0.5 * (before[j / 2] + before[(j / 2 + j % 2) % before.len()])
+        });
+    }
+
+    /// Lays the series out between the kinks of the motion; `None` where there are not two in a cycle.
+    fn follow_kinks(&mut self) -> Option<()> {
+        const LOOKS: usize = 16;
+        let kink = |phase: f64| {
+            let (forcing, z) = self.at(phase);
+            self.system.kink(&forcing, &z[..N])
+        };
+        let looks: [f64; LOOKS] = std::array::from_fn(|j| kink(TAU * j as f64 / LOOKS as f64));
+        let mut kinks = [0.0; 2];
+        let mut found = 0;
+        for j in 0..LOOKS {
+            let (mut low, mut high) = (looks[j], looks[(j + 1) % LOOKS]);
+            if (low > 0.0) == (high > 0.0) {
+                continue;
+            }
+            let mut ends = [TAU * j as f64 / LOOKS as f64, TAU * (j + 1) as f64 / LOOKS as f64];
+            let mut place = ends[0];
+            for _ in 0..8 {
+                // Regula falsi, the end that stays weighted less (Illinois).
+                place = ends[0] - low * (ends[1] - ends[0]) / (high - low);
+                let value = kink(place);
+                if (value > 0.0) == (high > 0.0) {
+                    (ends[1], high, low) = (place, value, 0.5 * low);
+                } else {
+                    (ends[0], low, high) = (place, value, 0.5 * high);
+                }
+                if value.abs() < 1e-9 * looks[j].abs() {
+                    break;
+                }
+            }
+            *kinks.get_mut(found)? = place;
+            found += 1;
+        }
+        if found != 2 {
+            return None;
+        }
+        let before: Vec<f64> = self.samples.iter().map(|sample| sample.s).collect();
+        let slip = self.slip;
+        let (points, harmonics) = KINKED[self.level];
+        let mut places = Vec::with_capacity(2 * points);
+        for (from, to) in [(kinks[0], kinks[1]), (kinks[1], kinks[0] + TAU)] {
+            for (place, weight) in &GAUSS[self.level] {
+                let (sine, cosine) = (from + place * (to - from)).sin_cos();
+                places.push((weight * (to - from) / TAU, powers((cosine, sine), harmonics)));
+            }
+        }
+        self.place(harmonics, &places, |j| if before.len() == 2 * points { before[j] } else { slip });
+        Some(())
+    }
+
+    /// Lays the series out at instants with these weights and phases.
+    fn place(&mut self, harmonics: usize, at: &[(f64, [Complex; HARMONICS + 1])], slip: impl Fn(usize) -> f64) {
+        let samples = at.iter().enumerate().map(|(j, (weight, roots))| Sample {
+            weight: *weight,
+            forcing: self.system.forcing_at(roots[1].1, roots[1].0),
+            z: self.states(|k| roots[k]),
+            s: slip(j),
             rate: [0.0; N],
             slope: [[0.0; N]; N],
             excess: 0.0,
             by: [0.0; N],
             through: [0.0; N],
-            margin: 0.0,
-        };
-        let harmonics = if before.is_empty() { 0 } else { self.harmonics() };
-        self.samples.clear();
-        self.samples.resize(count, blank);
-        for j in 0..count {
-            let (cosine, sine) = self.root(1, j);
-            let mut value: [f64; N] = self.series[0].map(|z| z.0);
-            for k in 1..=harmonics {
-                let root = self.root(k, j);
-                for i in 0..N {
-                    let z = self.series[k][i];
-                    value[i] += 2.0 * (z.0 * root.0 - z.1 * root.1);
-                }
-            }
-            let sample = &mut self.samples[j];
-            sample.forcing = self.system.forcing_at(sine, cosine);
-            for i in 0..N {
-                sample.z[i] = value[i] * self.scales[i];
-            }
-            if !before.is_empty() {
-                let next = before[(j / 2 + j % 2) % before.len()];
-                sample.s = 0.5 * (before[j / 2] + next);
-            }
-        }
-        self.resolvents.clear();
+            margins: [0.0; 2],
+        });
+        self.samples = samples.collect();
+        self.harmonics = harmonics;
+        self.roots.clear();
+        self.roots.extend(at.iter().flat_map(|(_, roots)| &roots[..=harmonics]));
     }
 
     /// Evaluates the laws at every instant; `None` where they do not determine the algebraic unknown.
@@ -259,7 +376,7 @@ impl<const N: usize> Balancing<'_, N> {
                     sample.slope[i][j] = (out.fz[i][j] * self.scales[j] - out.fs[i] * sample.by[j]) * scale;
                 }
             }
-            sample.margin = self.system.event(&sample.forcing, &sample.z[..N], sample.s, self.mode);
+            sample.margins = self.system.margins(&sample.forcing, &sample.z[..N], sample.s, self.mode);
         }
         Some(())
     }
@@ -267,17 +384,16 @@ impl<const N: usize> Balancing<'_, N> {
     /// Mean of the slopes and what follows from it.
     fn linearise(&mut self) -> Option<()> {
         let mut mean = [[0.0; N]; N];
-        let share = 1.0 / self.count() as f64;
         for sample in &self.samples {
             for i in 0..N {
                 for j in 0..N {
-                    mean[i][j] += share * sample.slope[i][j];
+                    mean[i][j] += sample.weight * sample.slope[i][j];
                 }
             }
         }
         self.mean_slope = mean;
         self.resolvents.clear();
-        for k in 0..=self.harmonics() {
+        for k in 0..=self.harmonics {
             let constant = k == 0 && self.mode == Mode::Stick;
             // Over a roller at rest a stuck motion has no mean; its states are open there.
             let inverse = if constant { [[(0.0, 0.0); N]; N] } else { resolvent(&mean, k as f64 * self.omega)? };
@@ -288,16 +404,21 @@ impl<const N: usize> Balancing<'_, N> {
 
     /// Iterates until a correction leaves less than `left`; what it leaves. Says in `iterations` how often.
     fn iterate(&mut self, left: f64, iterations: &mut usize) -> Option<f64> {
-        let harmonics = self.harmonics();
         let by_slip = 1.0 / self.system.slip_scale();
+        let kinked = self.system.is_kinked();
         let mut before = f64::INFINITY;
         for round in 0..ITERATIONS {
+            if kinked && before > FOLLOWED {
+                self.follow_kinks()?;
+            }
+            let harmonics = self.harmonics;
             self.evaluate()?;
             *iterations += 1;
+            if round > 0 && !self.nearly_holds() {
+                return None;
+            }
             if round < 2 {
                 self.linearise()?;
-            } else if !self.nearly_holds() {
-                return None;
             }
             let mut size = 0.0f64;
             let mut change = [[(0.0, 0.0); N]; HARMONICS + 1];
@@ -324,7 +445,7 @@ impl<const N: usize> Balancing<'_, N> {
                     size = size.max(sum.0.abs()).max(sum.1.abs());
                 }
             }
-            for j in 0..self.count() {
+            for j in 0..self.samples.len() {
                 let mut moved: [f64; N] = change[0].map(|z| z.0);
                 for k in 1..=harmonics {
                     let root = self.root(k, j);
@@ -348,8 +469,9 @@ impl<const N: usize> Balancing<'_, N> {
             if round > 2 && ratio > CONTRACTION {
                 return None;
             }
-            if round > 0 && size * ratio < left {
-                return Some(size * ratio);
+            let remains = size * ratio / (1.0 - ratio).max(0.1);
+            if round > 0 && remains < left {
+                return Some(remains);
             }
             before = size;
         }
@@ -362,36 +484,28 @@ impl<const N: usize> Balancing<'_, N> {
         for (j, sample) in self.samples.iter().enumerate() {
             let root = self.root(k, j);
             for (sum, value) in sum.iter_mut().zip(of(sample)) {
-                sum.0 += value * root.0;
-                sum.1 -= value * root.1;
+                sum.0 += sample.weight * value * root.0;
+                sum.1 -= sample.weight * value * root.1;
             }
         }
-        let share = 1.0 / self.count() as f64;
-        sum.map(|sum| (sum.0 * share, sum.1 * share))
-    }
-
-    /// Smallest and largest margin.
-    fn margins(&self) -> (f64, f64) {
-        let margins = self.samples.iter().map(|sample| sample.margin);
-        margins.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), m| (low.min(m), high.max(m)))
+        sum
     }
 
     /// Whether the mode may hold, as far as a search under way can tell.
     fn nearly_holds(&self) -> bool {
-        let (low, high) = self.margins();
-        low > -0.1 * (high - low)
+        let margins = self.samples.iter().flat_map(|sample| sample.margins);
+        let (low, high) = margins.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), m| (l.min(m), h.max(m)));
+        low > -NEARLY * (high - low)
     }
 
-    /// Whether the mode holds, between the instants too: there a wave falls below its lowest sample by this much at most.
+    /// Whether the mode holds, between the instants too.
     fn holds(&self) -> bool {
-        let (low, high) = self.margins();
-        let between = 1.0 - (0.5 * TAU / self.count() as f64).cos();
-        low > between * (high - low)
+        (0..2).all(|side| self.extremes(|sample| sample.margins[side]).0 > 0.0)
     }
 
     /// The larger of the last two harmonics, over all states.
     fn tail(&self) -> f64 {
-        let last = self.harmonics();
+        let last = self.harmonics;
         let states = self.series[last - 1..=last].iter().flatten();
         states.fold(0.0, |most, z| most.max(2.0 * z.0.hypot(z.1)))
     }
@@ -409,10 +523,9 @@ impl<const N: usize> Balancing<'_, N> {
             let radius = spectral_radius(&self.at_rest(exponential(&self.mean_slope, period)));
             return radius.is_some_and(|radius| radius < STABLE - largest * largest);
         }
-        let step = period / self.count() as f64;
         let mut monodromy: Square<N> = unit();
         for sample in &self.samples {
-            monodromy = multiply(&exponential(&sample.slope, step), &monodromy);
+            monodromy = multiply(&exponential(&sample.slope, sample.weight * period), &monodromy);
         }
         // What grows beyond all numbers within a cycle is no number.
         spectral_radius(&self.at_rest(monodromy)).is_some_and(|largest| largest < STABLE)
@@ -435,17 +548,21 @@ impl<const N: usize> Balancing<'_, N> {
         monodromy
     }
 
-    /// Extremes of the tangential force, its series evaluated at many phases and the extremes taken from parabolas.
+    /// Extremes of the tangential force.
     fn force(&self) -> (f64, f64) {
-        let forces: Vec<f64> = self.samples.iter().map(|p| self.system.force(&p.forcing, &p.z[..N], p.s).0).collect();
-        let harmonics = self.harmonics();
+        self.extremes(|sample| self.system.force(&sample.forcing, &sample.z[..N], sample.s).0)
+    }
+
+    /// Extremes of a quantity: its series evaluated at many phases, and the vertices of parabolas there.
+    fn extremes(&self, of: impl Fn(&Sample<N>) -> f64) -> (f64, f64) {
+        let harmonics = self.harmonics;
         let mut series = [(0.0, 0.0); HARMONICS + 1];
-        for (k, out) in series.iter_mut().enumerate().take(harmonics + 1) {
-            for (j, force) in forces.iter().enumerate() {
+        for (j, sample) in self.samples.iter().enumerate() {
+            let value = sample.weight * of(sample);
+            for (k, out) in series.iter_mut().enumerate().take(harmonics + 1) {
                 let root = self.root(k, j);
-                *out = (out.0 + force * root.0, out.1 - force * root.1);
+                *out = (out.0 + value * root.0, out.1 - value * root.1);
             }
-            *out = (out.0 / self.count() as f64, out.1 / self.count() as f64);
         }
         let value: [f64; MOST] = std::array::from_fn(|j| {
             let wave = |k: usize| {
@@ -467,11 +584,11 @@ impl<const N: usize> Balancing<'_, N> {
     /// Derivatives of the fundamental by the columns, by the adjoint method: the equations of the adjoint are solved by the
     /// same iteration, for the real and the imaginary part in turn.
     fn columns(&self) -> Option<Vec<Complex>> {
-        let count = self.count();
-        let share = 2.0 / count as f64;
         // A = (2i/T) integral of z e^{-iwt}
-        let re: Vec<f64> = (0..count).map(|j| share * self.root(1, j).1).collect();
-        let im: Vec<f64> = (0..count).map(|j| share * self.root(1, j).0).collect();
+        let functional = |part: fn(Complex) -> f64| -> Vec<f64> {
+            (0..self.samples.len()).map(|j| 2.0 * part(self.root(1, j))).collect()
+        };
+        let (re, im) = (functional(|root| root.1), functional(|root| root.0));
         let (re, im) = (self.adjoint(&re)?, self.adjoint(&im)?);
         let mut out = vec![(0.0, 0.0); self.system.columns()];
         let mut columns = ParameterColumns { f: [[0.0; MAX_STATES]; MAX_COLUMNS], g: [0.0; MAX_COLUMNS] };
@@ -479,7 +596,7 @@ impl<const N: usize> Balancing<'_, N> {
             self.system.parameter_columns(&sample.forcing, &sample.z[..N], sample.s, self.mode, &mut columns);
             for (out, (f, g)) in out.iter_mut().zip(columns.f.iter().zip(&columns.g)) {
                 for i in 0..N {
-                    let rate = (f[i] - sample.through[i] * g) * self.scales[0] / self.scales[i];
+                    let rate = sample.weight * (f[i] - sample.through[i] * g) * self.scales[0] / self.scales[i];
                     out.0 += re[i] * rate;
                     out.1 += im[i] * rate;
                 }
@@ -490,7 +607,7 @@ impl<const N: usize> Balancing<'_, N> {
 
     /// l with (-d/dt - A^T) l = `functional` in the first state.
     fn adjoint(&self, functional: &[f64]) -> Option<Vec<[f64; N]>> {
-        let (count, harmonics) = (self.count(), self.harmonics());
+        let (count, harmonics) = (self.samples.len(), self.harmonics);
         let transposed: Square<N> = std::array::from_fn(|i| std::array::from_fn(|j| self.mean_slope[j][i]));
         let mut adjoint = vec![[0.0; N]; count];
         let mut before = f64::INFINITY;
@@ -512,12 +629,12 @@ impl<const N: usize> Balancing<'_, N> {
             for k in 0..=harmonics {
                 let mut of = [(0.0, 0.0); N];
                 for (j, right) in right.iter().enumerate() {
-                    let root = self.root(k, j);
+                    let (root, weight) = (self.root(k, j), self.samples[j].weight);
                     for i in 0..N {
-                        of[i] = (of[i].0 + right[i] * root.0, of[i].1 - right[i] * root.1);
+                        of[i] = (of[i].0 + weight * right[i] * root.0, of[i].1 - weight * right[i] * root.1);
                     }
                 }
-                let weight = if k == 0 { 1.0 } else { 2.0 } / count as f64;
+                let weight = if k == 0 { 1.0 } else { 2.0 };
                 let by = &self.resolvents[k];
                 let mut harmonic = [(0.0, 0.0); N];
                 for i in 0..N {
@@ -550,6 +667,15 @@ impl<const N: usize> Balancing<'_, N> {
         }
         None
     }
+}
+
+/// Powers 0 to `most` of a number of modulus one.
+fn powers(one: Complex, most: usize) -> [Complex; HARMONICS + 1] {
+    let mut powers = [(1.0, 0.0); HARMONICS + 1];
+    for k in 1..=most {
+        powers[k] = times(powers[k - 1], one);
+    }
+    powers
 }
 
 /// Spectral radius by repeated squaring; `None` where the matrix is not finite.

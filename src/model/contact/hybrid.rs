@@ -58,8 +58,12 @@ impl HybridSystem for Problem {
         self.laws.iter().any(|(effect, _)| effect.torque_is_kinked())
     }
 
+    fn kink(&self, forcing: &Forcing, z: &[f64]) -> f64 {
+        forcing.velocity + z[1]
+    }
+
     fn is_smooth(&self) -> bool {
-        !self.is_kinked() && self.never_lifts()
+        self.never_lifts()
     }
 
     fn rates(&self, rows: &[usize], forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut Evaluation) {
