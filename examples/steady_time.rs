@@ -1,5 +1,6 @@
 //! Prints as JSON the time and the error of one steady state, for `benches/peers`: the base law at the points that the
-//! peers solve, and every effect against the reference table. Times are the smallest of several batch means, in seconds.
+//! peers solve (times are the smallest of several batch means), and with `--effects` every effect against the reference
+//! table (the effects in turn, the fastest of many rounds for each row). Times in seconds.
 
 #[path = "../tests/common/mod.rs"]
 mod common;
@@ -15,6 +16,8 @@ use stickslip::solver::{Status, SteadyState, Warm, cycle::Tolerance, solve};
 
 /// The reference table.
 const TABLE: &str = include_str!("../tests/data/effects.csv");
+/// Rounds over all rows of the table, of which the fastest counts for each row.
+const ROUNDS: usize = 150;
 /// Batches, of which the fastest counts, and the shortest time that a batch may take \[s\].
 const BATCHES: (usize, f64) = (9, 4e-3);
 
@@ -23,7 +26,9 @@ fn main() {
     let base: Vec<Value> = [60.0, 74.0, 82.0].map(|frequency| point(&model, &common::at(5e-5, frequency))).into();
     let mut report = json!({ "base": base });
     if std::env::args().any(|argument| argument == "--effects") {
-        report["effects"] = groups().iter().map(|rows| effect(rows)).collect();
+        let (effects, times_base) = effects(&groups());
+        report["effects"] = effects;
+        report["times_base"] = times_base;
     }
     println!("{report:#}");
 }
@@ -107,13 +112,57 @@ impl Row {
     }
 }
 
-/// Mean times over the rows of one effect at one condition, and its largest errors.
-fn effect(rows: &[Row]) -> Value {
-    let model = rows[0].model();
-    let count = rows.len() as f64;
-    let curve = |derivatives: bool| {
-        rows.iter().for_each(|row| _ = black_box(steady(&model, &row.at, derivatives, &mut Warm::default())));
+/// Fastest time of every row of every group, the rows of all groups in turn.
+fn fastest(groups: &[Vec<Row>], derivatives: bool) -> Vec<Vec<f64>> {
+    let models: Vec<Model> = groups.iter().map(|rows| rows[0].model()).collect();
+    let mut best: Vec<Vec<f64>> = groups.iter().map(|rows| vec![f64::INFINITY; rows.len()]).collect();
+    for _ in 0..ROUNDS {
+        for ((rows, model), best) in groups.iter().zip(&models).zip(&mut best) {
+            // Its derivatives are differences by every parameter.
+            if derivatives && rows[0].effect == "partial-slip" {
+                continue;
+            }
+            for (row, best) in rows.iter().zip(best) {
+                let began = Instant::now();
+                black_box(steady(model, &row.at, derivatives, &mut Warm::default()));
+                *best = best.min(began.elapsed().as_secs_f64());
+            }
+        }
+    }
+    best
+}
+
+/// Mean times over the rows of each effect at each condition, and its largest errors; and over all conditions of an effect
+/// how many times the base law takes its time there.
+fn effects(groups: &[Vec<Row>]) -> (Value, Value) {
+    let mean = |times: &[f64]| times.iter().sum::<f64>() / times.len() as f64;
+    let cold: Vec<f64> = fastest(groups, false).iter().map(|times| mean(times)).collect();
+    let with_derivatives: Vec<f64> = fastest(groups, true).iter().map(|times| mean(times)).collect();
+    let base = |of: &Row| {
+        let same = |rows: &Vec<Row>| {
+            rows[0].effect == "none" && (rows[0].at.speed, rows[0].at.load) == (of.at.speed, of.at.load)
+        };
+        groups.iter().position(same).map(|index| cold[index])
     };
+    let mut sums: Vec<(&str, f64, f64)> = Vec::new();
+    let mut report = Vec::new();
+    for ((rows, &cold), &derivatives) in groups.iter().zip(&cold).zip(&with_derivatives) {
+        let base = base(&rows[0]);
+        if let Some(base) = base {
+            match sums.iter_mut().find(|(effect, ..)| *effect == rows[0].effect) {
+                Some((_, own, of_base)) => (*own, *of_base) = (*own + cold, *of_base + base),
+                None => sums.push((rows[0].effect, cold, base)),
+            }
+        }
+        report.push(group(rows, cold, derivatives, base));
+    }
+    let times_base = sums.iter().map(|(effect, own, base)| (effect.to_string(), json!(own / base))).collect();
+    (report.into(), Value::Object(times_base))
+}
+
+/// One effect at one condition.
+fn group(rows: &[Row], cold: f64, derivatives: f64, base: Option<f64>) -> Value {
+    let model = rows[0].model();
     let (mut amplitude, mut phase) = (0.0f64, 0.0f64);
     let (mut cycles, mut steady_rows) = (0, 0);
     for row in rows {
@@ -129,10 +178,11 @@ fn effect(rows: &[Row]) -> Value {
         "load": rows[0].at.load,
         "rows": rows.len(),
         "steady_rows": steady_rows,
-        "cycles": cycles as f64 / count,
+        "cycles": cycles as f64 / rows.len() as f64,
         "amplitude_error": amplitude,
         "phase_error": phase,
-        "cold": seconds(|| curve(false)) / count,
-        "derivatives": if rows[0].effect == "partial-slip" { Value::Null } else { json!(seconds(|| curve(true)) / count) },
+        "cold": cold,
+        "times_base": base.map(|base| cold / base),
+        "derivatives": derivatives.is_finite().then_some(derivatives),
     })
 }

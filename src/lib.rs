@@ -8,7 +8,7 @@
 //! * [`measurement`] - tables of measured steady states with their uncertainties, from files that are only read.
 //! * [`effects`] - one registry; everything else knows an effect only through it.
 //! * [`model`] - rig, contact and effects assembled; no numerics.
-//! * [`solver`] - knows no physics: closed forms, Euler procedure, shooting.
+//! * [`solver`] - knows no physics: closed forms, Euler procedure, harmonic balance, shooting.
 //! * [`sweep`] - rayon over cases, input order preserved, progress.
 //! * [`atlas`] - what each effect of the registry does to resonance curves, by strength.
 //! * [`question`] - which effects can make one curve look like another, ranked by how far they have to be strained.

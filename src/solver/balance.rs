@@ -35,7 +35,7 @@ const CONTRACTION: f64 = 0.6;
 const NEARLY: f64 = 0.15;
 /// Largest of the last two harmonics of a state, relative to its scale: aliasing of a series that falls off geometrically
 /// goes with the square, and so does what higher harmonics would do to the fundamental.
-const TAIL: f64 = 2e-4;
+const TAIL: f64 = 5e-4;
 const KINKED_TAIL: f64 = 1.5e-4;
 /// Largest mean rate of a state of rest, relative to its scale and the frequency.
 const DRIFT: f64 = 1e-9;
@@ -417,7 +417,7 @@ impl<const N: usize> Balancing<'_, N> {
             if round > 0 && !self.nearly_holds() {
                 return None;
             }
-            if round < 2 {
+            if round == 0 || (round == 1 && self.level == 0) {
                 self.linearise()?;
             }
             let mut size = 0.0f64;
@@ -491,16 +491,24 @@ impl<const N: usize> Balancing<'_, N> {
         sum
     }
 
+    /// Smallest and largest margin at the instants.
+    fn margins(&self) -> (f64, f64) {
+        let margins = self.samples.iter().flat_map(|sample| sample.margins);
+        margins.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), m| (low.min(m), high.max(m)))
+    }
+
     /// Whether the mode may hold, as far as a search under way can tell.
     fn nearly_holds(&self) -> bool {
-        let margins = self.samples.iter().flat_map(|sample| sample.margins);
-        let (low, high) = margins.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), m| (l.min(m), h.max(m)));
+        let (low, high) = self.margins();
         low > -NEARLY * (high - low)
     }
 
     /// Whether the mode holds, between the instants too.
     fn holds(&self) -> bool {
-        (0..2).all(|side| self.extremes(|sample| sample.margins[side]).0 > 0.0)
+        let (low, high) = self.margins();
+        // As far below its lowest instant a wave may fall whose crest is one instant away.
+        let between = 1.0 - (TAU / self.samples.len() as f64).cos();
+        low > between * (high - low) || (0..2).all(|side| self.extremes(|sample| sample.margins[side]).0 > 0.0)
     }
 
     /// The larger of the last two harmonics, over all states.
