@@ -15,7 +15,7 @@ const WITHIN: f64 = 12.0;
 const GO_ON: f64 = 0.6;
 /// ... and on to their end where this.
 const END: f64 = 0.8;
-/// A continuum of sliders takes long to solve: it has to be this good.
+/// A continuum of sliders takes long to solve: it has to be this good; beside two other additions it has to be the best.
 const COSTLY: f64 = 0.9;
 /// Sums of squares that differ by less than this many units a point are as good as equal.
 const EQUAL: f64 = 0.2;
@@ -128,6 +128,9 @@ impl Search<'_> {
                     let share = if e.costly { COSTLY } else { share };
                     let equal = reached < best + EQUAL * data.part.len() as f64;
                     let gains = e.gain(reached) > if e.costly { 1.0 } else { NEARLY };
+                    if e.costly && from.additions.len() > 1 {
+                        return gains && reached <= best;
+                    }
                     gains && (equal || (e.before / reached).ln() > share * (e.before / best).ln())
                 })
                 .collect()
