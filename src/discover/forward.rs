@@ -141,7 +141,9 @@ impl Search<'_> {
     /// first additions, if it explains better.
     fn begin_otherwise(&self, chosen: &Hypothesis, rounds: &mut Rounds) -> Option<Hypothesis> {
         let mut others = self.first_additions(rounds);
-        others.retain(|h| !rounds.made_from(h));
+        // Beside a continuum of sliders every look takes too long.
+        let costly = |h: &Hypothesis| on_all_problem(&self.data, &h.model, Vec::new()).has_continuum();
+        others.retain(|h| !rounds.made_from(h) && !costly(h));
         let mut best: Option<Hypothesis> = None;
         for mut other in others.into_iter().take(OTHER_BEGINNINGS) {
             if other.estimate.take().is_some() {

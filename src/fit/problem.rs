@@ -9,6 +9,7 @@ use crate::solver::cycle::Tolerance;
 use crate::solver::{Status, Warm, solve_steady};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 /// Residuals of a point that the model cannot be compared at (no steady state) count as this many standard deviations:
 /// enough to be avoided, too little to rule out an otherwise good model.
@@ -138,13 +139,23 @@ impl<'a> Problem<'a> {
         let model = self.model(values);
         let indices: Vec<usize> = if derivatives { self.parameters.iter().map(|p| p.index).collect() } else { vec![] };
         let tolerance = self.tolerance;
+        // Nothing is lost on a model of which so much is known, where nobody looks at its predictions.
+        let (allowed, gives_up) = (LOST.0 * self.points.len() as f64, tolerance.budget <= Tolerance::COARSE.budget);
+        let troubled = AtomicUsize::new(0);
         let work: Vec<(&Point, &mut Warm)> = self.points.iter().copied().zip(&mut self.warm).collect();
         let solved: Vec<(Prediction, Vec<(f64, f64)>)> = work
             .into_par_iter()
             .map(|(point, warm)| {
                 warm.forget_orbit();
+                if gives_up && troubled.load(Relaxed) as f64 > allowed {
+                    let status = Status::Failed("one of too many points without a steady state".into());
+                    return (Prediction { amplitude: f64::NAN, phase: f64::NAN, status }, Vec::new());
+                }
                 let solution = solve_steady(&model, &operation(point), &tolerance, derivatives, warm);
                 let state = solution.state;
+                if state.status != Status::Steady {
+                    troubled.fetch_add(1, Relaxed);
+                }
                 let zero = || vec![(0.0, 0.0); indices.len()];
                 let gradient = match &solution.derivatives {
                     Some(all) if state.status == Status::Steady => indices.iter().map(|&i| all[i]).collect(),
@@ -156,8 +167,13 @@ impl<'a> Problem<'a> {
         let rows = self.points.iter().map(|p| 1 + usize::from(p.phase.is_some())).sum();
         let mut residuals = DVector::zeros(rows);
         let mut jacobian = DMatrix::zeros(rows, indices.len());
-        let troubled = solved.iter().filter(|(p, _)| p.status != Status::Steady).count();
-        let lost = troubled as f64 > LOST.0 * self.points.len() as f64;
+        let lost = troubled.into_inner() as f64 > allowed;
+        if lost && gives_up {
+            // Whichever points were solved before: the same for any order of them.
+            residuals.fill(LOST.1);
+            let predictions = solved.into_iter().map(|(p, _)| p).collect();
+            return Evaluation { residuals, jacobian, predictions };
+        }
         let mut row = 0;
         for (point, (prediction, gradient)) in self.points.iter().zip(&solved) {
             let (amplitude, phase) = match prediction.status {
