@@ -66,6 +66,8 @@ pub struct Problem<'a> {
     parameters: Vec<Parameter>,
     tolerance: Tolerance,
     warm: Vec<Warm>,
+    /// Whether the points of a model that is lost need not all be solved.
+    gives_up: bool,
     /// Evaluations so far.
     pub evaluations: usize,
 }
@@ -80,7 +82,7 @@ impl<'a> Problem<'a> {
     ) -> Self {
         let points: Vec<_> = points.into_iter().collect();
         let warm = vec![Warm::default(); points.len()];
-        Self { model, points, parameters, tolerance, warm, evaluations: 0 }
+        Self { model, points, parameters, tolerance, warm, gives_up: false, evaluations: 0 }
     }
 
     /// The same points with the model at these values and other parameters to move.
@@ -88,11 +90,12 @@ impl<'a> Problem<'a> {
         Self { model: self.model(values), parameters, ..self.clone() }
     }
 
-    /// Another model at those of the points that are `kept`, nothing to move.
+    /// Another model at those of the points that are `kept`, nothing to move, for a look at its residuals alone: a model
+    /// without a steady state at many points is given up before all are solved.
     pub fn of(&self, model: Model, kept: &[bool]) -> Self {
         let of = |i: usize| kept[i].then(|| (self.points[i], self.warm[i].clone()));
         let (points, warm) = (0..self.points.len()).filter_map(of).unzip();
-        Self { model, points, parameters: Vec::new(), tolerance: self.tolerance, warm, evaluations: 0 }
+        Self { model, points, parameters: Vec::new(), tolerance: self.tolerance, warm, gives_up: true, evaluations: 0 }
     }
 
     /// The parameters.
@@ -139,8 +142,7 @@ impl<'a> Problem<'a> {
         let model = self.model(values);
         let indices: Vec<usize> = if derivatives { self.parameters.iter().map(|p| p.index).collect() } else { vec![] };
         let tolerance = self.tolerance;
-        // Nothing is lost on a model of which so much is known, where nobody looks at its predictions.
-        let (allowed, gives_up) = (LOST.0 * self.points.len() as f64, tolerance.budget <= Tolerance::COARSE.budget);
+        let (allowed, gives_up) = (LOST.0 * self.points.len() as f64, self.gives_up);
         let troubled = AtomicUsize::new(0);
         let work: Vec<(&Point, &mut Warm)> = self.points.iter().copied().zip(&mut self.warm).collect();
         let solved: Vec<(Prediction, Vec<(f64, f64)>)> = work

@@ -235,8 +235,8 @@ impl Problem {
                 mu_psi += law.d_second;
             }
         }
-        // No motion cools the interface below its surroundings. A search may look there: by the tangent, since beyond T = -1
-        // friction would drive the contact.
+        // Hardly a motion cools the interface below its surroundings. A search may look there: by the tangent, since beyond
+        // T = -1 friction would drive the contact.
         let factor = if heat > 0.0 { 1.0 / (1.0 + heat) } else { 1.0 - heat };
         let slope = if heat > 0.0 { -factor * factor } else { -1.0 };
         (mu * factor, mu_s * factor, mu_psi * factor, mu * slope, factor)

@@ -39,11 +39,14 @@ const TAIL: f64 = 5e-4;
 const KINKED_TAIL: f64 = 1.5e-4;
 /// Largest mean rate of a state of rest, relative to its scale and the frequency.
 const DRIFT: f64 = 1e-9;
-/// Largest modulus of the Floquet multipliers of a motion that is stable beyond doubt; of others, and of what there may be
-/// instead, shooting knows more.
+/// Largest modulus of the Floquet multipliers of a motion that is stable beyond doubt, by a bound and by a product over few
+/// instants, which counts fast changes of the slopes too little; of other motions shooting knows more.
 const STABLE: f64 = 1.0 - 1e-4;
-/// Largest change of the slopes over a cycle, times the period, that is weak.
-const WEAK: f64 = 0.1;
+const SURELY_STABLE: f64 = 0.99;
+/// Largest correction after which slopes and margins count as those of the motion.
+const CORRECTED: f64 = 1e-4;
+/// Squarings of a matrix whose spectral radius is wanted.
+const SQUARINGS: usize = 24;
 
 /// Cosine and sine of the equidistant phases.
 static ROOTS: LazyLock<[Complex; MOST]> = LazyLock::new(|| {
@@ -261,7 +264,9 @@ impl<const N: usize> Balancing<'_, N> {
     /// States, mode and algebraic unknown at time 0.
     fn start(&self) -> Option<Start> {
         let (forcing, z) = self.at(0.0);
-        let mut s = self.samples[0].s;
+        let near = |j: &usize| self.root(1, *j).0;
+        let nearest = (0..self.samples.len()).max_by(|i, j| near(i).total_cmp(&near(j)))?;
+        let mut s = self.samples[nearest].s;
         let mut out = Evaluation::default();
         for _ in 0..4 {
             self.system.constraint(&forcing, &z[..N], s, self.mode, &mut out);
@@ -302,15 +307,19 @@ impl<const N: usize> Balancing<'_, N> {
                 continue;
             }
             let mut ends = [TAU * j as f64 / LOOKS as f64, TAU * (j + 1) as f64 / LOOKS as f64];
-            let mut place = ends[0];
+            let (mut place, mut last) = (ends[0], 0);
             for _ in 0..8 {
-                // Regula falsi, the end that stays weighted less (Illinois).
+                // Regula falsi; an end that stays twice is weighted less (Illinois).
                 place = ends[0] - low * (ends[1] - ends[0]) / (high - low);
                 let value = kink(place);
                 if (value > 0.0) == (high > 0.0) {
-                    (ends[1], high, low) = (place, value, 0.5 * low);
+                    (ends[1], high) = (place, value);
+                    low *= if last == 1 { 0.5 } else { 1.0 };
+                    last = 1;
                 } else {
-                    (ends[0], low, high) = (place, value, 0.5 * high);
+                    (ends[0], low) = (place, value);
+                    high *= if last == -1 { 0.5 } else { 1.0 };
+                    last = -1;
                 }
                 if value.abs() < 1e-9 * looks[j].abs() {
                     break;
@@ -442,7 +451,7 @@ impl<const N: usize> Balancing<'_, N> {
                     let z = &mut self.series[k][i];
                     *z = (z.0 + sum.0, z.1 + sum.1);
                     change[k][i] = sum;
-                    size = size.max(sum.0.abs()).max(sum.1.abs());
+                    size = larger(size, sum.0.abs() + sum.1.abs());
                 }
             }
             for j in 0..self.samples.len() {
@@ -460,7 +469,7 @@ impl<const N: usize> Balancing<'_, N> {
                     sample.z[i] += moved[i] * self.scales[i];
                 }
                 sample.s -= slip;
-                size = size.max(slip.abs() * by_slip);
+                size = larger(size, slip.abs() * by_slip);
             }
             if !size.is_finite() {
                 return None;
@@ -470,7 +479,7 @@ impl<const N: usize> Balancing<'_, N> {
                 return None;
             }
             let remains = size * ratio / (1.0 - ratio).max(0.1);
-            if round > 0 && remains < left {
+            if round > 0 && remains < left && size < CORRECTED {
                 return Some(remains);
             }
             before = size;
@@ -521,22 +530,30 @@ impl<const N: usize> Balancing<'_, N> {
     /// Whether every disturbance dies out, by the Floquet multipliers.
     fn is_stable(&self) -> bool {
         let period = TAU / self.omega;
-        // Slopes that hardly change: what their changes do is of second order in them.
+        let mut mean = [[0.0; N]; N];
+        for sample in &self.samples {
+            for i in 0..N {
+                for j in 0..N {
+                    mean[i][j] += sample.weight * sample.slope[i][j];
+                }
+            }
+        }
         let change = |sample: &Sample<N>| -> f64 {
-            let rows = sample.slope.iter().zip(&self.mean_slope);
-            rows.map(|(row, mean)| row.iter().zip(mean).map(|(a, b)| (a - b).abs()).sum()).fold(0.0, f64::max)
+            let rows = sample.slope.iter().zip(&mean);
+            rows.map(|(row, mean)| row.iter().zip(mean).map(|(a, b)| (a - b).abs()).sum()).fold(0.0, larger)
         };
-        let largest = self.samples.iter().map(change).fold(0.0, f64::max) * period;
-        if largest < WEAK {
-            let radius = spectral_radius(&self.at_rest(exponential(&self.mean_slope, period)));
-            return radius.is_some_and(|radius| radius < STABLE - largest * largest);
+        // At resonances of the disturbances with the drive a change of the slopes shifts the multipliers in first order.
+        let shift = 2.0 * period * self.samples.iter().map(change).fold(0.0, larger);
+        let mean = spectral_radius(&self.at_rest(exponential(&mean, period)));
+        if mean.is_some_and(|largest| largest + shift < STABLE) {
+            return true;
         }
         let mut monodromy: Square<N> = unit();
         for sample in &self.samples {
             monodromy = multiply(&exponential(&sample.slope, sample.weight * period), &monodromy);
         }
         // What grows beyond all numbers within a cycle is no number.
-        spectral_radius(&self.at_rest(monodromy)).is_some_and(|largest| largest < STABLE)
+        spectral_radius(&self.at_rest(monodromy)).is_some_and(|largest| largest < SURELY_STABLE)
     }
 
     /// The disturbances that a contact at rest lets live: it keeps what it came to rest with.
@@ -661,8 +678,8 @@ impl<const N: usize> Balancing<'_, N> {
             }
             let (mut size, mut most) = (0.0f64, 0.0f64);
             for (next, last) in next.iter().flatten().zip(adjoint.iter().flatten()) {
-                size = size.max((next - last).abs());
-                most = most.max(next.abs());
+                size = larger(size, (next - last).abs());
+                most = larger(most, next.abs());
             }
             adjoint = next;
             if size < 1e-10 * most {
@@ -675,6 +692,11 @@ impl<const N: usize> Balancing<'_, N> {
         }
         None
     }
+}
+
+/// The larger of two; no number where one is none, unlike [`f64::max`].
+fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
 }
 
 /// Powers 0 to `most` of a number of modulus one.
@@ -693,7 +715,7 @@ fn spectral_radius<const N: usize>(matrix: &Square<N>) -> Option<f64> {
     }
     let largest = |m: &Square<N>| m.iter().flatten().fold(0.0f64, |most, v| most.max(v.abs()));
     let (mut matrix, mut log, mut power) = (*matrix, 0.0, 1.0);
-    for _ in 0..10 {
+    for _ in 0..SQUARINGS {
         let norm = largest(&matrix);
         if norm == 0.0 {
             return Some(0.0);
@@ -735,6 +757,22 @@ mod tests {
         search.iterate(1e-12, &mut 0).expect("contracts");
         assert!(search.holds());
         search.series[1][0]
+    }
+
+    #[test]
+    fn gauss_integrates_polynomials_up_to_its_degree() {
+        for (points, _) in KINKED {
+            for power in [0, 1, 7, 2 * points - 1] {
+                let sum: f64 = gauss(points).iter().map(|(x, weight)| weight * x.powi(power as i32)).sum();
+                assert!((sum * (power as f64 + 1.0) - 1.0).abs() < 1e-13, "{points} points, power {power}: {sum}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_number_is_never_small() {
+        assert!(larger(f64::NAN, 1.0).is_nan() && larger(1.0, f64::NAN).is_nan());
+        assert_eq!((larger(1.0, 2.0), larger(2.0, 1.0)), (2.0, 2.0));
     }
 
     #[test]

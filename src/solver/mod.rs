@@ -90,7 +90,7 @@ pub struct SteadyState {
     /// Largest tangential force over the cycle \[N\].
     pub force_maximum: f64,
     /// Cycles followed to reach the state (sum over Newton iterations for shooting, those of a prediction included; 0 for
-    /// closed forms).
+    /// closed forms; evaluations of the laws over a cycle for harmonic balance).
     pub cycles: usize,
     /// Relative change of the state over a cycle from the start that was found \[-\]: of the last cycle, or as estimated
     /// where a step of Newton's followed it that leaves next to nothing.
