@@ -2,7 +2,7 @@
 //!
 //! Data flows one way, in the order of the modules below: a scenario file becomes a validated [`scenario::Scenario`],
 //! that a [`model`], the model [steady states](solver::SteadyState), those a sweep [`sweep::Outcome`], figures and a report.
-//! Imports only go up this list ([`error`], [`statistics`] and [`units`] apart); `cli` assembles the steps.
+//! Imports only go up this list ([`error`], [`statistics`], [`units`] and the finding of roots apart); `cli` assembles the steps.
 //!
 //! * [`scenario`] - raw serde TOML to validated scenario in SI: what was written and what is meant are two types.
 //! * [`measurement`] - tables of measured steady states with their uncertainties, from files that are only read.
@@ -37,6 +37,7 @@ pub mod measurement;
 pub mod model;
 pub mod question;
 pub mod report;
+mod roots;
 pub mod scenario;
 pub mod solver;
 pub mod statistics;

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{EULER_STEPS, paper_model, steady};
+use common::{EULER_STEPS, Random, paper_model, steady};
 use stickslip::effects::{Effect, Law, ParameterInfo, REGISTRY, find, typical};
 use stickslip::model::lumps::FIRST_EFFECT_PARAMETER;
 use stickslip::model::{Model, Operation};
@@ -151,22 +151,6 @@ fn reference_rows_agree_to_1e_4() {
         println!("{name:20} {amplitude:.1e} {phase:.1e}");
     }
     assert!(wrong.is_empty(), "{} rows disagree:\n{}", wrong.len(), wrong.join("\n"));
-}
-
-/// Random numbers between 0 and 1.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// Evenly over the logarithm.
-    fn between(&mut self, (low, high): (f64, f64)) -> f64 {
-        let low = low.max(1e-6 * high);
-        low * (high / low).powf(self.next())
-    }
 }
 
 /// A law with its parameters and two arguments.

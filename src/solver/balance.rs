@@ -8,13 +8,17 @@
 // Indices run over several matrices at once here.
 #![allow(clippy::needless_range_loop)]
 
-use super::exponential::{Square, apply, exponential, multiply, unit};
+mod adjoint;
+mod instants;
+mod stability;
+
+use super::exponential::{Square, unit};
 use super::harmonic::{Complex, resolvent, times};
 use super::shooting::Start;
 use super::tolerance::Tolerance;
-use crate::model::system::{Evaluation, Forcing, HybridSystem, MAX_COLUMNS, MAX_STATES, Mode, ParameterColumns};
+use crate::model::system::{Evaluation, Forcing, HybridSystem, MAX_STATES, Mode};
+use instants::{ROOTS, sum};
 use std::f64::consts::TAU;
-use std::sync::LazyLock;
 
 /// Most instants.
 const MOST: usize = FEWEST << (SMOOTH - 1);
@@ -39,46 +43,8 @@ const TAIL: f64 = 5e-4;
 const KINKED_TAIL: f64 = 1.5e-4;
 /// Largest mean rate of a state of rest, relative to its scale and the frequency.
 const DRIFT: f64 = 1e-9;
-/// Largest modulus of the Floquet multipliers of a motion that is stable beyond doubt, by a bound and by a product over few
-/// instants, which counts fast changes of the slopes too little; of other motions shooting knows more.
-const STABLE: f64 = 1.0 - 1e-4;
-const SURELY_STABLE: f64 = 0.99;
 /// Largest correction after which slopes and margins count as those of the motion.
 const CORRECTED: f64 = 1e-4;
-/// Squarings of a matrix whose spectral radius is wanted.
-const SQUARINGS: usize = 24;
-
-/// Cosine and sine of the equidistant phases.
-static ROOTS: LazyLock<[Complex; MOST]> = LazyLock::new(|| {
-    std::array::from_fn(|j| {
-        let (sine, cosine) = (TAU * j as f64 / MOST as f64).sin_cos();
-        (cosine, sine)
-    })
-});
-
-/// Points and weights of Gauss's quadrature from 0 to 1.
-static GAUSS: LazyLock<[Vec<(f64, f64)>; 2]> = LazyLock::new(|| KINKED.map(|(points, _)| gauss(points)));
-
-/// Zeros of the Legendre polynomial by Newton's method, and the weights that belong to them.
-fn gauss(points: usize) -> Vec<(f64, f64)> {
-    let degree = points as f64;
-    let point = |j: usize| {
-        let mut x = -((j as f64 + 0.75) / (degree + 0.5) * 0.5 * TAU).cos();
-        let mut slope = 0.0;
-        for _ in 0..20 {
-            let (mut before, mut value) = (1.0, x);
-            for n in 2..=points {
-                let n = n as f64;
-                (before, value) = (value, ((2.0 * n - 1.0) * x * value - (n - 1.0) * before) / n);
-            }
-            slope = degree * (x * value - before) / (x * x - 1.0);
-            x -= value / slope;
-        }
-        (0.5 + 0.5 * x, 1.0 / ((1.0 - x * x) * slope * slope))
-    };
-    (0..points).map(point).collect()
-}
-
 /// A stable periodic state in one mode.
 #[derive(Debug, Clone)]
 pub struct Balance {
@@ -232,139 +198,6 @@ impl<'a, const N: usize> Balancing<'a, N> {
 }
 
 impl<const N: usize> Balancing<'_, N> {
-    /// Phase of a harmonic at an instant: cosine and sine.
-    fn root(&self, harmonic: usize, instant: usize) -> Complex {
-        self.roots[(self.harmonics + 1) * instant + harmonic]
-    }
-
-    /// The states at the phase with these cosines and sines of its multiples.
-    fn states(&self, root: impl Fn(usize) -> Complex) -> [f64; MAX_STATES] {
-        let mut value: [f64; N] = self.series[0].map(|z| z.0);
-        for k in 1..=self.harmonics {
-            let root = root(k);
-            for i in 0..N {
-                let z = self.series[k][i];
-                value[i] += 2.0 * (z.0 * root.0 - z.1 * root.1);
-            }
-        }
-        let mut z = [0.0; MAX_STATES];
-        for i in 0..N {
-            z[i] = value[i] * self.scales[i];
-        }
-        z
-    }
-
-    /// Forcing and states at a phase.
-    fn at(&self, phase: f64) -> (Forcing, [f64; MAX_STATES]) {
-        let (sine, cosine) = phase.sin_cos();
-        let roots = powers((cosine, sine), self.harmonics);
-        (self.system.forcing_at(sine, cosine), self.states(|k| roots[k]))
-    }
-
-    /// States, mode and algebraic unknown at time 0.
-    fn start(&self) -> Option<Start> {
-        let (forcing, z) = self.at(0.0);
-        let near = |j: &usize| self.root(1, *j).0;
-        let nearest = (0..self.samples.len()).max_by(|i, j| near(i).total_cmp(&near(j)))?;
-        let mut s = self.samples[nearest].s;
-        let mut out = Evaluation::default();
-        for _ in 0..4 {
-            self.system.constraint(&forcing, &z[..N], s, self.mode, &mut out);
-            s -= out.g / out.gs;
-        }
-        s.is_finite().then_some((z, (self.mode, s)))
-    }
-
-    /// Lays the series out at equidistant instants; the algebraic unknown as at the instants before them, or as guessed.
-    fn spread(&mut self, count: usize) {
-        let before: Vec<f64> = self.samples.iter().map(|sample| sample.s).collect();
-        let harmonics = count / 2 - 1;
-        let stride = MOST / count;
-        let places: Vec<(f64, [Complex; HARMONICS + 1])> =
-            (0..count).map(|j| (1.0 / count as f64, std::array::from_fn(|k| ROOTS[k * j * stride % MOST]))).collect();
-        let slip = self.slip;
-        self.place(harmonics, &places, |j| {
-            if before.is_empty() {
-                return slip;
-            }
-            0.5 * (before[j / 2] + before[(j / 2 + j % 2) % before.len()])
-        });
-    }
-
-    /// Lays the series out between the kinks of the motion; `None` where there are not two in a cycle.
-    fn follow_kinks(&mut self) -> Option<()> {
-        const LOOKS: usize = 16;
-        let kink = |phase: f64| {
-            let (forcing, z) = self.at(phase);
-            self.system.kink(&forcing, &z[..N])
-        };
-        let looks: [f64; LOOKS] = std::array::from_fn(|j| kink(TAU * j as f64 / LOOKS as f64));
-        let mut kinks = [0.0; 2];
-        let mut found = 0;
-        for j in 0..LOOKS {
-            let (mut low, mut high) = (looks[j], looks[(j + 1) % LOOKS]);
-            if (low > 0.0) == (high > 0.0) {
-                continue;
-            }
-            let mut ends = [TAU * j as f64 / LOOKS as f64, TAU * (j + 1) as f64 / LOOKS as f64];
-            let (mut place, mut last) = (ends[0], 0);
-            for _ in 0..8 {
-                // Regula falsi; an end that stays twice is weighted less (Illinois).
-                place = ends[0] - low * (ends[1] - ends[0]) / (high - low);
-                let value = kink(place);
-                if (value > 0.0) == (high > 0.0) {
-                    (ends[1], high) = (place, value);
-                    low *= if last == 1 { 0.5 } else { 1.0 };
-                    last = 1;
-                } else {
-                    (ends[0], low) = (place, value);
-                    high *= if last == -1 { 0.5 } else { 1.0 };
-                    last = -1;
-                }
-                if value.abs() < 1e-9 * looks[j].abs() {
-                    break;
-                }
-            }
-            *kinks.get_mut(found)? = place;
-            found += 1;
-        }
-        if found != 2 {
-            return None;
-        }
-        let before: Vec<f64> = self.samples.iter().map(|sample| sample.s).collect();
-        let slip = self.slip;
-        let (points, harmonics) = KINKED[self.level];
-        let mut places = Vec::with_capacity(2 * points);
-        for (from, to) in [(kinks[0], kinks[1]), (kinks[1], kinks[0] + TAU)] {
-            for (place, weight) in &GAUSS[self.level] {
-                let (sine, cosine) = (from + place * (to - from)).sin_cos();
-                places.push((weight * (to - from) / TAU, powers((cosine, sine), harmonics)));
-            }
-        }
-        self.place(harmonics, &places, |j| if before.len() == 2 * points { before[j] } else { slip });
-        Some(())
-    }
-
-    /// Lays the series out at instants with these weights and phases.
-    fn place(&mut self, harmonics: usize, at: &[(f64, [Complex; HARMONICS + 1])], slip: impl Fn(usize) -> f64) {
-        let samples = at.iter().enumerate().map(|(j, (weight, roots))| Sample {
-            weight: *weight,
-            forcing: self.system.forcing_at(roots[1].1, roots[1].0),
-            z: self.states(|k| roots[k]),
-            s: slip(j),
-            rate: [0.0; N],
-            slope: [[0.0; N]; N],
-            excess: 0.0,
-            by: [0.0; N],
-            through: [0.0; N],
-            margins: [0.0; 2],
-        });
-        self.samples = samples.collect();
-        self.harmonics = harmonics;
-        self.roots.clear();
-        self.roots.extend(at.iter().flat_map(|(_, roots)| &roots[..=harmonics]));
-    }
-
     /// Evaluates the laws at every instant; `None` where they do not determine the algebraic unknown.
     fn evaluate(&mut self) -> Option<()> {
         let mut out = Evaluation::default();
@@ -390,8 +223,8 @@ impl<const N: usize> Balancing<'_, N> {
         Some(())
     }
 
-    /// Mean of the slopes and what follows from it.
-    fn linearise(&mut self) -> Option<()> {
+    /// Mean of the slopes over the cycle.
+    fn mean(&self) -> Square<N> {
         let mut mean = [[0.0; N]; N];
         for sample in &self.samples {
             for i in 0..N {
@@ -400,6 +233,12 @@ impl<const N: usize> Balancing<'_, N> {
                 }
             }
         }
+        mean
+    }
+
+    /// Mean of the slopes and what follows from it.
+    fn linearise(&mut self) -> Option<()> {
+        let mean = self.mean();
         self.mean_slope = mean;
         self.resolvents.clear();
         for k in 0..=self.harmonics {
@@ -432,7 +271,7 @@ impl<const N: usize> Balancing<'_, N> {
             let mut size = 0.0f64;
             let mut change = [[(0.0, 0.0); N]; HARMONICS + 1];
             for k in 0..=harmonics {
-                let mut excess = self.transform(k, |sample| &sample.rate);
+                let mut excess = self.transform(k, |j| self.samples[j].rate);
                 let turning = k as f64 * self.omega;
                 for i in 0..N {
                     let z = self.series[k][i];
@@ -443,25 +282,19 @@ impl<const N: usize> Balancing<'_, N> {
                 }
                 let by = &self.resolvents[k];
                 for i in 0..N {
-                    let mut sum = (0.0, 0.0);
+                    let mut step = (0.0, 0.0);
                     for j in 0..N {
                         let part = times(by[i][j], excess[j]);
-                        sum = (sum.0 + part.0, sum.1 + part.1);
+                        step = (step.0 + part.0, step.1 + part.1);
                     }
                     let z = &mut self.series[k][i];
-                    *z = (z.0 + sum.0, z.1 + sum.1);
-                    change[k][i] = sum;
-                    size = larger(size, sum.0.abs() + sum.1.abs());
+                    *z = (z.0 + step.0, z.1 + step.1);
+                    change[k][i] = step;
+                    size = larger(size, step.0.abs() + step.1.abs());
                 }
             }
             for j in 0..self.samples.len() {
-                let mut moved: [f64; N] = change[0].map(|z| z.0);
-                for k in 1..=harmonics {
-                    let root = self.root(k, j);
-                    for i in 0..N {
-                        moved[i] += 2.0 * (change[k][i].0 * root.0 - change[k][i].1 * root.1);
-                    }
-                }
+                let moved = sum(&change[..=harmonics], |k| self.root(k, j));
                 let sample = &mut self.samples[j];
                 let mut slip = sample.excess;
                 for i in 0..N {
@@ -485,19 +318,6 @@ impl<const N: usize> Balancing<'_, N> {
             before = size;
         }
         None
-    }
-
-    /// Harmonic `k` of a quantity.
-    fn transform<const M: usize>(&self, k: usize, of: impl Fn(&Sample<N>) -> &[f64; M]) -> [Complex; M] {
-        let mut sum = [(0.0, 0.0); M];
-        for (j, sample) in self.samples.iter().enumerate() {
-            let root = self.root(k, j);
-            for (sum, value) in sum.iter_mut().zip(of(sample)) {
-                sum.0 += sample.weight * value * root.0;
-                sum.1 -= sample.weight * value * root.1;
-            }
-        }
-        sum
     }
 
     /// Smallest and largest margin at the instants.
@@ -527,52 +347,6 @@ impl<const N: usize> Balancing<'_, N> {
         states.fold(0.0, |most, z| most.max(2.0 * z.0.hypot(z.1)))
     }
 
-    /// Whether every disturbance dies out, by the Floquet multipliers.
-    fn is_stable(&self) -> bool {
-        let period = TAU / self.omega;
-        let mut mean = [[0.0; N]; N];
-        for sample in &self.samples {
-            for i in 0..N {
-                for j in 0..N {
-                    mean[i][j] += sample.weight * sample.slope[i][j];
-                }
-            }
-        }
-        let change = |sample: &Sample<N>| -> f64 {
-            let rows = sample.slope.iter().zip(&mean);
-            rows.map(|(row, mean)| row.iter().zip(mean).map(|(a, b)| (a - b).abs()).sum()).fold(0.0, larger)
-        };
-        // At resonances of the disturbances with the drive a change of the slopes shifts the multipliers in first order.
-        let shift = 2.0 * period * self.samples.iter().map(change).fold(0.0, larger);
-        let mean = spectral_radius(&self.at_rest(exponential(&mean, period)));
-        if mean.is_some_and(|largest| largest + shift < STABLE) {
-            return true;
-        }
-        let mut monodromy: Square<N> = unit();
-        for sample in &self.samples {
-            monodromy = multiply(&exponential(&sample.slope, sample.weight * period), &monodromy);
-        }
-        // What grows beyond all numbers within a cycle is no number.
-        spectral_radius(&self.at_rest(monodromy)).is_some_and(|largest| largest < SURELY_STABLE)
-    }
-
-    /// The disturbances that a contact at rest lets live: it keeps what it came to rest with.
-    fn at_rest(&self, mut monodromy: Square<N>) -> Square<N> {
-        if self.mode == Mode::Stick {
-            for (i, rest) in self.system.resting_state(&self.samples[0].z)[..N].iter().enumerate() {
-                let Some((_, gradient)) = rest else { continue };
-                for m in 0..N {
-                    let by = std::mem::take(&mut monodromy[m][i]) / (gradient[i] * self.scales[i]);
-                    for j in (0..N).filter(|&j| j != i) {
-                        monodromy[m][j] -= by * gradient[j] * self.scales[j];
-                    }
-                }
-                monodromy[i] = [0.0; N];
-            }
-        }
-        monodromy
-    }
-
     /// Extremes of the tangential force.
     fn force(&self) -> (f64, f64) {
         self.extremes(|sample| self.system.force(&sample.forcing, &sample.z[..N], sample.s).0)
@@ -580,22 +354,9 @@ impl<const N: usize> Balancing<'_, N> {
 
     /// Extremes of a quantity: its series evaluated at many phases, and the vertices of parabolas there.
     fn extremes(&self, of: impl Fn(&Sample<N>) -> f64) -> (f64, f64) {
-        let harmonics = self.harmonics;
-        let mut series = [(0.0, 0.0); HARMONICS + 1];
-        for (j, sample) in self.samples.iter().enumerate() {
-            let value = sample.weight * of(sample);
-            for (k, out) in series.iter_mut().enumerate().take(harmonics + 1) {
-                let root = self.root(k, j);
-                *out = (out.0 + value * root.0, out.1 - value * root.1);
-            }
-        }
-        let value: [f64; MOST] = std::array::from_fn(|j| {
-            let wave = |k: usize| {
-                let root = ROOTS[k * j % MOST];
-                2.0 * (series[k].0 * root.0 - series[k].1 * root.1)
-            };
-            series[0].0 + (1..=harmonics).map(wave).sum::<f64>()
-        });
+        let series: Vec<[Complex; 1]> =
+            (0..=self.harmonics).map(|k| self.transform(k, |j| [of(&self.samples[j])])).collect();
+        let value: [f64; MOST] = std::array::from_fn(|j| sum(&series, |k| ROOTS[k * j % MOST])[0]);
         let mut extremes = (f64::INFINITY, f64::NEG_INFINITY);
         for j in 0..MOST {
             let (one, two, three) = (value[(j + MOST - 1) % MOST], value[j], value[(j + 1) % MOST]);
@@ -605,127 +366,11 @@ impl<const N: usize> Balancing<'_, N> {
         }
         extremes
     }
-
-    /// Derivatives of the fundamental by the columns, by the adjoint method: the equations of the adjoint are solved by the
-    /// same iteration, for the real and the imaginary part in turn.
-    fn columns(&self) -> Option<Vec<Complex>> {
-        // A = (2i/T) integral of z e^{-iwt}
-        let functional = |part: fn(Complex) -> f64| -> Vec<f64> {
-            (0..self.samples.len()).map(|j| 2.0 * part(self.root(1, j))).collect()
-        };
-        let (re, im) = (functional(|root| root.1), functional(|root| root.0));
-        let (re, im) = (self.adjoint(&re)?, self.adjoint(&im)?);
-        let mut out = vec![(0.0, 0.0); self.system.columns()];
-        let mut columns = ParameterColumns { f: [[0.0; MAX_STATES]; MAX_COLUMNS], g: [0.0; MAX_COLUMNS] };
-        for ((sample, re), im) in self.samples.iter().zip(&re).zip(&im) {
-            self.system.parameter_columns(&sample.forcing, &sample.z[..N], sample.s, self.mode, &mut columns);
-            for (out, (f, g)) in out.iter_mut().zip(columns.f.iter().zip(&columns.g)) {
-                for i in 0..N {
-                    let rate = sample.weight * (f[i] - sample.through[i] * g) * self.scales[0] / self.scales[i];
-                    out.0 += re[i] * rate;
-                    out.1 += im[i] * rate;
-                }
-            }
-        }
-        Some(out)
-    }
-
-    /// l with (-d/dt - A^T) l = `functional` in the first state.
-    fn adjoint(&self, functional: &[f64]) -> Option<Vec<[f64; N]>> {
-        let (count, harmonics) = (self.samples.len(), self.harmonics);
-        let transposed: Square<N> = std::array::from_fn(|i| std::array::from_fn(|j| self.mean_slope[j][i]));
-        let mut adjoint = vec![[0.0; N]; count];
-        let mut before = f64::INFINITY;
-        for round in 0..4 * ITERATIONS {
-            // (-d/dt - A_mean^T) l = functional + (A - A_mean)^T l
-            let mut right = vec![[0.0; N]; count];
-            for (j, sample) in self.samples.iter().enumerate() {
-                let l = &adjoint[j];
-                let steady = apply(&transposed, l);
-                for i in 0..N {
-                    right[j][i] = -steady[i];
-                    for m in 0..N {
-                        right[j][i] += sample.slope[m][i] * l[m];
-                    }
-                }
-                right[j][0] += functional[j];
-            }
-            let mut next = vec![[0.0; N]; count];
-            for k in 0..=harmonics {
-                let mut of = [(0.0, 0.0); N];
-                for (j, right) in right.iter().enumerate() {
-                    let (root, weight) = (self.root(k, j), self.samples[j].weight);
-                    for i in 0..N {
-                        of[i] = (of[i].0 + weight * right[i] * root.0, of[i].1 - weight * right[i] * root.1);
-                    }
-                }
-                let weight = if k == 0 { 1.0 } else { 2.0 };
-                let by = &self.resolvents[k];
-                let mut harmonic = [(0.0, 0.0); N];
-                for i in 0..N {
-                    for m in 0..N {
-                        // Transposed and conjugate.
-                        let part = times((by[m][i].0, -by[m][i].1), of[m]);
-                        harmonic[i] = (harmonic[i].0 + weight * part.0, harmonic[i].1 + weight * part.1);
-                    }
-                }
-                for (j, next) in next.iter_mut().enumerate() {
-                    let root = self.root(k, j);
-                    for i in 0..N {
-                        next[i] += harmonic[i].0 * root.0 - harmonic[i].1 * root.1;
-                    }
-                }
-            }
-            let (mut size, mut most) = (0.0f64, 0.0f64);
-            for (next, last) in next.iter().flatten().zip(adjoint.iter().flatten()) {
-                size = larger(size, (next - last).abs());
-                most = larger(most, next.abs());
-            }
-            adjoint = next;
-            if size < 1e-10 * most {
-                return Some(adjoint);
-            }
-            if !size.is_finite() || (round > 4 && size > before) {
-                return None;
-            }
-            before = size;
-        }
-        None
-    }
 }
 
 /// The larger of two; no number where one is none, unlike [`f64::max`].
 fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
-}
-
-/// Powers 0 to `most` of a number of modulus one.
-fn powers(one: Complex, most: usize) -> [Complex; HARMONICS + 1] {
-    let mut powers = [(1.0, 0.0); HARMONICS + 1];
-    for k in 1..=most {
-        powers[k] = times(powers[k - 1], one);
-    }
-    powers
-}
-
-/// Spectral radius by repeated squaring; `None` where the matrix is not finite.
-fn spectral_radius<const N: usize>(matrix: &Square<N>) -> Option<f64> {
-    if !matrix.iter().flatten().all(|v| v.is_finite()) {
-        return None;
-    }
-    let largest = |m: &Square<N>| m.iter().flatten().fold(0.0f64, |most, v| most.max(v.abs()));
-    let (mut matrix, mut log, mut power) = (*matrix, 0.0, 1.0);
-    for _ in 0..SQUARINGS {
-        let norm = largest(&matrix);
-        if norm == 0.0 {
-            return Some(0.0);
-        }
-        log += norm.ln() / power;
-        matrix = matrix.map(|row| row.map(|v| v / norm));
-        matrix = multiply(&matrix, &matrix);
-        power *= 2.0;
-    }
-    Some((log + largest(&matrix).max(1e-300).ln() / power).exp())
 }
 
 #[cfg(test)]
@@ -734,22 +379,12 @@ mod tests {
     use crate::effects::find;
     use crate::model::contact::Problem;
     use crate::model::{Model, Operation};
-    use crate::scenario::{Contact, Formulation, Instrument, Rig};
+    use crate::scenario;
 
     /// The fundamental with a fixed number of instants, on a hardening spring over a fast roller.
     fn fundamental(count: usize) -> Complex {
-        let rig = Rig {
-            inertia: 5.0e-3,
-            torsional_stiffness: 990.0,
-            torsional_damping: 0.43,
-            spring_stiffness: 1.6e4,
-            spring_damping: 12.0,
-            spring_arm: 0.03,
-            contact_arm: 0.06,
-        };
-        let contact = Contact { stiffness: 8.9e4, damping: 26.0, friction: 0.5, formulation: Formulation::Series };
-        let effects = vec![(find("cubic-stiffness").expect("known"), vec![2e11])];
-        let model = Model { rig, contact, instrument: Instrument::default(), effects };
+        let mut model = Model::new(&scenario::paper());
+        model.effects = vec![(find("cubic-stiffness").expect("known"), vec![2e11])];
         let at = Operation { speed: 0.1, load: 0.02, drive: 1e-5, frequency: 55.0 };
         let problem = Problem::new(&model, &at);
         let mut search = Balancing::<3>::new(&problem).expect("slips");
@@ -757,16 +392,6 @@ mod tests {
         search.iterate(1e-12, &mut 0).expect("contracts");
         assert!(search.holds());
         search.series[1][0]
-    }
-
-    #[test]
-    fn gauss_integrates_polynomials_up_to_its_degree() {
-        for (points, _) in KINKED {
-            for power in [0, 1, 7, 2 * points - 1] {
-                let sum: f64 = gauss(points).iter().map(|(x, weight)| weight * x.powi(power as i32)).sum();
-                assert!((sum * (power as f64 + 1.0) - 1.0).abs() < 1e-13, "{points} points, power {power}: {sum}");
-            }
-        }
     }
 
     #[test]

@@ -37,6 +37,37 @@ pub fn solve(n: usize, mut m: Matrix, mut b: State) -> Option<State> {
     b[..n].iter().all(|x| x.is_finite()).then_some(b)
 }
 
+/// Squarings of a matrix whose spectral radius is wanted: what a norm misses of it goes down by half each time.
+const SQUARINGS: usize = 24;
+
+/// Spectral radius of the leading `n` rows and columns by repeated squaring; no number where an entry is none.
+pub fn spectral_radius(n: usize, mut matrix: Matrix) -> f64 {
+    let largest = |m: &Matrix| {
+        let leading = m[..n].iter().flat_map(|row| &row[..n]);
+        leading.fold(0.0f64, |most, entry| if entry.abs() > most || entry.is_nan() { entry.abs() } else { most })
+    };
+    let (mut log, mut power) = (0.0, 1.0);
+    for _ in 0..SQUARINGS {
+        let norm = largest(&matrix);
+        if norm == 0.0 {
+            return 0.0;
+        }
+        if !norm.is_finite() {
+            return f64::NAN;
+        }
+        log += norm.ln() / power;
+        let inverse = 1.0 / norm;
+        for row in &mut matrix[..n] {
+            row[..n].iter_mut().for_each(|entry| *entry *= inverse);
+        }
+        let mut square = [[0.0; MAX_STATES]; MAX_STATES];
+        multiply(n, n, &matrix, &matrix, &mut square);
+        matrix = square;
+        power *= 2.0;
+    }
+    (log + largest(&matrix).max(1e-300).ln() / power).exp()
+}
+
 /// The identity.
 pub fn identity() -> Matrix {
     std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }))
@@ -62,5 +93,24 @@ fn product(rows: usize, n: usize, a: &Matrix, b: &Matrix, out: &mut Matrix) {
             }
             out[i][j] = sum;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_spectral_radius_of_a_matrix_that_is_far_from_normal() {
+        // Eigenvalues 1.0005 and 0.3 beside an entry a million times larger, and a rotation by 1 rad.
+        let mut matrix = [[0.0; MAX_STATES]; MAX_STATES];
+        (matrix[0][0], matrix[0][1], matrix[1][1]) = (1.0005, 1e6, 0.3);
+        assert!((spectral_radius(2, matrix) - 1.0005).abs() < 1e-5, "{}", spectral_radius(2, matrix));
+        let (sine, cosine) = 1f64.sin_cos();
+        (matrix[0][0], matrix[0][1], matrix[1][0], matrix[1][1]) =
+            (0.9 * cosine, -0.9 * sine, 0.9 * sine, 0.9 * cosine);
+        assert!((spectral_radius(2, matrix) - 0.9).abs() < 1e-6);
+        matrix[1][0] = f64::NAN;
+        assert!(spectral_radius(2, matrix).is_nan());
     }
 }

@@ -4,7 +4,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::cycle::{Cycle, Integrator, Record, Tolerance};
-use super::dense::{self, Matrix};
+use super::dense;
 use super::healing::{self, Healed};
 use super::radau::State;
 use crate::model::system::{HybridSystem, MAX_STATES, Mode};
@@ -231,7 +231,7 @@ fn defect(system: &dyn HybridSystem, start: &State, cycle: &Cycle, settled: bool
     (residual, jacobian)
 }
 
-/// Spectral radius of the monodromy matrix by repeated squaring.
+/// Spectral radius of the monodromy matrix.
 fn largest_multiplier(system: &dyn HybridSystem, cycle: &Cycle) -> f64 {
     let n = system.states();
     let scales = system.scales();
@@ -244,32 +244,7 @@ fn largest_multiplier(system: &dyn HybridSystem, cycle: &Cycle) -> f64 {
             *entry = cycle.monodromy[i][j] * scales[j] / scales[i];
         }
     }
-    let largest = |m: &Matrix| {
-        let leading = m[..count].iter().flat_map(|row| &row[..count]);
-        leading.fold(0.0f64, |most, entry| if entry.abs() > most { entry.abs() } else { most })
-    };
-    let mut log = 0.0;
-    let mut power = 1.0;
-    for _ in 0..10 {
-        let norm = largest(&matrix);
-        if norm == 0.0 {
-            return 0.0;
-        }
-        log += norm.ln() / power;
-        let inverse = 1.0 / norm;
-        let mut square = [[0.0; MAX_STATES]; MAX_STATES];
-        for i in 0..count {
-            for k in 0..count {
-                let factor = matrix[i][k] * inverse;
-                for j in 0..count {
-                    square[i][j] += factor * matrix[k][j] * inverse;
-                }
-            }
-        }
-        matrix = square;
-        power *= 2.0;
-    }
-    (log + largest(&matrix).max(1e-300).ln() / power).exp()
+    dense::spectral_radius(count, matrix)
 }
 
 /// Derivative of the fundamental by each parameter column: at a fixed start plus through the start.

@@ -46,3 +46,20 @@ pub fn distance(a: &SteadyState, b: &SteadyState) -> f64 {
     let (a1, b1) = (complex(a), complex(b));
     (a1.0 - b1.0).hypot(a1.1 - b1.1) / b.amplitude
 }
+
+/// Random numbers between 0 and 1.
+pub struct Random(pub u64);
+
+impl Random {
+    /// Evenly between 0 and 1.
+    pub fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Evenly over the logarithm.
+    pub fn between(&mut self, (low, high): (f64, f64)) -> f64 {
+        let low = low.max(1e-6 * high);
+        low * (high / low).powf(self.next())
+    }
+}

@@ -2,6 +2,7 @@
 
 use super::Problem;
 use crate::model::system::{Forcing, HybridSystem};
+use crate::roots::regula_falsi;
 
 impl Problem {
     /// Whether nothing holds the slip rate back, so that it jumps to the relative speed at once.
@@ -60,28 +61,7 @@ impl Problem {
                 return Some(top);
             }
         }
-        // Regula falsi with the value at an end that stays halved (Illinois).
-        let mut ends = [self.excess(forcing, z, sign, low), self.excess(forcing, z, sign, high)];
-        let (mut last, mut side) = (f64::INFINITY, 0);
-        for _ in 0..100 {
-            let inside = (low * ends[1] - high * ends[0]) / (ends[1] - ends[0]);
-            let s = if inside > low && inside < high { inside } else { 0.5 * (low + high) };
-            let value = self.excess(forcing, z, sign, s);
-            let now = if value > 0.0 { -1 } else { 1 };
-            if now < 0 {
-                (low, ends[0]) = (s, value)
-            } else {
-                (high, ends[1]) = (s, value)
-            }
-            if now == side {
-                ends[if now < 0 { 1 } else { 0 }] *= 0.5;
-            }
-            side = now;
-            if (s - last).abs() < 1e-14 * s || high - low < 1e-15 * high {
-                return Some(s);
-            }
-            last = s;
-        }
-        Some(0.5 * (low + high))
+        let ends = [low, high].map(|s| self.excess(forcing, z, sign, s));
+        Some(regula_falsi(|s| self.excess(forcing, z, sign, s), [low, high], ends, (0.0, 1e-14), 100))
     }
 }
