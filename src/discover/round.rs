@@ -3,7 +3,8 @@
 use super::forward::Search;
 use super::hypothesis::{Addition, Basis, Hypothesis, compatible};
 use super::sampling::{Base, Hint, at_stated_values};
-use super::search::{Attempt, Explored, Found, explore, lead, on_all};
+use super::search::{Attempt, Explored, Found, explore, lead, on_all, on_part};
+use crate::fit::robust_chi2;
 use rayon::prelude::*;
 
 /// Fits on a part of the points begin for additions that take off, on a logarithmic scale, this share of what the best one
@@ -27,6 +28,8 @@ const PROMISING: f64 = 1.5;
 const NEARLY: f64 = 0.5;
 /// No fit begins where, in a linear estimate, the gain is less than this share of what is needed.
 const HOPELESS: f64 = 0.5;
+/// The same factor where the aim is known.
+const WITHIN_REACH: f64 = 1.25;
 /// Fits within this of the least sum of squares are followed to their minimum ...
 pub(super) const CONTESTED: f64 = 40.0;
 /// ... by so many continuations at most, ...
@@ -116,11 +119,13 @@ impl Search<'_> {
                 explore(data, from, &base, stated.as_ref(), addition, hint.as_ref(), beside_noise)
             })
             .collect();
-        let share = data.part.len() as f64 / data.points.len() as f64;
-        let goal = goal.map_or(f64::INFINITY, |goal| share * goal.fit.objective);
+        let goal_on_part = goal.map_or(f64::INFINITY, |goal| {
+            let mut problem = on_part(data, &goal.model, goal.fit.parameters.clone());
+            robust_chi2(&problem.evaluate(&goal.fit.values, false).residuals, data.threshold)
+        });
         // Who is left of the race at a stage, given the sums of squares that were reached.
         let leading = |reached: &[f64], share: f64| -> Vec<bool> {
-            let best = reached.iter().copied().fold(goal, f64::min);
+            let best = reached.iter().copied().fold(goal_on_part, f64::min);
             explored
                 .iter()
                 .zip(reached)
@@ -160,25 +165,30 @@ impl Search<'_> {
         });
         // Where nothing explains the data, the leading ones may be in local minima.
         let least = best.iter().map(|a| reached(a.as_ref())).fold(f64::INFINITY, f64::min);
-        if least > UNEXPLAINED * base.readings() as f64 && goal.is_infinite() {
+        if least > UNEXPLAINED * base.readings() as f64 && goal.is_none() && from.additions.len() < 2 {
             best.par_iter_mut().zip(&explored).zip(&ends).filter(|(_, ends)| **ends).for_each(|((best, e), _)| {
                 *best = best.take().map(|attempt| e.second_look(data, from, attempt));
             });
         }
         let found: Vec<Found> = explored.par_iter().zip(best).map(|(e, best)| e.found(from, best)).collect();
         let least = if from.additions.is_empty() { FOLLOWED } else { 0 };
-        self.followed(&explored, found, least)
+        self.followed(&explored, found, least, goal.map(|goal| (goal_on_part, goal.fit.objective)))
     }
 
-    /// The leading ones followed on all points.
-    fn followed(&self, explored: &[Explored], found: Vec<Found>, at_least: usize) -> Round {
+    /// The leading ones followed on all points; only what comes near the `goal`, its sums of squares on the part and on all
+    /// points.
+    fn followed(&self, explored: &[Explored], found: Vec<Found>, at_least: usize, goal: Option<(f64, f64)>) -> Round {
         let scale = self.data.points.len() as f64 / self.data.part.len() as f64;
         let objective = |f: &Found| f.hypothesis.fit.objective;
         let gaining = |f: &&Found| f.gain > 0.0;
         let least = found.iter().filter(gaining).map(objective).fold(f64::INFINITY, f64::min);
         let criterion =
             |f: &Found| scale * objective(f) + f.hypothesis.fit.parameters.len() as f64 * (self.readings() as f64).ln();
-        let near = PROMISING * least + EQUAL * self.data.part.len() as f64;
+        let near = match goal {
+            Some((on_part, _)) => WITHIN_REACH * on_part.min(least),
+            None => PROMISING * least,
+        };
+        let near = near + EQUAL * self.data.part.len() as f64;
         // A costly one is brought to its end only if it would be accepted.
         let promising =
             |(f, e): (&Found, &Explored)| f.gain > if e.costly { 1.0 } else { NEARLY } && objective(f) < near;
@@ -196,7 +206,8 @@ impl Search<'_> {
         let mut found: Vec<Entry> = found.into_par_iter().zip(full).map(entry).collect();
         let objective = |e: &Entry| e.found.hypothesis.fit.objective;
         let full = |e: &&Entry| e.full;
-        let least = found.iter().filter(full).map(objective).fold(f64::INFINITY, f64::min);
+        let least = goal.map_or(f64::INFINITY, |(_, on_all)| on_all);
+        let least = found.iter().filter(full).map(objective).fold(least, f64::min);
         let close = |e: &&mut Entry| e.full && objective(e) <= least + CONTESTED;
         found.par_iter_mut().filter(close).for_each(|e| self.settle(&mut e.found.hypothesis));
         Round { found }
