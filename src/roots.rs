@@ -1,8 +1,8 @@
 //! Zeros of functions of one variable.
 
 /// Zero of `f` between the two ends of a bracket, where it has the given values of opposite signs: regula falsi, the value at
-/// an end that stays twice halved (Illinois). Ends where a step is below the absolute or the relative accuracy, or after `most`
-/// evaluations.
+/// an end that stays twice halved (Illinois). Ends where a step or the bracket is below the accuracy, absolute plus relative, or after
+/// `most` evaluations; an end where the value is zero is the answer.
 pub fn regula_falsi(
     f: impl Fn(f64) -> f64,
     [mut low, mut high]: [f64; 2],
@@ -10,6 +10,9 @@ pub fn regula_falsi(
     (absolute, relative): (f64, f64),
     most: usize,
 ) -> f64 {
+    if let Some(end) = ends.iter().position(|value| *value == 0.0) {
+        return [low, high][end];
+    }
     let positive_below = ends[0] > 0.0;
     let (mut last, mut side) = (f64::INFINITY, None);
     for _ in 0..most {
@@ -45,6 +48,14 @@ mod tests {
             let f = |x: f64| turned * (x * x * x - 2.0);
             let zero = regula_falsi(f, [0.0, 5.0], [f(0.0), f(5.0)], (0.0, 1e-15), 60);
             assert!((zero - 2f64.cbrt()).abs() < 1e-14, "{zero}");
+        }
+    }
+
+    #[test]
+    fn an_end_that_is_zero_is_the_answer() {
+        for (ends, zero) in [([0.0, -1.0], 0.0), ([0.0, 1.0], 0.0), ([1.0, 0.0], 1.0), ([-1.0, 0.0], 1.0)] {
+            let f = |x: f64| ends[0] + (ends[1] - ends[0]) * x;
+            assert_eq!(regula_falsi(f, [0.0, 1.0], ends, (1e-9, 0.0), 8), zero);
         }
     }
 

@@ -262,3 +262,20 @@ fn figures_come_in_the_formats_and_sizes_asked_for() {
     run(&["--format", "pdf"]).code(2).stderr(predicates::str::contains("svg, png, csv"));
     run(&["--preset", "poster"]).code(2).stderr(predicates::str::contains("double-column"));
 }
+
+#[test]
+fn trials_can_be_written_as_scores_alone() {
+    let dir = tempfile::tempdir().unwrap();
+    let arguments = ["trial", "--effects", "none", "--seeds", "1", "--max-effects", "1", "--out", "trials", "--json"];
+    let json = |name: &str, more: &[&str]| -> serde_json::Value {
+        stickslip(dir.path()).args(arguments).arg(name).args(more).assert().success();
+        serde_json::from_slice(&std::fs::read(dir.path().join(name)).unwrap()).unwrap()
+    };
+    let whole = json("whole.json", &[]);
+    // The second run finds the trial done, and takes it with its times.
+    let mut alone = json("alone.json", &["--scores-alone"]);
+    assert_eq!(whole["trials"].as_array().map(Vec::len), Some(1));
+    assert_eq!(alone["trials"], serde_json::json!([]));
+    alone["trials"] = whole["trials"].clone();
+    assert_eq!(alone, whole);
+}

@@ -99,7 +99,7 @@ impl Search<'_> {
         let mut chosen = from;
         while chosen.additions.len() < self.options.max_effects {
             // Nothing is looked for beside a continuum of sliders that leaves nothing but noise: it takes too long to solve.
-            if on_all_problem(&self.data, &chosen.fitted(), Vec::new()).has_continuum() && !self.structured(&chosen) {
+            if chosen.fitted().has_continuum() && !self.structured(&chosen) {
                 break;
             }
             let Some((best, contenders)) = self.advance(&frontier, rounds) else { break };
@@ -142,7 +142,7 @@ impl Search<'_> {
     fn begin_otherwise(&self, chosen: &Hypothesis, rounds: &mut Rounds) -> Option<Hypothesis> {
         let mut others = self.first_additions(rounds);
         // Beside a continuum of sliders every look takes too long.
-        let costly = |h: &Hypothesis| on_all_problem(&self.data, &h.model, Vec::new()).has_continuum();
+        let costly = |h: &Hypothesis| h.model.has_continuum();
         others.retain(|h| !rounds.made_from(h) && !costly(h));
         let mut best: Option<Hypothesis> = None;
         for mut other in others.into_iter().take(OTHER_BEGINNINGS) {

@@ -24,12 +24,12 @@ const EQUAL: f64 = 0.2;
 const UNEXPLAINED: f64 = 1.25;
 /// A fit on a part of the points is followed on all of them if its sum of squares is within this factor of the best ...
 const PROMISING: f64 = 1.5;
+/// (where the aim is known, within this one of it) ...
+const WITHIN_REACH: f64 = 1.25;
 /// ... and its gain more than this share of what it needs to be accepted.
 const NEARLY: f64 = 0.5;
 /// No fit begins where, in a linear estimate, the gain is less than this share of what is needed.
 const HOPELESS: f64 = 0.5;
-/// The same factor where the aim is known.
-const WITHIN_REACH: f64 = 1.25;
 /// Fits within this of the least sum of squares are followed to their minimum ...
 pub(super) const CONTESTED: f64 = 40.0;
 /// ... by so many continuations at most, ...
@@ -163,7 +163,7 @@ impl Search<'_> {
         best.par_iter_mut().zip(&ends).filter(|(_, ends)| **ends).for_each(|(best, _)| {
             *best = best.take().map(|attempt| attempt.finished(data));
         });
-        // Where nothing explains the data, the leading ones may be in local minima.
+        // Where nothing explains the data, the leading ones may be in local minima; beside two others a look takes too long.
         let least = best.iter().map(|a| reached(a.as_ref())).fold(f64::INFINITY, f64::min);
         if least > UNEXPLAINED * base.readings() as f64 && goal.is_none() && from.additions.len() < 2 {
             best.par_iter_mut().zip(&explored).zip(&ends).filter(|(_, ends)| **ends).for_each(|((best, e), _)| {

@@ -14,7 +14,8 @@ const SAMPLES: [usize; 4] = [8, 14, 18, 20];
 const WITH_HINT: usize = 6;
 /// Samples beside an explanation that leaves nothing but noise.
 const BESIDE_NOISE: usize = 2;
-/// Samples of a continuum of sliders, which take long, where values are known; beside what leaves nothing but noise none.
+/// Samples that make the contact a continuum of sliders, which takes long to solve, besides the values that are known; where
+/// the explanation leaves nothing but noise there are none.
 const COSTLY: usize = 2;
 /// Change of a residual, in standard deviations, below which a point counts as left alone.
 const UNTOUCHED: f64 = 0.1;
@@ -165,15 +166,10 @@ pub fn samples(before: &Model, addition: Addition, seed: u32, hint: Option<&[f64
     }
     let mut all: Vec<Model> = hint.map(|values| with(parameters.clone(), values)).into_iter().collect();
     let most = SAMPLES[parameters.len().clamp(1, 4) - 1];
-    let costly = Problem::new(model.clone(), none, Vec::new(), Tolerance::COARSE).has_continuum();
+    let costly = model.has_continuum();
     let count = match hint {
-        Some(_) if costly => {
-            if beside_noise {
-                0
-            } else {
-                COSTLY
-            }
-        }
+        Some(_) if costly && beside_noise => 0,
+        Some(_) if costly => COSTLY,
         Some(_) if beside_noise => BESIDE_NOISE,
         Some(_) => most.min(WITH_HINT),
         None => most,

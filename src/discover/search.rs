@@ -137,7 +137,7 @@ pub fn explore(
         visibility: found.visibility * scale,
         strongest: found.strongest,
         touched: found.touched,
-        costly: on_part(data, &samples[0], Vec::new()).has_continuum(),
+        costly: samples[0].has_continuum(),
         starts: found.starts.into_iter().map(|(_, model)| model).collect(),
     }
 }
@@ -294,7 +294,7 @@ pub fn on_all_problem<'a>(data: &Data<'a>, model: &Model, parameters: Vec<Parame
 /// The fit followed on all points at full accuracy.
 pub fn on_all(data: &Data<'_>, model: &Model, fit: &Fit) -> Fit {
     let mut problem = on_all_problem(data, model, fit.parameters.clone());
-    let evaluations = if problem.has_continuum() { GO_ON } else { ALL };
+    let evaluations = if model.has_continuum() { GO_ON } else { ALL };
     minimise(&mut problem, &fit.values, &Settings { evaluations, threshold: data.threshold, converged: CLOSER })
 }
 
@@ -302,7 +302,7 @@ pub fn on_all(data: &Data<'_>, model: &Model, fit: &Fit) -> Fit {
 /// of the points and followed on all; the model with the signs it ends with. `None` for a continuum of sliders, which takes
 /// too long.
 pub fn scattered_fit(data: &Data<'_>, model: &Model, fit: &Fit) -> Option<(Model, Fit)> {
-    if on_part(data, model, Vec::new()).has_continuum() {
+    if model.has_continuum() {
         return None;
     }
     let (count, followed) = ELSEWHERE;

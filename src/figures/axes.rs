@@ -217,7 +217,7 @@ impl Panel {
         let window = ((self.left, self.top), (self.right(), self.bottom()));
         let runs = clip::polyline(&pixels, window);
         if !runs.is_empty() {
-            canvas.within(self, |canvas| runs.iter().for_each(|run| canvas.polyline(run, stroke)));
+            canvas.within(self, |canvas| runs.iter().for_each(|run| canvas.polyline(&clip::thinned(run), stroke)));
         }
     }
 

@@ -1,4 +1,4 @@
-//! Clipping of lines to a rectangle, which plotters does not do.
+//! Clipping of lines to a rectangle, and thinning of them, which plotters does not do.
 
 use super::canvas::Point;
 
@@ -46,6 +46,33 @@ fn segment(from: Point, to: Point, (low, high): Window) -> Option<(Point, Point)
     (enter <= leave).then_some((start, end))
 }
 
+/// Largest distance \[px\] of a point that is left out from the line without it: half a unit of the drawing.
+const DEVIATION: f64 = 0.03;
+/// Largest distance \[px\] of neighbours between which points are left out; the page reads values at what is left.
+const SPACING: f64 = 5.0;
+
+/// An open polygon without points that lie on the line between their neighbours as finely as drawings are written.
+pub fn thinned(points: &[Point]) -> Vec<Point> {
+    let mut kept: Vec<Point> = points.first().copied().into_iter().collect();
+    let mut from = 0;
+    while from + 1 < points.len() {
+        let skippable = |to: &usize| {
+            let (a, b) = (points[from], points[*to]);
+            let (dx, dy) = (b.0 - a.0, b.1 - a.1);
+            let length = dx.hypot(dy);
+            let near = |&(x, y): &Point| {
+                let along = (dx * (x - a.0) + dy * (y - a.1)) / length;
+                (dx * (y - a.1) - dy * (x - a.0)).abs() < DEVIATION * length && (0.0..=length).contains(&along)
+            };
+            length <= SPACING && points[from + 1..*to].iter().all(near)
+        };
+        let to = (from + 2..points.len()).take_while(skippable).last().unwrap_or(from + 1);
+        kept.push(points[to]);
+        from = to;
+    }
+    kept
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -72,5 +99,24 @@ mod tests {
         assert!(polyline(&[(1.0, 1.0)], WINDOW).is_empty());
         let gap = [(1.0, 1.0), (2.0, 1.0), (3.0, f64::NAN), (4.0, 1.0), (5.0, 1.0), (f64::INFINITY, 1.0)];
         assert_eq!(polyline(&gap, WINDOW), vec![vec![(1.0, 1.0), (2.0, 1.0)], vec![(4.0, 1.0), (5.0, 1.0)]]);
+    }
+
+    #[test]
+    fn thinning_leaves_corners_reversals_and_wide_steps_and_moves_nothing_visibly() {
+        let wide = [(0.0, 0.0), (6.0, 0.0), (12.0, 0.0)];
+        assert_eq!(thinned(&wide), wide);
+        let corner: Vec<Point> = (0..=20).map(|i| (0.1 * f64::from(i), (0.1 * f64::from(i) - 1.0).max(0.0))).collect();
+        assert_eq!(thinned(&corner), [corner[0], corner[10], corner[20]]);
+        let there_and_back = [(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (1.0, 0.0), (0.0, 0.0)];
+        assert_eq!(thinned(&there_and_back), [(0.0, 0.0), (2.0, 0.0), (0.0, 0.0)]);
+        let wave: Vec<Point> = (0..=4000).map(|i| f64::from(i) * 0.1).map(|x| (x, 80.0 * (x / 40.0).sin())).collect();
+        let thin = thinned(&wave);
+        assert!(thin.len() < wave.len() / 20, "{}", thin.len());
+        for &(x, y) in &wave {
+            let at = thin.partition_point(|p| p.0 < x).clamp(1, thin.len() - 1);
+            let ((a, u), (b, v)) = (thin[at - 1], thin[at]);
+            assert!((u + (v - u) * (x - a) / (b - a) - y).abs() < 0.1, "{x}");
+        }
+        assert!(thinned(&[]).is_empty() && thinned(&[(1.0, 1.0)]).len() == 1);
     }
 }

@@ -126,15 +126,10 @@ impl<'a> Problem<'a> {
     /// Residuals at these values, and with `derivatives` their Jacobian (otherwise without columns).
     pub fn evaluate(&mut self, values: &[f64], derivatives: bool) -> Evaluation {
         // The solver's own derivatives of a continuum are differences by every parameter of the model.
-        if derivatives && self.has_continuum() {
+        if derivatives && self.model.has_continuum() {
             return self.differences(values);
         }
         self.solve(values, derivatives)
-    }
-
-    /// Whether an effect makes the contact a continuum of sliders.
-    pub fn has_continuum(&self) -> bool {
-        self.model.effects.iter().any(|(effect, p)| effect.continuum(p).is_some())
     }
 
     fn solve(&mut self, values: &[f64], derivatives: bool) -> Evaluation {

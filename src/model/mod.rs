@@ -58,6 +58,11 @@ impl Model {
         Self { rig: scenario.rig, contact: scenario.contact, instrument: scenario.instrument, effects }
     }
 
+    /// Whether an effect makes the contact a continuum of sliders.
+    pub fn has_continuum(&self) -> bool {
+        self.effects.iter().any(|(effect, p)| effect.continuum(p).is_some())
+    }
+
     /// The parameter number `index` in the order of [`lumps::BASE_PARAMETERS`] and then of the effects, or None where
     /// there is none of that number.
     pub fn parameter<'a>(&'a mut self, at: &'a mut Operation, index: usize) -> Option<&'a mut f64> {

@@ -25,6 +25,9 @@ pub struct TrustView {
     /// The commands that made them.
     #[serde(default)]
     pub commands: Vec<String>,
+    /// The programs that made them, with their builds.
+    #[serde(default)]
+    pub programs: Vec<String>,
     /// How each cause fared.
     pub causes: Vec<CauseView>,
     /// The figures.
@@ -116,18 +119,22 @@ fn view(main: &Series, others: &[Series], figures: &[FigureInput]) -> TrustView 
         quantity(s.visible, "1", 2)
     );
     let command = main.command.into();
-    let program = format!("{}, build {}", s.program, s.builds.join(", "));
     TrustView {
         sentence: sentence + ".",
         method,
         command,
-        program,
+        program: program(s),
         scores: scores(all),
         otherwise: if others.is_empty() { Vec::new() } else { otherwise(main, others) },
         commands: others.iter().map(|series| series.command.into()).collect(),
+        programs: others.iter().map(|series| program(&series.summary)).collect(),
         causes: s.causes.iter().map(|cause| cause_view(s, cause)).collect(),
         figures: figures.iter().map(|input| figure("trust", input)).collect(),
     }
+}
+
+fn program(s: &Summary) -> String {
+    format!("{}, build {}", s.program, s.builds.join(", "))
 }
 
 fn noise_levels(s: &Summary) -> Vec<f64> {
@@ -216,5 +223,32 @@ fn cause_view(s: &Summary, cause: &ByCause) -> CauseView {
         named: named.map_or(NONE.into(), |p| format!("{} of {}", p.successes, p.of)),
         instead: instead.join("; "),
         not_drawn: cause.invisible + cause.unsteady,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trial::committed;
+
+    #[test]
+    fn every_series_and_level_of_noise_has_its_row_and_every_series_its_command_and_program() {
+        let [main, others @ ..] = committed() else { panic!("no committed trials") };
+        let view = view(main, others, &[]);
+        assert_eq!((view.commands.len(), view.programs.len()), (others.len(), others.len()));
+        for (series, program) in others.iter().zip(&view.programs) {
+            assert!(series.summary.builds.iter().all(|build| program.contains(build)), "{program}");
+            let mine: Vec<_> =
+                view.otherwise.iter().filter(|row| row.conditions.starts_with(series.otherwise)).collect();
+            let levels: Vec<&Scores> = series.summary.scores.iter().filter(|s| s.noise.is_some()).collect();
+            let scores = if levels.is_empty() { vec![&series.summary.scores[0]] } else { levels };
+            assert_eq!(mine.len(), scores.len(), "{}", series.otherwise);
+            for (row, s) in mine.iter().zip(scores) {
+                assert_eq!(row.trials, s.trials);
+                let counted = format!("({} of {})", s.verdict.successes, s.verdict.of);
+                assert!(row.verdict.ends_with(&counted), "{} {counted}", row.verdict);
+            }
+        }
+        assert_eq!(view.otherwise[0].trials, main.summary.scores[0].trials);
     }
 }

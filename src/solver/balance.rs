@@ -224,7 +224,7 @@ impl<const N: usize> Balancing<'_, N> {
     }
 
     /// Mean of the slopes over the cycle.
-    fn mean(&self) -> Square<N> {
+    fn mean_slopes(&self) -> Square<N> {
         let mut mean = [[0.0; N]; N];
         for sample in &self.samples {
             for i in 0..N {
@@ -238,7 +238,7 @@ impl<const N: usize> Balancing<'_, N> {
 
     /// Mean of the slopes and what follows from it.
     fn linearise(&mut self) -> Option<()> {
-        let mean = self.mean();
+        let mean = self.mean_slopes();
         self.mean_slope = mean;
         self.resolvents.clear();
         for k in 0..=self.harmonics {
@@ -354,8 +354,8 @@ impl<const N: usize> Balancing<'_, N> {
 
     /// Extremes of a quantity: its series evaluated at many phases, and the vertices of parabolas there.
     fn extremes(&self, of: impl Fn(&Sample<N>) -> f64) -> (f64, f64) {
-        let series: Vec<[Complex; 1]> =
-            (0..=self.harmonics).map(|k| self.transform(k, |j| [of(&self.samples[j])])).collect();
+        let values: Vec<[f64; 1]> = self.samples.iter().map(|sample| [of(sample)]).collect();
+        let series: Vec<[Complex; 1]> = (0..=self.harmonics).map(|k| self.transform(k, |j| values[j])).collect();
         let value: [f64; MOST] = std::array::from_fn(|j| sum(&series, |k| ROOTS[k * j % MOST])[0]);
         let mut extremes = (f64::INFINITY, f64::NEG_INFINITY);
         for j in 0..MOST {

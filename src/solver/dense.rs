@@ -40,7 +40,8 @@ pub fn solve(n: usize, mut m: Matrix, mut b: State) -> Option<State> {
 /// Squarings of a matrix whose spectral radius is wanted: what a norm misses of it goes down by half each time.
 const SQUARINGS: usize = 24;
 
-/// Spectral radius of the leading `n` rows and columns by repeated squaring; no number where an entry is none.
+/// Spectral radius of the leading `n` rows and columns by repeated squaring; no number where an entry is none or
+/// infinite.
 pub fn spectral_radius(n: usize, mut matrix: Matrix) -> f64 {
     let largest = |m: &Matrix| {
         let leading = m[..n].iter().flat_map(|row| &row[..n]);
@@ -56,16 +57,15 @@ pub fn spectral_radius(n: usize, mut matrix: Matrix) -> f64 {
             return f64::NAN;
         }
         log += norm.ln() / power;
-        let inverse = 1.0 / norm;
         for row in &mut matrix[..n] {
-            row[..n].iter_mut().for_each(|entry| *entry *= inverse);
+            row[..n].iter_mut().for_each(|entry| *entry /= norm);
         }
         let mut square = [[0.0; MAX_STATES]; MAX_STATES];
         multiply(n, n, &matrix, &matrix, &mut square);
         matrix = square;
         power *= 2.0;
     }
-    (log + largest(&matrix).max(1e-300).ln() / power).exp()
+    (log + largest(&matrix).ln() / power).exp()
 }
 
 /// The identity.
@@ -110,7 +110,20 @@ mod tests {
         (matrix[0][0], matrix[0][1], matrix[1][0], matrix[1][1]) =
             (0.9 * cosine, -0.9 * sine, 0.9 * sine, 0.9 * cosine);
         assert!((spectral_radius(2, matrix) - 0.9).abs() < 1e-6);
-        matrix[1][0] = f64::NAN;
-        assert!(spectral_radius(2, matrix).is_nan());
+        for none in [f64::NAN, f64::INFINITY] {
+            matrix[1][0] = none;
+            assert!(spectral_radius(2, matrix).is_nan());
+        }
+    }
+
+    #[test]
+    fn the_spectral_radius_of_matrices_that_vanish_or_nearly_do() {
+        let mut matrix = [[0.0; MAX_STATES]; MAX_STATES];
+        assert_eq!(spectral_radius(3, matrix), 0.0);
+        (matrix[0][1], matrix[1][2]) = (5.0, 7.0);
+        assert_eq!(spectral_radius(3, matrix), 0.0);
+        matrix = [[0.0; MAX_STATES]; MAX_STATES];
+        (matrix[0][0], matrix[1][1]) = (1e-310, 1e-312);
+        assert!((spectral_radius(2, matrix) / 1e-310 - 1.0).abs() < 1e-6);
     }
 }

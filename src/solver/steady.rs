@@ -278,13 +278,12 @@ fn from_full_slip(model: &Model, at: &Operation, problem: &Problem, tolerance: &
 }
 
 fn stability(multiplier: f64) -> Status {
-    if multiplier > UNSTABLE {
-        Status::SelfExcited(format!(
-            "the periodic state is unstable: a disturbance grows {multiplier:.3} times a cycle"
-        ))
-    } else {
-        Status::Steady
+    if multiplier <= UNSTABLE {
+        return Status::Steady;
     }
+    // No number: beyond all of them.
+    let growth = if multiplier.is_nan() { "beyond all numbers in".into() } else { format!("{multiplier:.3} times") };
+    Status::SelfExcited(format!("the periodic state is unstable: a disturbance grows {growth} a cycle"))
 }
 
 /// What there is where no periodic state was found: what a time integration settles in, or its lock-in average. Without

@@ -60,6 +60,15 @@ impl<'a> Shown<'a> {
             let heading = Type { size: SIZE, color: GREY, ..Type::default().bold() };
             canvas.text((left, 16.0), "named", heading);
             canvas.text((14.0, top - 8.0), "planted", heading);
+            let (right, bottom) = (left + column * self.named.len() as f64, top + ROW * self.planted.len() as f64);
+            for index in 0..=self.planted.len() {
+                let y = top + ROW * index as f64;
+                canvas.line((left, y), (right, y), Stroke::solid(GRID, 1.0));
+            }
+            for index in 0..=self.named.len() {
+                let x = left + column * index as f64;
+                canvas.line((x, top), (x, bottom), Stroke::solid(GRID, 1.0));
+            }
             for (index, name) in self.named.iter().enumerate() {
                 let x = left + column * (index as f64 + 0.5) + 0.36 * SIZE;
                 // A text that reads upwards is anchored at its lower end.
@@ -78,6 +87,9 @@ impl<'a> Shown<'a> {
         let total = self.counts[row].iter().sum::<usize>().max(1) as f64;
         for (column, &number) in self.counts[row].iter().enumerate() {
             let right = self.right(row, column);
+            if number == 0 && !right {
+                continue;
+            }
             let x = left + width * column as f64;
             let hue = if right { ROLLER } else { SLIP };
             let color = if number == 0 { WHITE } else { WHITE.mix(hue, 0.2 + 0.7 * number as f64 / total) };

@@ -9,7 +9,10 @@ use crate::figures::{Drawing, Figure, FigureError};
 use crate::trial::{Record, Score, Summary};
 
 const SIZE: f64 = 13.0;
+/// Height of a row with up to `FEW` trials, and what each more of them adds.
 const ROW: f64 = 22.0;
+const FEW: usize = 8;
+const MORE: f64 = 1.5;
 const TOP: f64 = 40.0;
 
 /// The figure.
@@ -19,7 +22,16 @@ type Trial<'a> = (&'a Record, &'a Score);
 
 fn draw(names: &[&str], trials: &[Trial], title: &str, alt: &str) -> Result<String, FigureError> {
     let left = names.iter().map(|name| text_width(name, SIZE, false)).fold(0.0, f64::max) + 30.0;
-    let (width, height) = (WIDTH - left - 30.0, ROW * names.len() as f64);
+    let of = |name: &str| -> Vec<&Trial> {
+        let drawable = |s: &Score| [s.base_error, s.final_error].iter().all(|error| *error > 0.0 && error.is_finite());
+        let mut mine: Vec<&Trial> = trials.iter().filter(|(r, s)| r.answer.cause == name && drawable(s)).collect();
+        mine.sort_by(|(_, a), (_, b)| a.base_error.total_cmp(&b.base_error));
+        mine
+    };
+    // Every row as high as the fullest.
+    let most = names.iter().map(|name| of(name).len()).max().unwrap_or(0);
+    let row = ROW + MORE * most.saturating_sub(FEW) as f64;
+    let (width, height) = (WIDTH - left - 30.0, row * names.len() as f64);
     document((WIDTH, TOP + height + 62.0), (title, alt), |canvas| {
         let values = trials.iter().flat_map(|(_, s)| [s.base_error, s.final_error]).chain([0.9, 2.0]);
         let x = Axis::logarithmic("error of the amplitude over the noise", values, 0.05);
@@ -36,19 +48,27 @@ fn draw(names: &[&str], trials: &[Trial], title: &str, alt: &str) -> Result<Stri
             legend(canvas, left + 240.0 * index as f64, 0.0, &[(key, text.to_string())]);
         }
         for (index, name) in names.iter().enumerate() {
-            let middle = TOP + ROW * (index as f64 + 0.5);
+            let middle = TOP + row * (index as f64 + 0.5);
             canvas.line((left, middle), (left + width, middle), Stroke::solid(GRID, 1.0));
             canvas.text((left - 10.0, middle + 5.0), name, Type { size: SIZE, ..Type::at(Anchor::End) });
-            let mine: Vec<&Trial> = trials.iter().filter(|(r, _)| r.answer.cause == *name).collect();
-            for (place, (_, s)) in mine.iter().enumerate() {
-                let y = middle + 0.6 * ROW * ((place as f64 + 0.5) / mine.len() as f64 - 0.5);
-                let (a, b) = (panel.px(s.base_error), panel.px(s.final_error));
-                if !(a.is_finite() && b.is_finite()) {
-                    continue;
+            let mine = of(name);
+            let size = if mine.len() > FEW { 0.75 } else { 1.0 };
+            let dumbbell = |(place, (_, s)): (usize, &&Trial)| {
+                let y = middle + 0.7 * row * ((place as f64 + 0.5) / mine.len() as f64 - 0.5);
+                ((panel.px(s.base_error), y), (panel.px(s.final_error), y), s.verdict)
+            };
+            let dumbbells: Vec<_> = mine.iter().enumerate().map(dumbbell).collect();
+            for &(base, end, _) in &dumbbells {
+                canvas.line(base, end, Stroke::solid(GREY, 0.9 * size));
+            }
+            for &(base, ..) in &dumbbells {
+                canvas.circle(base, 2.6 * size, WHITE, Stroke::solid(GREY, 1.2 * size));
+            }
+            // Wrong ones on top.
+            for (right, color) in [(true, STATIC), (false, SLIP)] {
+                for &(_, end, _) in dumbbells.iter().filter(|(.., verdict)| *verdict == right) {
+                    canvas.dot(end, 3.2 * size, color);
                 }
-                canvas.line((a, y), (b, y), Stroke::solid(GREY, 0.9));
-                canvas.circle((a, y), 2.6, WHITE, Stroke::solid(GREY, 1.2));
-                canvas.dot((b, y), 3.2, if s.verdict { STATIC } else { SLIP });
             }
         }
     })

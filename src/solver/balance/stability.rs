@@ -13,11 +13,12 @@ use std::f64::consts::TAU;
 /// instants, which counts fast changes of the slopes too little; of other motions shooting knows more.
 const STABLE: f64 = 1.0 - 1e-4;
 const SURELY_STABLE: f64 = 0.99;
+
 impl<const N: usize> Balancing<'_, N> {
     /// Whether every disturbance dies out, by the Floquet multipliers.
     pub(super) fn is_stable(&self) -> bool {
         let period = TAU / self.omega;
-        let mean = self.mean();
+        let mean = self.mean_slopes();
         let change = |sample: &Sample<N>| -> f64 {
             let rows = sample.slope.iter().zip(&mean);
             rows.map(|(row, mean)| row.iter().zip(mean).map(|(a, b)| (a - b).abs()).sum()).fold(0.0, larger)
