@@ -110,8 +110,9 @@ impl Search<'_> {
             .filter(|a| !from.additions.contains(a) && compatible(&self.base, &with(a)))
             .collect();
         let base = Base::new(data, from);
-        let stated = at_stated_values(data, from);
         let beside_noise = !self.structured(from);
+        let elsewhere = from.additions.is_empty() || !beside_noise;
+        let stated = if elsewhere { at_stated_values(data, from) } else { None };
         let explored: Vec<Explored> = fitting
             .par_iter()
             .map(|&addition| {

@@ -213,17 +213,17 @@ pub fn about(model: &Model, addition: Addition, seed: u32) -> Vec<Model> {
 /// Whether the calibration has carried a parameter far off the value that the scenario states.
 pub fn far_off(data: &Data<'_>, from: &Hypothesis) -> bool {
     let mut both = from.fit.parameters.iter().zip(from.fit.values.iter().zip(&data.stated));
-    from.additions.is_empty() && both.any(|(p, (&a, &b))| p.natural_distance(a, b) > FAR)
+    both.any(|(p, (&a, &b))| p.natural_distance(a, b) > FAR)
 }
 
-/// The calibrated base at the values that the scenario states, if the calibration has carried one far off: there an addition
-/// may have nothing left to act on.
+/// A hypothesis with the base at the values that the scenario states, if the calibration has carried one far off: there an
+/// addition may have nothing left to act on.
 pub fn at_stated_values<'a>(data: &Data<'a>, from: &Hypothesis) -> Option<(Hypothesis, Base<'a>)> {
     if !far_off(data, from) {
         return None;
     }
     let mut there = from.clone();
-    there.fit.values.clone_from(&data.stated);
+    there.fit.values[..data.stated.len()].copy_from_slice(&data.stated);
     let base = Base::new(data, &there);
     Some((there, base))
 }

@@ -164,7 +164,9 @@ impl Explored {
         let there = on_part(data, &attempt.model, attempt.fit.parameters.clone());
         let mut places = vec![attempt.fit.values[..known].to_vec()];
         if far_off(data, from) {
-            places.push(data.stated.clone());
+            let mut stated = places[0].clone();
+            stated[..data.stated.len()].copy_from_slice(&data.stated);
+            places.push(stated);
         }
         let mut best = attempt.clone();
         for place in places {
@@ -189,7 +191,7 @@ impl Explored {
             let problem = on_part(data, model, movable(model, &keys));
             let calibrated = problem.values();
             let mut stated = calibrated.clone();
-            if from.additions.is_empty() {
+            if from.additions.is_empty() || far {
                 stated[..data.stated.len()].copy_from_slice(&data.stated);
             }
             // Both where it costs little or the two are far apart, otherwise in turn.
