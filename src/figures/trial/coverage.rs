@@ -9,14 +9,17 @@ use crate::trial::{Coverage, Proportion, Summary};
 const SIZE: f64 = 13.0;
 const ROW: f64 = 20.0;
 const TOP: f64 = 34.0;
-const NUMBERS: f64 = 90.0;
 
 /// The figure.
 pub struct Intervals;
 
 fn draw(rows: &[(String, Proportion)], title: &str, alt: &str) -> Result<String, FigureError> {
-    let left = rows.iter().map(|(key, _)| text_width(key, SIZE, false)).fold(0.0, f64::max) + 30.0;
-    let (width, height) = (WIDTH - left - NUMBERS, ROW * rows.len() as f64);
+    let widest =
+        |texts: &mut dyn Iterator<Item = &str>| texts.map(|text| text_width(text, SIZE, false)).fold(0.0, f64::max);
+    let numbers: Vec<String> = rows.iter().map(|(_, p)| format!("{} of {}", p.successes, p.of)).collect();
+    let left = widest(&mut rows.iter().map(|(key, _)| key.as_str())) + 30.0;
+    let right = widest(&mut numbers.iter().map(String::as_str)) + 24.0;
+    let (width, height) = (WIDTH - left - right, ROW * rows.len() as f64);
     document((WIDTH, TOP + height + 62.0), (title, alt), |canvas| {
         let x = Axis::linear("share of the 95 % intervals that hold the truth [%]", 0.0, 100.0).step(10.0);
         let y = Axis::linear("", 0.2, 0.8).step(2.0);
@@ -33,8 +36,7 @@ fn draw(rows: &[(String, Proportion)], title: &str, alt: &str) -> Result<String,
             let (a, b) = (panel.px(100.0 * p.low), panel.px(100.0 * p.high));
             canvas.line((a, y), (b, y), Stroke::solid(color, if bold { 4.0 } else { 2.4 }));
             canvas.dot((panel.px(100.0 * p.share.unwrap_or(0.0)), y), 4.2, INK);
-            let words = format!("{} of {}", p.successes, p.of);
-            canvas.text((left + width + 10.0, y + 5.0), &words, Type { size: SIZE, ..Type::default() });
+            canvas.text((left + width + 10.0, y + 5.0), &numbers[index], Type { size: SIZE, ..Type::default() });
         }
     })
 }
