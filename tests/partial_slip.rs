@@ -11,6 +11,7 @@ use stickslip::model::{Model, Operation};
 use stickslip::scenario::Formulation::Series;
 use stickslip::solver::analytic::wrap;
 use stickslip::solver::parallel::{self, Demand};
+use stickslip::solver::time::{self, Plan};
 
 /// The reference table.
 const TABLE: &str = include_str!("data/effects.csv");
@@ -150,4 +151,22 @@ fn at_full_load_the_stroke_stays_below_the_first_threshold_of_the_table() {
         let apart = common::distance(&found, &linear);
         assert!(apart < 0.2 * moved, "{at:?}: {apart:e} of {moved:e}");
     }
+}
+
+/// A law of friction that falls below zero at rest leaves the sliders nothing to hold with: whatever comes of it, no panic.
+#[test]
+fn friction_below_zero_at_rest_is_no_reason_to_stop() {
+    let mut model = paper_model(Series);
+    let partial_slip = find("partial-slip").unwrap();
+    let stribeck = find("stribeck").unwrap();
+    model.effects = vec![(stribeck, vec![-0.9, 1e-3]), (partial_slip, vec![2.0])];
+    let at = Operation { speed: 0.0, load: 20.0, drive: 2.5e-6, frequency: 70.0 };
+    let problem = Problem::new(&model, &at);
+    let sliders = problem.sliders();
+    assert!(sliders.limit(&sliders.forcing(0.0), 0.0, 0.0, 0.0, 0.0).0 < 0.0);
+    if let Ok(found) = parallel::solve(&sliders, &Demand::COARSE, &mut None) {
+        assert!(found.fundamental.0.is_finite() && found.stick_fraction.is_finite());
+    }
+    let plan = Plan { steps: 64, cycles: 5, window: 2, ..Plan::default() };
+    assert!(time::integrate(&sliders, &plan).fundamental.0.is_finite());
 }

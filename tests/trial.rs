@@ -1,5 +1,6 @@
 //! The program's examination of itself: generators, reproducibility, sealed answers, resumption.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use stickslip::discover;
 use stickslip::figures;
@@ -40,6 +41,7 @@ fn small(folder: &Path) -> Bench {
 fn options(causes: &[&str], out: PathBuf) -> Options {
     Options {
         causes: trial::causes(causes).unwrap(),
+        fewer: BTreeMap::new(),
         seed: 3,
         seeds: 1,
         noise: vec![0.01],
@@ -281,6 +283,15 @@ fn names_of_causes_are_read_and_unknown_ones_refused() {
     );
     let pair = trial::causes(&["grosch+actuator-lag", "none"]).unwrap();
     assert_eq!(pair.iter().map(Cause::name).collect::<Vec<_>>(), ["grosch+actuator-lag", "none"]);
+    let (causes, fewer) = trial::numbered_causes(&["all", "pairs:8", "none: 2"]).unwrap();
+    assert_eq!(causes.len(), all.len());
+    let options = Options { causes, fewer, seeds: 5, ..options(&[], "unused".into()) };
+    let draws =
+        |kind| options.causes.iter().filter(|c| c.kind() == kind).map(|c| options.draws_of(c)).collect::<Vec<_>>();
+    assert_eq!((draws(trial::Kind::None), draws(trial::Kind::Pair)), (vec![2], vec![5; count(trial::Kind::Pair)]));
+    for wrong in ["pairs:0", "pairs:", "none:many", "groch:2"] {
+        assert!(trial::numbered_causes(&[wrong]).is_err(), "{wrong}");
+    }
     let refused = trial::causes(&["groch"]).unwrap_err().to_string();
     assert!(refused.contains("did you mean `grosch`"), "{refused}");
     assert!(trial::causes(&["lugre+partial-slip"]).is_err());

@@ -16,7 +16,7 @@ use std::time::Duration;
 /// Arguments of the command.
 #[derive(Debug, Clone, Args)]
 pub struct Arguments {
-    /// What to plant: names of effects, pairs joined by +, none, keys like rig.inertia, causes outside the catalogue, or all, effects, recalibrations, pairs, outside
+    /// What to plant: names of effects, pairs joined by +, none, keys like rig.inertia, causes outside the catalogue, or all, effects, recalibrations, pairs, outside; NAME:N draws N of these at most
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "all")]
     effects: Vec<String>,
     /// Number of draws per cause
@@ -57,8 +57,10 @@ pub struct Arguments {
 /// Runs the trials, prints the scores, writes the figures.
 pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     let a = arguments;
+    let (causes, fewer) = trial::numbered_causes(&a.effects)?;
     let options = Options {
-        causes: trial::causes(&a.effects)?,
+        causes,
+        fewer,
         seed: a.seed,
         seeds: a.seeds,
         noise: a.noise.iter().map(|text| share("--noise", text, 1e-6)).collect::<Result<_>>()?,
@@ -73,7 +75,8 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     };
     let before = a.agree.as_deref().map(trial::load).transpose()?;
     files::prepare(&options.out)?;
-    let bar = bar(global, options.causes.len() * options.noise.len() * options.seeds as usize);
+    let draws: u32 = options.causes.iter().map(|cause| options.draws_of(cause)).sum();
+    let bar = bar(global, options.noise.len() * draws as usize);
     let done = |record: &Record, fresh: bool| {
         bar.set_message(record.id.clone());
         bar.inc(1);

@@ -1,6 +1,7 @@
 //! Periodic states of a contact of many parallel sliders: Newton for the few states they share.
 
 use super::sliders::{Cycle, Method, Slider};
+use crate::model::continuum::held;
 use crate::model::system::SliderSystem;
 use nalgebra::{DMatrix, DVector};
 
@@ -87,7 +88,7 @@ fn search(
         .iter()
         .map(|e| {
             let most = e.limit * limit / kc;
-            let x = if system.at_rest() { rest(&shared).clamp(-most, most) } else { most };
+            let x = if system.at_rest() { held(rest(&shared), most) } else { most };
             Slider { x, q: 0.0, psi }
         })
         .collect();

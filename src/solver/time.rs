@@ -2,7 +2,7 @@
 //! the bristles, a scalar search for the slip rate. Slow, simple, and independent of the periodic solvers, with which it
 //! shares only the statement of the laws.
 
-use crate::model::continuum::Element;
+use crate::model::continuum::{Element, held};
 use crate::model::system::{Forcing, Linear, SliderSystem};
 
 /// Trials for the force at the end of a step.
@@ -199,7 +199,7 @@ impl<'a> State<'a> {
         let rest = shared[2] - system.lever() * (forcing.angle + shared[0]);
         let bristle = |e: &Element| {
             let most = e.limit * limit / kc;
-            let x = if system.at_rest() { rest.clamp(-most, most) } else { most };
+            let x = if system.at_rest() { held(rest, most) } else { most };
             let slip = if system.at_rest() { 0.0 } else { system.relative_speed(&forcing, 0.0, 0.0).max(0.0) };
             Bristle { x, rate: 0.0, q: 0.0, q_rate: 0.0, psi, psi_rate: 0.0, slip }
         };

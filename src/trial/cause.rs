@@ -4,6 +4,7 @@ use super::outside::{self, OUTSIDE, Outside};
 use crate::effects::{self, Effect, REGISTRY};
 use crate::error::{Error, Result};
 use crate::scenario::diagnostic::{nearest, whole_file};
+use std::collections::BTreeMap;
 
 /// Numbers of the rig and the instrument that may be off.
 const RECALIBRATIONS: &[&str] = &[
@@ -154,6 +155,26 @@ pub fn causes<S: AsRef<str>>(list: &[S]) -> Result<Vec<Cause>> {
         }
     }
     wanted.iter().map(|name| Cause::find(name).ok_or_else(|| unknown(name))).collect()
+}
+
+/// The same, where `NAME:N` wants at most N draws of these: the causes, and those numbers by name.
+///
+/// # Errors
+/// As of [`causes`], and for what is no number of draws.
+pub fn numbered_causes<S: AsRef<str>>(list: &[S]) -> Result<(Vec<Cause>, BTreeMap<String, u32>)> {
+    let (mut names, mut fewer) = (Vec::new(), BTreeMap::new());
+    for word in list {
+        let word = word.as_ref().trim();
+        let (name, number) = word.split_once(':').map_or((word, None), |(name, number)| (name, Some(number)));
+        names.push(name);
+        let Some(number) = number else { continue };
+        let most: u32 = number.trim().parse().ok().filter(|most| *most > 0).ok_or_else(|| {
+            let help = "a whole number of at least 1 follows the colon, as in `pairs:8`";
+            Error::Input(whole_file(&format!("`{word}` says no number of draws"), help))
+        })?;
+        fewer.extend(causes(&[name])?.iter().map(|cause| (cause.name(), most)));
+    }
+    Ok((causes(&names)?, fewer))
 }
 
 fn unknown(name: &str) -> Error {

@@ -25,7 +25,7 @@ mod visible;
 
 pub use agreement::{Both, agreement, load};
 pub use answer::{Answer, Draws, Seal, open, seal};
-pub use cause::{Cause, Kind, causes};
+pub use cause::{Cause, Kind, causes, numbered_causes};
 pub use committed::{Series, committed};
 pub use conditions::{Bench, practice};
 pub use draw::{Planted, draw};
@@ -39,6 +39,7 @@ pub use summary::{ByCause, Confusion, Coverage, SCHEMA, Scores, Summary, summari
 pub use table::{scenario as scenario_text, table as table_text};
 pub use visible::{excess, noiseless};
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// chi2 per reading that a draw must leave the calibrated base with, noise included, to count as visible.
@@ -51,6 +52,8 @@ pub const DRAWS: usize = 40;
 pub struct Options {
     /// What is planted.
     pub causes: Vec<Cause>,
+    /// Causes, by name, of which fewer draws are wanted.
+    pub fewer: BTreeMap<String, u32>,
     /// First seed.
     pub seed: u32,
     /// Number of seeds, each a draw and a noise of its own for every cause.
@@ -65,6 +68,13 @@ pub struct Options {
     pub max_effects: usize,
     /// Folder of tables, answers and results.
     pub out: PathBuf,
+}
+
+impl Options {
+    /// Number of draws of a cause.
+    pub fn draws_of(&self, cause: &Cause) -> u32 {
+        self.fewer.get(&cause.name()).map_or(self.seeds, |&most| most.min(self.seeds))
+    }
 }
 
 /// The version of the program that a result records.

@@ -43,7 +43,7 @@ pub fn run(
     let mut records = Vec::new();
     let build = build();
     for seed in options.seed..options.seed + options.seeds {
-        for cause in &options.causes {
+        for cause in options.causes.iter().filter(|cause| seed - options.seed < options.draws_of(cause)) {
             for &noise in &options.noise {
                 go_on()?;
                 let inputs = inputs(bench, options, cause, seed, noise);
