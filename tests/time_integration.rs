@@ -109,6 +109,29 @@ fn a_roller_of_less_than_a_gram_agrees() {
     }
 }
 
+/// Friction that rises from rest with the logarithm of the slip rate lets the slip die out gently: a step may end within a
+/// rounding of the event, and the mode with it.
+#[test]
+fn slip_that_dies_out_gently_ends_at_every_accuracy() {
+    let mut model = model_of("grosch", "delta_mu=0.28272474387298874 v_m=0.006906902474338505 h=2.375719218006876");
+    (model.contact.stiffness, model.contact.damping) = (106925.24173997986, 27.707185352743448);
+    let plan = Plan { steps: 8000, ..Plan::default() };
+    (36..=46).into_par_iter().for_each(|half| {
+        let at = Operation { speed: 0.0, load: 0.1, drive: 7.5e-6, frequency: 2.0 * f64::from(half) };
+        let fine = steady(&model, &at);
+        for tolerance in [Tolerance::COARSE, Tolerance::FIT] {
+            let state = solve_steady(&model, &at, &tolerance, true, &mut Warm::default()).state;
+            assert_eq!(state.status, Status::Steady, "{at:?} {tolerance:?}");
+            let change = (state.amplitude / fine.amplitude - 1.0).abs().max((state.phase - fine.phase).abs());
+            assert!(change < 1e-5, "{at:?} {tolerance:?}: {change:e}");
+        }
+        if half % 4 == 0 {
+            let found = difference(&model, &at, &plan);
+            assert!(found < 1e-5, "{at:?}: {found:e}");
+        }
+    });
+}
+
 #[test]
 fn time_integration_converges_with_order_two() {
     let model = paper_model(Series);

@@ -293,7 +293,8 @@ impl Search<'_> {
                 let noise = self.noise(&best.found.hypothesis);
                 let swapped = best.found.hypothesis;
                 let Some(&new) = swapped.additions.last() else { continue };
-                if new != chosen.additions[index] && self.score(&swapped, noise) + MARGIN < self.score(&chosen, noise) {
+                // The same one, too: beside the others it may have found a better minimum.
+                if self.score(&swapped, noise) + MARGIN < self.score(&chosen, noise) {
                     let mut additions = chosen.additions.clone();
                     additions[index] = new;
                     chosen = Hypothesis { additions, ..swapped };

@@ -37,11 +37,20 @@ pub struct Hint {
     pub touched: Vec<bool>,
 }
 
+/// A model with an addition.
+#[derive(Debug, Clone)]
+pub struct Sample {
+    /// As it was drawn.
+    pub drawn: Model,
+    /// As strong as a linear estimate wants it, where that is another strength.
+    pub strengthened: Option<Model>,
+}
+
 /// What samples tell.
 pub struct Look {
-    /// The samples, each as strong as a linear estimate wants it, with the sum of squares over the part after as much of its
-    /// change as is best in that estimate; the most promising first.
-    pub starts: Vec<(f64, Model)>,
+    /// The samples with the sum of squares over the part after as much of its change as is best in a linear estimate; the most
+    /// promising first.
+    pub starts: Vec<(f64, Sample)>,
     /// Sum of squares over the part after as much of one sample's change as is best, in a linear estimate.
     pub after: f64,
     /// Largest change that a sample makes beyond what the parameters before it can imitate: sum of squares over the part.
@@ -59,7 +68,7 @@ pub fn look(data: &Data<'_>, base: &Base<'_>, addition: Addition, samples: &[Mod
     let mut touched = vec![false; data.part.len()];
     let (mut visibility, mut strongest) = (0.0, None);
     let mut after = robust_chi2(&rest, data.threshold);
-    let mut tried: Vec<(f64, Model)> = Vec::new();
+    let mut tried: Vec<(f64, Sample)> = Vec::new();
     for model in samples {
         let residuals = residuals(data, model, base, hint);
         for (touched, rows) in touched.iter_mut().zip(&rows) {
@@ -68,20 +77,22 @@ pub fn look(data: &Data<'_>, base: &Base<'_>, addition: Addition, samples: &[Mod
         let change = base.without(&(&residuals - &base.evaluation.residuals));
         let size = change.norm_squared();
         let as_it_is = robust_chi2(&base.without(&residuals), data.threshold);
-        let (mut least, mut best) = (as_it_is, model.clone());
+        let mut least = as_it_is;
+        let mut sample = Sample { drawn: model.clone(), strengthened: None };
         if size > 0.0 {
             // As much of the change as the sum of squares wants.
             let share = (-rest.dot(&change) / size).max(0.0);
             let scaled = robust_chi2(&(&rest + &change * share), data.threshold);
             if scaled < least {
-                (least, best) = (scaled, strengthened(model, addition, share));
+                least = scaled;
+                sample.strengthened = strengthened(model, addition, share);
             }
         }
         after = after.min(least);
         if size > visibility {
             (visibility, strongest) = (size, Some(model.clone()));
         }
-        tried.push((least, best));
+        tried.push((least, sample));
     }
     tried.sort_by(|a, b| a.0.total_cmp(&b.0));
     Look { starts: tried, after, visibility, strongest, touched }
@@ -100,25 +111,20 @@ impl Look {
     }
 }
 
-/// The model with the strength of the addition times `share`, within its bounds; as it is where its law states no single
+/// The model with the strength of the addition times `share`, within its bounds; `None` where its law states no single
 /// strength that vanishes with the effect.
-fn strengthened(model: &Model, addition: Addition, share: f64) -> Model {
-    let Addition::Effect(effect) = addition else { return model.clone() };
-    let [zero] = effect.zero() else { return model.clone() };
-    let key = &addition.keys()[zero.parameter];
+fn strengthened(model: &Model, addition: Addition, share: f64) -> Option<Model> {
+    let Addition::Effect(effect) = addition else { return None };
+    let [zero] = effect.zero() else { return None };
     let step = match zero.value {
         0.0 => share.ln(),
         f64::INFINITY => -share.ln(),
-        _ => 0.0,
+        _ => return None,
     };
-    match parameter(model, key) {
-        Some(strength) if step.is_finite() => {
-            let none: [&Point; 0] = [];
-            let problem = Problem::new(model.clone(), none, vec![strength.clone()], Tolerance::COARSE);
-            problem.model(&[strength.moved(problem.values()[0], step)])
-        }
-        _ => model.clone(),
-    }
+    let strength = parameter(model, &addition.keys()[zero.parameter]).filter(|_| step.is_finite())?;
+    let none: [&Point; 0] = [];
+    let problem = Problem::new(model.clone(), none, vec![strength.clone()], Tolerance::COARSE);
+    Some(problem.model(&[strength.moved(problem.values()[0], step)]))
 }
 
 /// Rows of the residuals that belong to each point.

@@ -3,7 +3,7 @@
 
 use super::MARGIN;
 use super::hypothesis::{Addition, Basis, Estimate, Hypothesis, extended};
-use super::sampling::{Base, Hint, about, far_off, look, samples};
+use super::sampling::{Base, Hint, Sample, about, far_off, look, samples};
 use crate::compare::scattered;
 use crate::fit::{Fit, HUBER, Parameter, Problem, Settings, minimise, parameter, robust_chi2};
 use crate::measurement::Point;
@@ -72,8 +72,8 @@ impl<'a> Data<'a> {
 /// An addition at samples of its ranges, before any fit.
 pub struct Explored {
     addition: Addition,
-    /// The samples, each as strong as a linear estimate wants it, the most promising first.
-    starts: Vec<Model>,
+    /// The samples, the most promising first.
+    starts: Vec<Sample>,
     /// Sum of squares over the part of the points before the addition, at the best that its parameters can do there.
     pub before: f64,
     /// The same with the threshold by which hypotheses are ranked.
@@ -138,7 +138,7 @@ pub fn explore(
         strongest: found.strongest,
         touched: found.touched,
         costly: samples[0].has_continuum(),
-        starts: found.starts.into_iter().map(|(_, model)| model).collect(),
+        starts: found.starts.into_iter().map(|(_, sample)| sample).collect(),
     }
 }
 
@@ -176,40 +176,62 @@ impl Explored {
             near.fit.values = place;
             let samples = about(&there.model(&values), self.addition, data.seed);
             let starts = look(data, &Base::new(data, &near), self.addition, &samples, None).starts;
-            let starts: Vec<Model> = starts.into_iter().map(|(_, model)| model).collect();
+            let starts: Vec<Sample> = starts.into_iter().map(|(_, sample)| sample).collect();
             let other = lead(data, self.begin_at(data, &near, &starts, BEGUN_AGAIN)).map(|other| other.finished(data));
             best = other.filter(|other| other.fit.objective < best.fit.objective).unwrap_or(best);
         }
         best
     }
 
-    fn begin_at(&self, data: &Data<'_>, from: &Hypothesis, starts: &[Model], begun: usize) -> Vec<Attempt> {
+    fn begin_at(&self, data: &Data<'_>, from: &Hypothesis, starts: &[Sample], begun: usize) -> Vec<Attempt> {
         let keys = self.keys(from);
         let far = far_off(data, from);
         let mut attempts = Vec::new();
-        for (rank, model) in starts.iter().take(begun).enumerate() {
-            let problem = on_part(data, model, movable(model, &keys));
-            let calibrated = problem.values();
-            let mut stated = calibrated.clone();
-            if from.additions.is_empty() || far {
-                stated[..data.stated.len()].copy_from_slice(&data.stated);
-            }
+        for (rank, sample) in starts.iter().take(begun).enumerate() {
+            let drawn = on_part(data, &sample.drawn, movable(&sample.drawn, &keys));
+            let base = drawn.values()[..data.stated.len()].to_vec();
+            let stated = if from.additions.is_empty() || far { data.stated.clone() } else { base.clone() };
             // Both where it costs little or the two are far apart, otherwise in turn.
-            let values = match self.addition.keys().len() {
-                count if stated != calibrated && !self.costly && (count == 1 || far) => {
-                    vec![calibrated, stated]
-                }
+            let places = match self.addition.keys().len() {
+                count if stated != base && !self.costly && (count == 1 || far) => vec![base, stated],
                 _ if rank % 2 == 1 => vec![stated],
-                _ => vec![calibrated],
+                _ => vec![base],
             };
-            for start in values {
+            for place in places {
+                let (model, mut problem, start) = self.start(data, sample, &keys, &place);
                 let settings = Settings { evaluations: BEGIN, threshold: data.threshold, converged: CLOSE };
-                let fit = minimise(&mut problem.clone(), &start, &settings);
-                attempts.push(Attempt { model: model.clone(), fit });
+                let fit = minimise(&mut problem, &start, &settings);
+                attempts.push(Attempt { model, fit });
             }
         }
         attempts.sort_by(|a, b| a.fit.objective.total_cmp(&b.fit.objective));
         attempts
+    }
+
+    /// Where a fit begins from a sample, with the base at these values: as strong as a linear estimate wants it, or as it was
+    /// drawn where that is better. A law that sets in with a jump is no matter for a linear estimate.
+    fn start<'a>(
+        &self,
+        data: &Data<'a>,
+        sample: &Sample,
+        keys: &[String],
+        base: &[f64],
+    ) -> (Model, Problem<'a>, Vec<f64>) {
+        let at = |model: &Model| {
+            let problem = on_part(data, model, movable(model, keys));
+            let mut values = problem.values();
+            values[..base.len()].copy_from_slice(base);
+            (model.clone(), problem, values)
+        };
+        let drawn = at(&sample.drawn);
+        let Some(strengthened) = sample.strengthened.as_ref().map(at) else { return drawn };
+        if self.costly {
+            return strengthened;
+        }
+        let square = |(_, problem, values): &(Model, Problem<'a>, Vec<f64>)| {
+            robust_chi2(&problem.clone().evaluate(values, false).residuals, data.threshold)
+        };
+        if square(&strengthened) <= square(&drawn) { strengthened } else { drawn }
     }
 
     fn keys(&self, from: &Hypothesis) -> Vec<String> {

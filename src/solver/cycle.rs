@@ -357,6 +357,9 @@ impl<'a> Integrator<'a> {
                 (size, event) = (shorter.size, shorter.ended);
                 h = if event { largest } else { rung(largest, size) };
                 first = event;
+            } else if e[2] < located && e[2] < at_start {
+                // As good as ended: a step from here would take this for a mode that has just begun.
+                (event, h, first) = (true, largest, true);
             }
             // Tangents and observables of the accepted step.
             stepper.tangent(system, &mut tangents);
