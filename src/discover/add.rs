@@ -38,12 +38,12 @@ pub fn fit_addition(scenario: &Scenario, table: &Table, effect: &'static dyn Eff
     let base = calibrate(&model, &keys, &table.points, Tolerance::default(), seed);
     let (_, of_condition) = conditions_of(&table.points);
     let stated = compare::problem(&model, &keys, [], Tolerance::default()).values();
-    let data = Data::new(&table.points, &of_condition, base.threshold, stated, seed);
+    let data = Data::new(model.clone(), &table.points, &of_condition, base.threshold, stated, seed);
     let from = Hypothesis { additions: Vec::new(), model, fit: base.fit, estimate: None, bic: f64::INFINITY };
     let explored =
         explore(&data, &from, &Base::new(&data, &from), at_stated_values(&data, &from).as_ref(), addition, None, false);
     let led = lead(&data, explored.begin(&data, &from)).map(|attempt| attempt.finished(&data));
-    let mut best = explored.found(&from, led).hypothesis;
+    let mut best = explored.found(&data, &from, led).hypothesis;
     best.fit = on_all(&data, &best.model, &best.fit);
     let keys = keys.into_iter().chain(addition.keys()).collect::<Vec<_>>();
     conclude(scenario, table, before, best.fitted(), &keys, seed)

@@ -174,7 +174,7 @@ impl Search<'_> {
     fn testable(&self, entry: &Entry) -> bool {
         let hypothesis = &entry.found.hypothesis;
         let Some(addition) = hypothesis.additions.last() else { return true };
-        let parameters = count(&extended(&self.base, &[*addition]), &addition.keys()) as f64;
+        let parameters = count(&extended(&self.data.base, &[*addition]), &addition.keys()) as f64;
         entry.found.visibility > parameters * (self.readings() as f64).ln() + MARGIN
     }
 

@@ -2,7 +2,7 @@
 
 use super::hypothesis::{Addition, Hypothesis, additions};
 use super::round::{CONTESTED, Entry, Round, Rounds};
-use super::search::{Data, movable, on_all, on_all_problem, scattered_fit};
+use super::search::{Data, on_all, on_all_problem, scattered_fit};
 use super::{Discovery, MARGIN, Options};
 use crate::compare::{self, Calibration, Whiteness, conditions_of};
 use crate::fit::{HUBER, robust_chi2};
@@ -31,9 +31,9 @@ pub fn discover(scenario: &Scenario, table: &Table, options: &Options) -> Discov
     let calibration = compare::calibrate(&base, &scenario.free, &table.points, Tolerance::default(), options.seed);
     let (_, of_condition) = conditions_of(&table.points);
     let stated = compare::problem(&base, &scenario.free, [], Tolerance::default()).values();
-    let data = Data::new(&table.points, &of_condition, calibration.threshold, stated, options.seed);
-    let pool = additions(&base, &scenario.free, table.points.iter().any(|p| p.phase.is_some()));
-    let search = Search { scenario, table, options, base, data, pool };
+    let data = Data::new(base, &table.points, &of_condition, calibration.threshold, stated, options.seed);
+    let pool = additions(&data.base, &scenario.free, table.points.iter().any(|p| p.phase.is_some()));
+    let search = Search { scenario, table, options, data, pool };
     search.run(calibration)
 }
 
@@ -41,8 +41,6 @@ pub(super) struct Search<'a> {
     pub scenario: &'a Scenario,
     pub table: &'a Table,
     pub options: &'a Options,
-    /// The model of the scenario, not calibrated.
-    pub base: Model,
     pub data: Data<'a>,
     /// Everything that may be added.
     pub pool: Vec<Addition>,
@@ -52,7 +50,7 @@ impl Search<'_> {
     fn run(&self, calibration: Calibration) -> Discovery {
         let start = Hypothesis {
             additions: Vec::new(),
-            model: self.base.clone(),
+            model: self.data.base.clone(),
             fit: calibration.fit,
             estimate: None,
             bic: f64::INFINITY,
@@ -260,7 +258,7 @@ impl Search<'_> {
     /// The hypothesis with only these additions, at the values it has.
     fn reduced(&self, from: &Hypothesis, additions: Vec<Addition>) -> Hypothesis {
         let fitted = from.fitted();
-        let mut model = self.base.clone();
+        let mut model = self.data.base.clone();
         for addition in &additions {
             if let Addition::Effect(effect) = addition {
                 let values = fitted.effects.iter().find(|(e, _)| e.name() == effect.name());
@@ -270,7 +268,7 @@ impl Search<'_> {
         let mut keys = self.scenario.free.clone();
         keys.extend(additions.iter().flat_map(Addition::keys));
         let mut fit = from.fit.clone();
-        fit.parameters = movable(&model, &keys);
+        fit.parameters = self.data.movable(&model, &keys);
         let value = |key: &str| from.fit.parameters.iter().position(|p| p.key == key).map(|i| from.fit.values[i]);
         fit.values = fit.parameters.iter().filter_map(|p| value(&p.key)).collect();
         fit.evaluation = on_all_problem(&self.data, &model, fit.parameters.clone()).evaluate(&fit.values, true);

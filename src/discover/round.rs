@@ -107,7 +107,7 @@ impl Search<'_> {
             .pool
             .iter()
             .copied()
-            .filter(|a| !from.additions.contains(a) && compatible(&self.base, &with(a)))
+            .filter(|a| !from.additions.contains(a) && compatible(&self.data.base, &with(a)))
             .collect();
         let base = Base::new(data, from);
         let beside_noise = !self.structured(from);
@@ -171,7 +171,7 @@ impl Search<'_> {
                 *best = best.take().map(|attempt| e.second_look(data, from, attempt));
             });
         }
-        let found: Vec<Found> = explored.par_iter().zip(best).map(|(e, best)| e.found(from, best)).collect();
+        let found: Vec<Found> = explored.par_iter().zip(best).map(|(e, best)| e.found(data, from, best)).collect();
         let least = if from.additions.is_empty() { FOLLOWED } else { 0 };
         self.followed(&explored, found, least, goal.map(|goal| (goal_on_part, goal.fit.objective)))
     }

@@ -1,7 +1,7 @@
 //! Samples over the ranges of an addition, and what they tell before any fit.
 
 use super::hypothesis::{Addition, Hypothesis, extended};
-use super::search::{Data, movable};
+use super::search::Data;
 use crate::fit::{Evaluation, Parameter, Problem, parameter, robust_chi2};
 use crate::measurement::Point;
 use crate::model::Model;
@@ -155,9 +155,15 @@ fn residuals(data: &Data<'_>, model: &Model, base: &Base<'_>, hint: Option<&Hint
 }
 
 /// Models with the addition at samples of its ranges.
-pub fn samples(before: &Model, addition: Addition, seed: u32, hint: Option<&[f64]>, beside_noise: bool) -> Vec<Model> {
+pub fn samples(
+    data: &Data<'_>,
+    before: &Model,
+    addition: Addition,
+    hint: Option<&[f64]>,
+    beside_noise: bool,
+) -> Vec<Model> {
     let model = extended(before, &[addition]);
-    let parameters = movable(&model, &addition.keys());
+    let parameters = data.movable(&model, &addition.keys());
     let none: [&Point; 0] = [];
     let with = |parameters: Vec<Parameter>, values: &[f64]| {
         Problem::new(model.clone(), none, parameters, Tolerance::COARSE).model(values)
@@ -183,7 +189,7 @@ pub fn samples(before: &Model, addition: Addition, seed: u32, hint: Option<&[f64
     for number in 0..count as u32 {
         let shares = match parameters.len() {
             1 => vec![(f64::from(number) + 0.5) / count as f64],
-            n => spread(number, n, seed),
+            n => spread(number, n, data.seed),
         };
         let signed = parameters.iter().any(|p| p.signed);
         for negative in [false, true].into_iter().take(1 + usize::from(signed)) {
@@ -198,18 +204,18 @@ pub fn samples(before: &Model, addition: Addition, seed: u32, hint: Option<&[f64
 
 /// Models with the addition at samples about the values that it has in `model`, and at more samples of its whole ranges,
 /// with the signs that it has.
-pub fn about(model: &Model, addition: Addition, seed: u32) -> Vec<Model> {
-    let parameters = movable(model, &addition.keys());
+pub fn about(data: &Data<'_>, model: &Model, addition: Addition) -> Vec<Model> {
+    let parameters = data.movable(model, &addition.keys());
     let none: [&Point; 0] = [];
     let problem = Problem::new(model.clone(), none, parameters.clone(), Tolerance::COARSE);
     let (values, (count, reach)) = (problem.values(), ABOUT);
     let moved = |number| -> Vec<f64> {
-        let shares = spread(number, parameters.len(), seed);
+        let shares = spread(number, parameters.len(), data.seed);
         let step = |share: f64| reach * (2.0 * share - 1.0);
         parameters.iter().zip(&values).zip(shares).map(|((p, &x), share)| p.moved(x, step(share))).collect()
     };
     let wide = |number| -> Vec<f64> {
-        let shares = spread(FIRST_WIDE + number, parameters.len(), seed);
+        let shares = spread(FIRST_WIDE + number, parameters.len(), data.seed);
         parameters.iter().zip(shares).map(|(p, share)| p.within(share)).collect()
     };
     let near = (0..count).map(moved);

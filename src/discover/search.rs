@@ -37,6 +37,8 @@ const CLOSER: f64 = 1e-6;
 
 /// What a search works on.
 pub struct Data<'a> {
+    /// The model of the scenario, not calibrated.
+    pub base: Model,
     /// All points.
     pub points: &'a [Point],
     /// A part of them, spread over every curve.
@@ -52,7 +54,14 @@ pub struct Data<'a> {
 
 impl<'a> Data<'a> {
     /// All points, and the part for searching: every so many-th of a curve, at another offset in the next.
-    pub fn new(points: &'a [Point], of_condition: &[usize], threshold: f64, stated: Vec<f64>, seed: u32) -> Self {
+    pub fn new(
+        base: Model,
+        points: &'a [Point],
+        of_condition: &[usize],
+        threshold: f64,
+        stated: Vec<f64>,
+        seed: u32,
+    ) -> Self {
         let stride = if points.len() <= SMALL { 1 } else { (points.len() / PART).clamp(1, STRIDE) };
         let mut part = Vec::new();
         let (mut number, mut last) = (0, usize::MAX);
@@ -65,7 +74,14 @@ impl<'a> Data<'a> {
             }
             number += 1;
         }
-        Self { points, part, threshold, stated, seed }
+        Self { base, points, part, threshold, stated, seed }
+    }
+
+    /// Parameters of these keys: those of an effect with the signs that the model has, all others about the values that the
+    /// scenario states, wherever fits have carried them since.
+    pub fn movable(&self, model: &Model, keys: &[String]) -> Vec<Parameter> {
+        let of = |key: &String| parameter(if key.starts_with("effect.") { model } else { &self.base }, key);
+        keys.iter().filter_map(of).collect()
     }
 }
 
@@ -118,7 +134,7 @@ pub fn explore(
     beside_noise: bool,
 ) -> Explored {
     let known = hint.map(|h| h.values.as_slice());
-    let samples_of = |from: &Hypothesis| samples(&from.fitted(), addition, data.seed, known, beside_noise);
+    let samples_of = |from: &Hypothesis| samples(data, &from.fitted(), addition, known, beside_noise);
     let samples = samples_of(from);
     let scale = data.points.len() as f64 / data.part.len() as f64;
     let rest = base.rest();
@@ -174,7 +190,7 @@ impl Explored {
             values[..known].copy_from_slice(&place);
             let mut near = from.clone();
             near.fit.values = place;
-            let samples = about(&there.model(&values), self.addition, data.seed);
+            let samples = about(data, &there.model(&values), self.addition);
             let starts = look(data, &Base::new(data, &near), self.addition, &samples, None).starts;
             let starts: Vec<Sample> = starts.into_iter().map(|(_, sample)| sample).collect();
             let other = lead(data, self.begin_at(data, &near, &starts, BEGUN_AGAIN)).map(|other| other.finished(data));
@@ -188,7 +204,7 @@ impl Explored {
         let far = far_off(data, from);
         let mut attempts = Vec::new();
         for (rank, sample) in starts.iter().take(begun).enumerate() {
-            let drawn = on_part(data, &sample.drawn, movable(&sample.drawn, &keys));
+            let drawn = on_part(data, &sample.drawn, data.movable(&sample.drawn, &keys));
             let base = drawn.values()[..data.stated.len()].to_vec();
             let stated = if from.additions.is_empty() || far { data.stated.clone() } else { base.clone() };
             // Both where it costs little or the two are far apart, otherwise in turn.
@@ -218,7 +234,7 @@ impl Explored {
         base: &[f64],
     ) -> (Model, Problem<'a>, Vec<f64>) {
         let at = |model: &Model| {
-            let problem = on_part(data, model, movable(model, keys));
+            let problem = on_part(data, model, data.movable(model, keys));
             let mut values = problem.values();
             values[..base.len()].copy_from_slice(base);
             (model.clone(), problem, values)
@@ -239,11 +255,11 @@ impl Explored {
     }
 
     /// What the best attempt has reached; without one, what a linear estimate says of the addition.
-    pub fn found(&self, from: &Hypothesis, best: Option<Attempt>) -> Found {
+    pub fn found(&self, data: &Data<'_>, from: &Hypothesis, best: Option<Attempt>) -> Found {
         let mut additions = from.additions.clone();
         additions.push(self.addition);
         let known = best.is_some();
-        let Attempt { model, fit } = best.unwrap_or_else(|| self.untouched(from));
+        let Attempt { model, fit } = best.unwrap_or_else(|| self.untouched(data, from));
         let before = robust_chi2(&from.fit.evaluation.residuals, HUBER);
         let (gain, estimate) = if known {
             // What counts is the change: which points are in the part is chance.
@@ -261,10 +277,10 @@ impl Explored {
     }
 
     /// The hypothesis before, with an addition that was not followed: its parameters have no derivatives.
-    fn untouched(&self, from: &Hypothesis) -> Attempt {
+    fn untouched(&self, data: &Data<'_>, from: &Hypothesis) -> Attempt {
         let model = extended(&from.fitted(), &[self.addition]);
         let mut fit = from.fit.clone();
-        fit.parameters = movable(&model, &self.keys(from));
+        fit.parameters = data.movable(&model, &self.keys(from));
         let none: [&Point; 0] = [];
         fit.values = Problem::new(model.clone(), none, fit.parameters.clone(), Tolerance::COARSE).values();
         let columns = fit.parameters.len();
@@ -346,9 +362,4 @@ pub fn scattered_fit(data: &Data<'_>, model: &Model, fit: &Fit) -> Option<(Model
     let model = on_part(data, model, best.parameters.clone()).model(&best.values);
     let fit = on_all(data, &model, &best);
     Some((model, fit))
-}
-
-/// Parameters of these keys, with the signs that the model has.
-pub fn movable(model: &Model, keys: &[String]) -> Vec<Parameter> {
-    keys.iter().filter_map(|key| parameter(model, key)).collect()
 }
