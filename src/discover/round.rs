@@ -30,8 +30,11 @@ const WITHIN_REACH: f64 = 1.25;
 const NEARLY: f64 = 0.5;
 /// No fit begins where, in a linear estimate, the gain is less than this share of what is needed.
 const HOPELESS: f64 = 0.5;
-/// Fits within this of the least sum of squares are followed to their minimum ...
+/// Fits within this of the least sum of squares are followed to their minimum, ...
 pub(super) const CONTESTED: f64 = 40.0;
+/// ... if it is at most this many times the number of readings (of what explains so little a unit more or less is no matter),
+/// ...
+const WORTH_SETTLING: f64 = 10.0;
 /// ... by so many continuations at most, ...
 const SETTLED: usize = 8;
 /// ... as long as one lowers the sum of squares by more than this.
@@ -209,6 +212,7 @@ impl Search<'_> {
         let full = |e: &&Entry| e.full;
         let least = goal.map_or(f64::INFINITY, |(_, on_all)| on_all);
         let least = found.iter().filter(full).map(objective).fold(least, f64::min);
+        let least = least.min(WORTH_SETTLING * self.readings() as f64);
         let close = |e: &&mut Entry| e.full && objective(e) <= least + CONTESTED;
         found.par_iter_mut().filter(close).for_each(|e| self.settle(&mut e.found.hypothesis));
         Round { found }

@@ -12,11 +12,12 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 /// Residuals of a point that the model cannot be compared at (no steady state) count as this many standard deviations:
-/// enough to be avoided, too little to rule out an otherwise good model.
+/// enough to be avoided, too little to rule out an otherwise good model. Of a bad model they count as the others do on
+/// average: to have no steady state must not be a bargain.
 pub const TROUBLED: f64 = 6.0;
 
 /// A model without a steady state at more than this share of the points explains none of them: there a residual counts as
-/// this many standard deviations. Against a large misfit the few of [`TROUBLED`] would be a bargain.
+/// this many standard deviations.
 const LOST: (f64, f64) = (0.25, 1e3);
 
 /// Step of a difference on the natural scale of a parameter.
@@ -171,11 +172,19 @@ impl<'a> Problem<'a> {
             let predictions = solved.into_iter().map(|(p, _)| p).collect();
             return Evaluation { residuals, jacobian, predictions };
         }
+        let steady = self.points.iter().zip(&solved).filter(|(_, (p, _))| p.status == Status::Steady);
+        let squares = steady.map(|(point, (prediction, _))| {
+            let (amplitude, phase) = read(point, prediction);
+            (amplitude.powi(2) + phase.map_or(0.0, |r| r.powi(2)), 1 + usize::from(phase.is_some()))
+        });
+        let (square, readings) = squares.fold((0.0, 0), |(square, count), (s, n)| (square + s, count + n));
+        let average = (square / readings.max(1) as f64).sqrt();
         let mut row = 0;
         for (point, (prediction, gradient)) in self.points.iter().zip(&solved) {
             let (amplitude, phase) = match prediction.status {
                 Status::Steady => read(point, prediction),
                 _ if lost => (LOST.1, point.phase.map(|_| LOST.1)),
+                _ if average > TROUBLED => (average, point.phase.map(|_| average)),
                 _ => read(point, prediction),
             };
             residuals[row] = amplitude;
