@@ -9,7 +9,7 @@ use crate::solver::cycle::Tolerance;
 use nalgebra::{DMatrix, DVector};
 
 /// Samples over the ranges of an effect of one, two, three, four parameters.
-const SAMPLES: [usize; 4] = [8, 14, 18, 20];
+const SAMPLES: [usize; 4] = [16, 14, 18, 20];
 /// Samples where values are known that are worth a look.
 const WITH_HINT: usize = 6;
 /// Samples beside an explanation that leaves nothing but noise.
