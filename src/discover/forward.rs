@@ -20,8 +20,12 @@ const NEARLY: f64 = 1.1;
 const CONTENDING: f64 = 1.3;
 /// ... up to so many: what explains best alone need not belong to the best pair.
 const CARRIED: usize = 2;
-/// Where the explanation leaves structure, so many other first additions are tried.
-const OTHER_BEGINNINGS: usize = 3;
+/// Where the explanation leaves structure, pairs with so many of the leading first additions are tried.
+const OTHER_BEGINNINGS: usize = 5;
+/// Scattered starts are tried for so many of the leading first additions ...
+const ELSEWHERE: usize = 3;
+/// ... and for the explanation, if it has at most so many: they are too few for the parameters of more.
+const ELSEWHERE_ADDITIONS: usize = 2;
 /// Times that the additions of an explanation are exchanged one after the other.
 const EXCHANGES: usize = 2;
 
@@ -64,12 +68,6 @@ impl Search<'_> {
             rounds.forget(&better);
             chosen = self.extend(better, &mut rounds);
         }
-        if self.options.max_effects > 1
-            && self.structured(&chosen)
-            && let Some(other) = self.begin_otherwise(&chosen, &mut rounds)
-        {
-            chosen = self.extend(other, &mut rounds);
-        }
         let exchanged = self.exchange(chosen.clone(), &mut rounds);
         let mut chosen = if exchanged.same_additions(&chosen) { chosen } else { self.eliminate(exchanged) };
         self.settle(&mut chosen);
@@ -91,11 +89,29 @@ impl Search<'_> {
         self.conclude(&start, &chosen, explanation, &rounds, &ties)
     }
 
-    /// Adds to a hypothesis as long as that pays, and removes what that makes needless.
+    /// Adds to a hypothesis as long as that pays, and removes what that makes needless; before a third addition it looks for
+    /// another pair.
     fn extend(&self, from: Hypothesis, rounds: &mut Rounds) -> Hypothesis {
-        let mut frontier = vec![from.clone()];
-        let mut chosen = from;
-        while chosen.additions.len() < self.options.max_effects {
+        let (pair, contenders) = self.extend_to(2, vec![from.clone()], from, rounds);
+        if self.options.max_effects > 1
+            && self.structured(&pair)
+            && let Some(other) = self.begin_otherwise(&pair, rounds)
+        {
+            return self.extend_to(usize::MAX, vec![other.clone()], other, rounds).0;
+        }
+        self.extend_to(usize::MAX, contenders, pair, rounds).0
+    }
+
+    /// Adds to a hypothesis as long as that pays, up to so many additions; with those that may lead further than it does.
+    fn extend_to(
+        &self,
+        most: usize,
+        frontier: Vec<Hypothesis>,
+        from: Hypothesis,
+        rounds: &mut Rounds,
+    ) -> (Hypothesis, Vec<Hypothesis>) {
+        let (mut frontier, mut chosen) = (frontier, from);
+        while chosen.additions.len() < self.options.max_effects.min(most) {
             // Nothing is looked for beside a continuum of sliders that leaves nothing but noise: it takes too long to solve.
             if chosen.fitted().has_continuum() && !self.structured(&chosen) {
                 break;
@@ -113,16 +129,18 @@ impl Search<'_> {
                 vec![chosen.clone()]
             };
         }
-        chosen
+        (chosen, frontier)
     }
 
     /// Where structure is left, the explanation or one of the leading first additions may sit in a local minimum, the
     /// parameters of the base with it: the best of them fitted from starts scattered over the ranges of all parameters, if it
     /// explains better.
     fn begin_elsewhere(&self, chosen: &Hypothesis, rounds: &Rounds) -> Option<Hypothesis> {
-        let mut from: Vec<Hypothesis> = self.first_additions(rounds).into_iter().take(OTHER_BEGINNINGS).collect();
+        let mut from: Vec<Hypothesis> = self.first_additions(rounds).into_iter().take(ELSEWHERE).collect();
         from.retain(|h| !h.same_additions(chosen));
-        from.push(chosen.clone());
+        if chosen.additions.len() <= ELSEWHERE_ADDITIONS {
+            from.push(chosen.clone());
+        }
         let refitted = from.into_par_iter().filter(|h| !h.additions.is_empty()).filter_map(|h| {
             let (model, fit) = scattered_fit(&self.data, &h.model, &h.fit)?;
             let mut found = Hypothesis { model, fit, estimate: None, ..h };
@@ -141,9 +159,11 @@ impl Search<'_> {
         let mut others = self.first_additions(rounds);
         // Beside a continuum of sliders every look takes too long.
         let costly = |h: &Hypothesis| h.model.has_continuum();
-        others.retain(|h| !rounds.made_from(h) && !costly(h));
+        others.retain(|h| !costly(h));
+        others.truncate(OTHER_BEGINNINGS);
+        others.retain(|h| !rounds.made_from(h));
         let mut best: Option<Hypothesis> = None;
-        for mut other in others.into_iter().take(OTHER_BEGINNINGS) {
+        for mut other in others {
             if other.estimate.take().is_some() {
                 other.fit = on_all(&self.data, &other.model, &other.fit);
             }
