@@ -147,29 +147,48 @@ impl Search<'_> {
         let mut best: Vec<Option<Attempt>> = explored.iter().map(|_| None).collect();
         let estimates: Vec<f64> = explored.iter().map(|e| e.after.max(f64::MIN_POSITIVE)).collect();
         let possible = estimates.iter().copied().fold(f64::INFINITY, f64::min);
-        let near = |e: &Explored| e.after < WITHIN * possible;
-        let begins = leading(&estimates, BEGIN);
-        let begun: Vec<Vec<Attempt>> = explored
-            .par_iter()
-            .zip(begins)
-            .map(
-                |(e, begins)| {
-                    if begins && near(e) && e.gain(e.after) > HOPELESS { e.begin(data, from) } else { Vec::new() }
-                },
-            )
-            .collect();
-        let reached = |attempt: Option<&Attempt>| attempt.map_or(f64::INFINITY, |a| a.fit.objective);
-        let goes_on = leading(&begun.iter().map(|all| reached(all.first())).collect::<Vec<_>>(), GO_ON);
-        best.par_iter_mut().zip(begun).zip(goes_on).for_each(|((best, begun), goes_on)| {
-            *best = if goes_on { lead(data, begun) } else { begun.into_iter().next() };
-        });
-        let ends = leading(&best.iter().map(|a| reached(a.as_ref())).collect::<Vec<_>>(), END);
-        best.par_iter_mut().zip(&ends).filter(|(_, ends)| **ends).for_each(|(best, _)| {
-            *best = best.take().map(|attempt| attempt.finished(data));
-        });
-        // Where nothing explains the data, the leading ones may be in local minima; beside two others a look takes too long.
-        let least = best.iter().map(|a| reached(a.as_ref())).fold(f64::INFINITY, f64::min);
-        if least > UNEXPLAINED * base.readings() as f64 && goal.is_none() && from.additions.len() < 2 {
+        let promising = leading(&estimates, BEGIN);
+        let first = explored.iter().zip(promising).map(|(e, leads)| leads && e.after < WITHIN * possible).collect();
+        let reached = |best: &[Option<Attempt>]| -> Vec<f64> {
+            best.iter().map(|a| a.as_ref().map_or(f64::INFINITY, |a| a.fit.objective)).collect()
+        };
+        // Begins the fits of those that are to begin, and takes the leading ones of them on.
+        let begin = |begins: Vec<bool>, best: &mut Vec<Option<Attempt>>| {
+            let begun = explored.par_iter().zip(&begins).map(|(e, &begins)| {
+                if begins && e.gain(e.after) > HOPELESS { e.begin(data, from) } else { Vec::new() }
+            });
+            let begun: Vec<Vec<Attempt>> = begun.collect();
+            for (best, begun) in best.iter_mut().zip(&begun).filter(|(_, begun)| !begun.is_empty()) {
+                *best = begun.first().cloned();
+            }
+            let goes_on = leading(&reached(best), GO_ON);
+            best.par_iter_mut()
+                .zip(begun)
+                .zip(goes_on)
+                .filter(|((_, begun), on)| *on && !begun.is_empty())
+                .for_each(|((best, begun), _)| *best = lead(data, begun));
+            let ends = leading(&reached(best), END);
+            best.par_iter_mut()
+                .zip(begins)
+                .zip(ends)
+                .filter(|((_, begins), ends)| *begins && *ends)
+                .for_each(|((best, _), _)| *best = best.take().map(|attempt| attempt.finished(data)));
+        };
+        begin(first, &mut best);
+        // Beside two other additions a longer search takes too long.
+        let thorough = goal.is_none() && from.additions.len() < 2;
+        let unexplained = |best: &[Option<Attempt>]| {
+            let least = reached(best).into_iter().fold(f64::INFINITY, f64::min);
+            thorough && least > UNEXPLAINED * base.readings() as f64
+        };
+        // Where nothing explains the data, the linear estimate may have left out what would, ...
+        if unexplained(&best) {
+            let left_out = explored.iter().zip(&best).map(|(e, best)| best.is_none() && !e.costly).collect();
+            begin(left_out, &mut best);
+        }
+        // ... or the leading ones may be in local minima.
+        if unexplained(&best) {
+            let ends = leading(&reached(&best), END);
             best.par_iter_mut().zip(&explored).zip(&ends).filter(|(_, ends)| **ends).for_each(|((best, e), _)| {
                 *best = best.take().map(|attempt| e.second_look(data, from, attempt));
             });
