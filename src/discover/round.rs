@@ -32,9 +32,9 @@ const NEARLY: f64 = 0.5;
 const HOPELESS: f64 = 0.5;
 /// Fits within this of the least sum of squares are followed to their minimum, ...
 pub(super) const CONTESTED: f64 = 40.0;
-/// ... if it is at most this many times the number of readings (of what explains so little a unit more or less is no matter),
-/// ...
-const WORTH_SETTLING: f64 = 10.0;
+/// ... if it is not above this many times the number of readings (of what explains so little a unit more or less is no
+/// matter), ...
+const NEAR: f64 = 10.0;
 /// ... by so many continuations at most, ...
 const SETTLED: usize = 8;
 /// ... as long as one lowers the sum of squares by more than this.
@@ -181,8 +181,9 @@ impl Search<'_> {
             let least = reached(best).into_iter().fold(f64::INFINITY, f64::min);
             thorough && least > UNEXPLAINED * base.readings() as f64
         };
-        // Where nothing explains the data, the linear estimate may have left out what would, ...
-        if unexplained(&best) {
+        // Where nothing explains the data, the linear estimate may have left out what would, if it is not much that is left, ...
+        let nearly = reached(&best).into_iter().fold(f64::INFINITY, f64::min) < NEAR * base.readings() as f64;
+        if unexplained(&best) && nearly {
             let left_out = explored.iter().zip(&best).map(|(e, best)| best.is_none() && !e.costly).collect();
             begin(left_out, &mut best);
         }
@@ -231,7 +232,7 @@ impl Search<'_> {
         let full = |e: &&Entry| e.full;
         let least = goal.map_or(f64::INFINITY, |(_, on_all)| on_all);
         let least = found.iter().filter(full).map(objective).fold(least, f64::min);
-        let least = least.min(WORTH_SETTLING * self.readings() as f64);
+        let least = least.min(NEAR * self.readings() as f64);
         let close = |e: &&mut Entry| e.full && objective(e) <= least + CONTESTED;
         found.par_iter_mut().filter(close).for_each(|e| self.settle(&mut e.found.hypothesis));
         Round { found }

@@ -8,7 +8,8 @@ use crate::model::Model;
 use crate::solver::cycle::Tolerance;
 use nalgebra::{DMatrix, DVector};
 
-/// Samples over the ranges of an effect of one, two, three, four parameters.
+/// Samples over the ranges of an effect of one, two, three, four parameters; one that has either sign gets half as many of
+/// each.
 const SAMPLES: [usize; 4] = [16, 14, 18, 20];
 /// Samples where values are known that are worth a look.
 const WITH_HINT: usize = 6;
@@ -177,7 +178,8 @@ pub fn samples(
             .collect();
     }
     let mut all: Vec<Model> = hint.map(|values| with(parameters.clone(), values)).into_iter().collect();
-    let most = SAMPLES[parameters.len().clamp(1, 4) - 1];
+    let signed = parameters.iter().any(|p| p.signed);
+    let most = SAMPLES[parameters.len().clamp(1, 4) - 1] / (1 + usize::from(signed));
     let costly = model.has_continuum();
     let count = match hint {
         Some(_) if costly && beside_noise => 0,
@@ -191,7 +193,6 @@ pub fn samples(
             1 => vec![(f64::from(number) + 0.5) / count as f64],
             n => spread(number, n, data.seed),
         };
-        let signed = parameters.iter().any(|p| p.signed);
         for negative in [false, true].into_iter().take(1 + usize::from(signed)) {
             let turned: Vec<Parameter> =
                 parameters.iter().map(|p| if p.signed && negative { p.mirrored() } else { p.clone() }).collect();
