@@ -26,6 +26,8 @@ const OTHER_BEGINNINGS: usize = 5;
 const ELSEWHERE: usize = 3;
 /// ... and for the explanation, if it has at most so many: they are too few for the parameters of more.
 const ELSEWHERE_ADDITIONS: usize = 2;
+/// Sum of squares per reading from which on nothing is exchanged, and what does as well is not looked for.
+const FAR: f64 = 5.0;
 /// Times that the additions of an explanation are exchanged one after the other.
 const EXCHANGES: usize = 2;
 
@@ -68,8 +70,12 @@ impl Search<'_> {
             rounds.forget(&better);
             chosen = self.extend(better, &mut rounds);
         }
-        let exchanged = self.exchange(chosen.clone(), &mut rounds);
-        let mut chosen = if exchanged.same_additions(&chosen) { chosen } else { self.eliminate(exchanged) };
+        // What is far from an explanation is none with one addition in place of another either.
+        let far = |chosen: &Hypothesis| self.square(chosen, self.noise(chosen)) > FAR * self.readings() as f64;
+        if !far(&chosen) {
+            let exchanged = self.exchange(chosen.clone(), &mut rounds);
+            chosen = if exchanged.same_additions(&chosen) { chosen } else { self.eliminate(exchanged) };
+        }
         self.settle(&mut chosen);
         let explanation = loop {
             // A profile of what does not explain the data says nothing; of what nearly does, it may lead to a better fit.
@@ -85,7 +91,7 @@ impl Search<'_> {
             }
             chosen = fewer;
         };
-        let ties = self.ties(&chosen, &mut rounds);
+        let ties = if far(&chosen) { Vec::new() } else { self.ties(&chosen, &mut rounds) };
         self.conclude(&start, &chosen, explanation, &rounds, &ties)
     }
 

@@ -182,7 +182,8 @@ impl Search<'_> {
             thorough && least > UNEXPLAINED * base.readings() as f64
         };
         // Where nothing explains the data, the linear estimate may have left out what would, if it is not much that is left, ...
-        let nearly = reached(&best).into_iter().fold(f64::INFINITY, f64::min) < NEAR * base.readings() as f64;
+        let least = reached(&best).into_iter().fold(f64::INFINITY, f64::min);
+        let nearly = least < NEAR * self.noise(from).powi(2) * base.readings() as f64;
         if unexplained(&best) && nearly {
             let left_out = explored.iter().zip(&best).map(|(e, best)| best.is_none() && !e.costly).collect();
             begin(left_out, &mut best);
@@ -232,7 +233,9 @@ impl Search<'_> {
         let full = |e: &&Entry| e.full;
         let least = goal.map_or(f64::INFINITY, |(_, on_all)| on_all);
         let least = found.iter().filter(full).map(objective).fold(least, f64::min);
-        let least = least.min(NEAR * self.readings() as f64);
+        let noises = found.iter().filter(full).map(|e| self.noise(&e.found.hypothesis));
+        let noise = noises.fold(1.0, f64::max);
+        let least = least.min(NEAR * noise.powi(2) * self.readings() as f64);
         let close = |e: &&mut Entry| e.full && objective(e) <= least + CONTESTED;
         found.par_iter_mut().filter(close).for_each(|e| self.settle(&mut e.found.hypothesis));
         Round { found }
