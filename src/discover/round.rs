@@ -188,13 +188,16 @@ impl Search<'_> {
             let left_out = explored.iter().zip(&best).map(|(e, best)| best.is_none() && !e.costly).collect();
             begin(left_out, &mut best);
         }
-        // ... or the leading ones may be in local minima.
-        if unexplained(&best) {
-            let ends = leading(&reached(&best), END);
-            best.par_iter_mut().zip(&explored).zip(&ends).filter(|(_, ends)| **ends).for_each(|((best, e), _)| {
-                *best = best.take().map(|attempt| e.second_look(data, from, attempt));
-            });
-        }
+        // ... or the leading ones may be in local minima. So may one that, in the linear estimate, promises what the best reached.
+        let (nothing_explains, ends, reached) = (unexplained(&best), leading(&reached(&best), END), reached(&best));
+        let equal = reached.iter().copied().fold(f64::INFINITY, f64::min) + EQUAL * data.part.len() as f64;
+        let again = |index: usize| {
+            let promises = explored[index].after < equal && reached[index] > equal;
+            (nothing_explains && ends[index]) || (thorough && promises)
+        };
+        best.par_iter_mut().zip(&explored).enumerate().filter(|(index, _)| again(*index)).for_each(|(_, (best, e))| {
+            *best = best.take().map(|attempt| e.second_look(data, from, attempt));
+        });
         let found: Vec<Found> = explored.par_iter().zip(best).map(|(e, best)| e.found(data, from, best)).collect();
         let least = if from.additions.is_empty() { FOLLOWED } else { 0 };
         self.followed(&explored, found, least, goal.map(|goal| (goal_on_part, goal.fit.objective)))

@@ -22,6 +22,8 @@ const BEGUN: [usize; 4] = [6, 4, 3, 3];
 const BEGUN_AGAIN: usize = 8;
 /// Samples of a continuum of sliders from which fits begin.
 const COSTLY: usize = 2;
+/// A fit begins from a sample as it was drawn only where that leaves less than this share of the sum of squares.
+const AS_DRAWN: f64 = 0.8;
 /// Evaluations of a fit that begins, of one that goes on, of one that goes to its end, and of one to all points.
 const BEGIN: usize = 4;
 const GO_ON: usize = 10;
@@ -225,7 +227,7 @@ impl Explored {
     }
 
     /// Where a fit begins from a sample, with the base at these values: as strong as a linear estimate wants it, or as it was
-    /// drawn where that is better. A law that sets in with a jump is no matter for a linear estimate.
+    /// drawn where that is better, and much better than nothing. A law that sets in with a jump is no matter for a linear estimate.
     fn start<'a>(
         &self,
         data: &Data<'a>,
@@ -247,7 +249,8 @@ impl Explored {
         let square = |(_, problem, values): &(Model, Problem<'a>, Vec<f64>)| {
             robust_chi2(&problem.clone().evaluate(values, false).residuals, data.threshold)
         };
-        if square(&strengthened) <= square(&drawn) { strengthened } else { drawn }
+        let as_drawn = square(&drawn);
+        if as_drawn < AS_DRAWN * self.before && as_drawn < square(&strengthened) { drawn } else { strengthened }
     }
 
     fn keys(&self, from: &Hypothesis) -> Vec<String> {
