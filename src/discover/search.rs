@@ -341,7 +341,7 @@ pub fn on_all(data: &Data<'_>, model: &Model, fit: &Fit) -> Fit {
     minimise(&mut problem, &fit.values, &Settings { evaluations, threshold: data.threshold, converged: CLOSER })
 }
 
-/// A fit from starts scattered over the ranges of all its parameters, of either sign where there are two, begun on the part
+/// A fit from starts scattered over the ranges of its parameters, of either sign where there are two, begun on the part
 /// of the points and followed on all; the model with the signs it ends with. `None` for a continuum of sliders, which takes
 /// too long.
 pub fn scattered_fit(data: &Data<'_>, model: &Model, fit: &Fit) -> Option<(Model, Fit)> {
@@ -352,7 +352,11 @@ pub fn scattered_fit(data: &Data<'_>, model: &Model, fit: &Fit) -> Option<(Model
     let start = |number: u32| {
         let turn = |p: &Parameter| if p.signed && number % 2 == 1 { p.mirrored() } else { p.clone() };
         let parameters: Vec<Parameter> = fit.parameters.iter().map(turn).collect();
-        let values = scattered(&parameters, number, data.seed);
+        let mut values = scattered(&parameters, number, data.seed);
+        // Every other pair of them with the base as it is stated.
+        if number / 2 % 2 == 0 {
+            values[..data.stated.len()].copy_from_slice(&data.stated);
+        }
         let mut problem = on_part(data, model, parameters);
         let square = robust_chi2(&problem.evaluate(&values, false).residuals, data.threshold);
         (square, problem, values)
