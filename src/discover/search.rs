@@ -354,7 +354,7 @@ pub fn scattered_fit(data: &Data<'_>, model: &Model, fit: &Fit) -> Option<(Model
         let parameters: Vec<Parameter> = fit.parameters.iter().map(turn).collect();
         let mut values = scattered(&parameters, number, data.seed);
         // Every other pair of them with the base as it is stated.
-        if number / 2 % 2 == 0 {
+        if (number / 2).is_multiple_of(2) {
             values[..data.stated.len()].copy_from_slice(&data.stated);
         }
         let mut problem = on_part(data, model, parameters);
