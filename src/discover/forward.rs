@@ -1,8 +1,8 @@
 //! Forward selection with backward elimination and exchange, from the calibrated base to the explanation.
 
 use super::hypothesis::{Addition, Hypothesis, additions};
-use super::round::{CONTESTED, Entry, Round, Rounds};
-use super::search::{Data, on_all, on_all_problem, scattered_fit};
+use super::round::{CONTESTED, Entry, Pace, Round, Rounds};
+use super::search::{Data, on_all, on_all_problem, on_part, scattered_fit};
 use super::{Discovery, MARGIN, Options};
 use crate::compare::{self, Calibration, Whiteness, conditions_of};
 use crate::fit::{HUBER, robust_chi2};
@@ -20,8 +20,10 @@ const NEARLY: f64 = 1.1;
 const CONTENDING: f64 = 1.3;
 /// ... up to so many: what explains best alone need not belong to the best pair.
 const CARRIED: usize = 2;
-/// Where the explanation leaves structure, pairs with so many of the leading first additions are tried.
+/// Where the explanation leaves structure, pairs with so many of the leading first additions are tried, ...
 const OTHER_BEGINNINGS: usize = 5;
+/// ... and if none of them explains, the pairs with so many, which explain best, once more and thoroughly.
+const THOROUGH: usize = 2;
 /// Scattered starts are tried for so many of the leading first additions ...
 const ELSEWHERE: usize = 3;
 /// ... and for the explanation, if it has at most so many: they are too few for the parameters of more.
@@ -122,7 +124,8 @@ impl Search<'_> {
             if chosen.fitted().has_continuum() && !self.structured(&chosen) {
                 break;
             }
-            let Some((best, contenders)) = self.advance(&frontier, rounds) else { break };
+            let pace = if chosen.additions.is_empty() { Pace::Thorough } else { Pace::Quick };
+            let Some((best, contenders)) = self.advance(&frontier, rounds, pace) else { break };
             let noise = self.noise(&best);
             if self.score(&chosen, noise) - self.score(&best, noise) <= MARGIN {
                 break;
@@ -147,8 +150,10 @@ impl Search<'_> {
         if chosen.additions.len() <= ELSEWHERE_ADDITIONS {
             from.push(chosen.clone());
         }
+        let mut problem = on_part(&self.data, &chosen.model, chosen.fit.parameters.clone());
+        let aim = robust_chi2(&problem.evaluate(&chosen.fit.values, false).residuals, self.data.threshold);
         let refitted = from.into_par_iter().filter(|h| !h.additions.is_empty()).filter_map(|h| {
-            let (model, fit) = scattered_fit(&self.data, &h.model, &h.fit)?;
+            let (model, fit) = scattered_fit(&self.data, &h.model, &h.fit, aim)?;
             let mut found = Hypothesis { model, fit, estimate: None, ..h };
             self.settle(&mut found);
             Some(found)
@@ -159,25 +164,30 @@ impl Search<'_> {
         (self.score(&best, noise) + MARGIN < self.score(chosen, noise)).then_some(best)
     }
 
-    /// Where the way from what explains best alone leaves structure: the best pair that contains another of the leading
-    /// first additions, if it explains better.
+    /// Where the way from what explains best alone leaves structure: the best pair that contains one of the leading first
+    /// additions, if it explains better.
     fn begin_otherwise(&self, chosen: &Hypothesis, rounds: &mut Rounds) -> Option<Hypothesis> {
         let mut others = self.first_additions(rounds);
         // Beside a continuum of sliders every look takes too long.
-        let costly = |h: &Hypothesis| h.model.has_continuum();
-        others.retain(|h| !costly(h));
+        others.retain(|h| !h.model.has_continuum());
         others.truncate(OTHER_BEGINNINGS);
-        others.retain(|h| !rounds.made_from(h));
         let mut best: Option<Hypothesis> = None;
+        let mut tried: Vec<(f64, Hypothesis)> = Vec::new();
         for mut other in others {
             if other.estimate.take().is_some() {
                 other.fit = on_all(&self.data, &other.model, &other.fit);
             }
-            let Some((pair, _)) = self.advance(&[other], rounds) else { continue };
-            let noise = self.noise(&pair);
-            if self.score(&pair, noise) + MARGIN < self.score(best.as_ref().unwrap_or(chosen), noise) {
-                best = Some(self.eliminate(pair));
+            if let Some(pair) = self.pair(&other, chosen, &mut best, rounds, Pace::Quick) {
+                tried.push((self.score(&pair, self.noise(&pair)), other));
             }
+            if best.as_ref().is_some_and(|best| !self.structured(best)) {
+                return best;
+            }
+        }
+        tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (_, other) in tried.into_iter().take(THOROUGH) {
+            rounds.forget(&other);
+            self.pair(&other, chosen, &mut best, rounds, Pace::Thorough);
             if best.as_ref().is_some_and(|best| !self.structured(best)) {
                 break;
             }
@@ -185,13 +195,36 @@ impl Search<'_> {
         best
     }
 
+    /// The best pair with an addition; in place of the `best` one so far if it explains better than that and than what is
+    /// `chosen`.
+    fn pair(
+        &self,
+        first: &Hypothesis,
+        chosen: &Hypothesis,
+        best: &mut Option<Hypothesis>,
+        rounds: &mut Rounds,
+        pace: Pace<'_>,
+    ) -> Option<Hypothesis> {
+        let (pair, _) = self.advance(std::slice::from_ref(first), rounds, pace)?;
+        let noise = self.noise(&pair);
+        if self.score(&pair, noise) + MARGIN < self.score(best.as_ref().unwrap_or(chosen), noise) {
+            *best = Some(self.eliminate(pair.clone()));
+        }
+        Some(pair)
+    }
+
     /// The best hypothesis with one addition more than one of the frontier, and those that may lead further than it does.
     /// Ends early where one explains the data.
-    fn advance(&self, frontier: &[Hypothesis], rounds: &mut Rounds) -> Option<(Hypothesis, Vec<Hypothesis>)> {
+    fn advance(
+        &self,
+        frontier: &[Hypothesis],
+        rounds: &mut Rounds,
+        pace: Pace<'_>,
+    ) -> Option<(Hypothesis, Vec<Hypothesis>)> {
         let mut best: Option<Hypothesis> = None;
         let mut all: Vec<Hypothesis> = Vec::new();
         for from in frontier {
-            let round = self.round(from, rounds, None);
+            let round = self.round(from, rounds, pace);
             let Some(entry) = self.pick(round, from.additions.is_empty()) else { continue };
             let hypothesis = entry.found.hypothesis;
             let noise = self.noise(&hypothesis);
@@ -312,7 +345,7 @@ impl Search<'_> {
                     break;
                 }
                 let rest = self.without(&chosen, index);
-                let round = self.round(&rest, rounds, Some(&chosen));
+                let round = self.round(&rest, rounds, Pace::Towards(&chosen));
                 let Some(best) = self.pick(round, false) else { continue };
                 let noise = self.noise(&best.found.hypothesis);
                 let swapped = best.found.hypothesis;
@@ -338,7 +371,7 @@ impl Search<'_> {
         let mut ties = Vec::new();
         for (index, addition) in chosen.additions.iter().enumerate() {
             let rest = self.without(chosen, index);
-            let round = self.round(&rest, rounds, Some(chosen));
+            let round = self.round(&rest, rounds, Pace::Towards(chosen));
             let mut tied: Vec<Hypothesis> =
                 round.found.iter().filter(|e| e.full).map(|e| e.found.hypothesis.clone()).collect();
             tied.retain(|h| h.additions.last() != Some(addition) && self.bic(h, noise) - own < MARGIN);

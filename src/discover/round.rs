@@ -22,6 +22,8 @@ const COSTLY: f64 = 0.9;
 const EQUAL: f64 = 0.2;
 /// Sum of squares per reading from which on nothing explains the data.
 const UNEXPLAINED: f64 = 1.25;
+/// So many additions at most get a second look, those that promise most in the linear estimate.
+const SEEN_AGAIN: usize = 3;
 /// A fit on a part of the points is followed on all of them if its sum of squares is within this factor of the best ...
 const PROMISING: f64 = 1.5;
 /// (where the aim is known, within this one of it) ...
@@ -41,6 +43,17 @@ const SETTLED: usize = 8;
 const PAYS: f64 = 0.1;
 /// At least so many of those to the calibrated base are followed.
 const FOLLOWED: usize = 2;
+
+/// How much is done for a round.
+#[derive(Clone, Copy)]
+pub(super) enum Pace<'h> {
+    /// Every fit that may be needed.
+    Thorough,
+    /// Without a second look at what may be in a local minimum.
+    Quick,
+    /// The same, and what cannot come near this hypothesis is not fitted to its end.
+    Towards(&'h Hypothesis),
+}
 
 /// All additions to one hypothesis, fitted.
 pub(super) struct Round {
@@ -62,11 +75,6 @@ pub(super) struct Rounds {
 }
 
 impl Rounds {
-    /// Whether there is a round from these additions.
-    pub fn made_from(&self, hypothesis: &Hypothesis) -> bool {
-        self.made.iter().any(|(from, _)| from.same_additions(hypothesis))
-    }
-
     /// Forgets the rounds from these additions and from more than these: they are fitted anew.
     pub fn forget(&mut self, hypothesis: &Hypothesis) {
         self.made.retain(|(from, _)| from.additions.is_empty() || !hypothesis.within(from));
@@ -92,19 +100,20 @@ impl Search<'_> {
         all
     }
 
-    /// All additions that go with a hypothesis. What cannot come near the `goal` is not fitted to its end.
-    pub(super) fn round<'r>(&self, from: &Hypothesis, rounds: &'r mut Rounds, goal: Option<&Hypothesis>) -> &'r Round {
+    /// All additions that go with a hypothesis; as they were found where there is a round already.
+    pub(super) fn round<'r>(&self, from: &Hypothesis, rounds: &'r mut Rounds, pace: Pace<'_>) -> &'r Round {
         let known = rounds.made.iter().position(|(other, _)| other.same_additions(from));
         let index = known.unwrap_or_else(|| {
-            let round = self.race(from, rounds.made.first().map(|(_, round)| round), goal);
+            let round = self.race(from, rounds.made.first().map(|(_, round)| round), pace);
             rounds.made.push((from.clone(), round));
             rounds.made.len() - 1
         });
         &rounds.made[index].1
     }
 
-    fn race(&self, from: &Hypothesis, first: Option<&Round>, goal: Option<&Hypothesis>) -> Round {
+    fn race(&self, from: &Hypothesis, first: Option<&Round>, pace: Pace<'_>) -> Round {
         let data = &self.data;
+        let goal = if let Pace::Towards(goal) = pace { Some(goal) } else { None };
         let with = |addition: &Addition| from.additions.iter().copied().chain([*addition]).collect::<Vec<_>>();
         let fitting: Vec<Addition> = self
             .pool
@@ -176,7 +185,7 @@ impl Search<'_> {
         };
         begin(first, &mut best);
         // Beside two other additions a longer search takes too long.
-        let thorough = goal.is_none() && from.additions.len() < 2;
+        let thorough = matches!(pace, Pace::Thorough) && from.additions.len() < 2;
         let unexplained = |best: &[Option<Attempt>]| {
             let least = reached(best).into_iter().fold(f64::INFINITY, f64::min);
             thorough && least > UNEXPLAINED * base.readings() as f64
@@ -191,11 +200,15 @@ impl Search<'_> {
         // ... or the leading ones may be in local minima. So may one that, in the linear estimate, promises what the best reached.
         let (nothing_explains, ends, reached) = (unexplained(&best), leading(&reached(&best), END), reached(&best));
         let equal = reached.iter().copied().fold(f64::INFINITY, f64::min) + EQUAL * data.part.len() as f64;
-        let again = |index: usize| {
+        let mut again: Vec<usize> = (0..explored.len()).collect();
+        again.retain(|&index| {
             let promises = explored[index].after < equal && reached[index] > equal;
-            (nothing_explains && ends[index]) || (thorough && promises)
-        };
-        best.par_iter_mut().zip(&explored).enumerate().filter(|(index, _)| again(*index)).for_each(|(_, (best, e))| {
+            explored[index].is_seen_again() && ((nothing_explains && ends[index]) || (thorough && promises))
+        });
+        again.sort_by(|&i, &j| explored[i].after.total_cmp(&explored[j].after));
+        again.truncate(SEEN_AGAIN);
+        let begun = best.par_iter_mut().zip(&explored).enumerate();
+        begun.filter(|(index, _)| again.contains(index)).for_each(|(_, (best, e))| {
             *best = best.take().map(|attempt| e.second_look(data, from, attempt));
         });
         let found: Vec<Found> = explored.par_iter().zip(best).map(|(e, best)| e.found(data, from, best)).collect();

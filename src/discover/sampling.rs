@@ -11,13 +11,11 @@ use nalgebra::{DMatrix, DVector};
 /// Samples over the ranges of an effect of one, two, three, four parameters; one that has either sign gets half as many of
 /// each.
 const SAMPLES: [usize; 4] = [16, 14, 18, 20];
-/// Samples where values are known that are worth a look.
+/// Samples where values are known that are worth a look; a continuum of sliders, which takes long to solve, is looked at with
+/// these values alone.
 const WITH_HINT: usize = 6;
 /// Samples beside an explanation that leaves nothing but noise.
 const BESIDE_NOISE: usize = 2;
-/// Samples that make the contact a continuum of sliders, which takes long to solve, besides the values that are known; where
-/// the explanation leaves nothing but noise there are none.
-const COSTLY: usize = 2;
 /// Change of a residual, in standard deviations, below which a point counts as left alone.
 const UNTOUCHED: f64 = 0.1;
 /// Samples about values that may be a local minimum, and how far they reach on the natural scale of a parameter.
@@ -67,14 +65,16 @@ pub fn look(data: &Data<'_>, base: &Base<'_>, addition: Addition, samples: &[Mod
     let rest = base.rest();
     let rows = rows(&data.part);
     let mut touched = vec![false; data.part.len()];
+    let mut told = false;
     let (mut visibility, mut strongest) = (0.0, None);
     let mut after = robust_chi2(&rest, data.threshold);
     let mut tried: Vec<(f64, Sample)> = Vec::new();
     for model in samples {
-        let residuals = residuals(data, model, base, hint);
-        for (touched, rows) in touched.iter_mut().zip(&rows) {
+        let (residuals, lost) = residuals(data, model, base, hint);
+        for (touched, rows) in touched.iter_mut().zip(&rows).filter(|_| !lost) {
             *touched |= rows.clone().any(|r| (residuals[r] - base.evaluation.residuals[r]).abs() > UNTOUCHED);
         }
+        told |= !lost;
         let change = base.without(&(&residuals - &base.evaluation.residuals));
         let size = change.norm_squared();
         let as_it_is = robust_chi2(&base.without(&residuals), data.threshold);
@@ -96,6 +96,9 @@ pub fn look(data: &Data<'_>, base: &Base<'_>, addition: Addition, samples: &[Mod
         tried.push((least, sample));
     }
     tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+    if !told {
+        touched.fill(true);
+    }
     Look { starts: tried, after, visibility, strongest, touched }
 }
 
@@ -139,20 +142,21 @@ fn rows(points: &[&Point]) -> Vec<std::ops::Range<usize>> {
     points.iter().map(&mut range).collect()
 }
 
-/// Residuals of a model on the part of the points, those of `base` where the hint says that nothing changes.
-fn residuals(data: &Data<'_>, model: &Model, base: &Base<'_>, hint: Option<&Hint>) -> DVector<f64> {
+/// Residuals of a model on the part of the points, those of `base` where the hint says that nothing changes; and whether the
+/// model is lost, so that they say nothing of each point.
+fn residuals(data: &Data<'_>, model: &Model, base: &Base<'_>, hint: Option<&Hint>) -> (DVector<f64>, bool) {
     let everywhere = vec![true; data.part.len()];
     let touched = hint.map_or(&everywhere, |hint| &hint.touched);
-    let solved = base.problem.of(model.clone(), touched).evaluate(&[], false).residuals;
+    let solved = base.problem.of(model.clone(), touched).evaluate(&[], false);
     let mut all = base.evaluation.residuals.clone();
     let mut next = 0;
     for (range, _) in rows(&data.part).into_iter().zip(touched).filter(|(_, touched)| **touched) {
         for row in range {
-            all[row] = solved[next];
+            all[row] = solved.residuals[next];
             next += 1;
         }
     }
-    all
+    (all, solved.lost)
 }
 
 /// Models with the addition at samples of its ranges.
@@ -182,8 +186,7 @@ pub fn samples(
     let most = SAMPLES[parameters.len().clamp(1, 4) - 1] / (1 + usize::from(signed));
     let costly = model.has_continuum();
     let count = match hint {
-        Some(_) if costly && beside_noise => 0,
-        Some(_) if costly => COSTLY,
+        Some(_) if costly => 0,
         Some(_) if beside_noise => BESIDE_NOISE,
         Some(_) => most.min(WITH_HINT),
         None => most,

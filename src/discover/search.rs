@@ -141,7 +141,8 @@ pub fn explore(
     let scale = data.points.len() as f64 / data.part.len() as f64;
     let rest = base.rest();
     let mut found = look(data, base, addition, &samples, hint);
-    if let Some((from, base)) = other {
+    let costly = samples[0].has_continuum();
+    if let Some((from, base)) = other.filter(|_| !costly) {
         found = found.and(look(data, base, addition, &samples_of(from), hint));
     }
     let readings = base.readings() as f64 * scale;
@@ -155,7 +156,7 @@ pub fn explore(
         visibility: found.visibility * scale,
         strongest: found.strongest,
         touched: found.touched,
-        costly: samples[0].has_continuum(),
+        costly,
         starts: found.starts.into_iter().map(|(_, sample)| sample).collect(),
     }
 }
@@ -173,11 +174,13 @@ impl Explored {
         self.begin_at(data, from, &self.starts, begun)
     }
 
+    /// Whether a second look may find what the first has missed: the samples of a single parameter are close enough.
+    pub fn is_seen_again(&self) -> bool {
+        self.addition.keys().len() > 1 && !self.costly
+    }
+
     /// The better of an attempt and one begun from samples about it: the first may have ended in a local minimum.
     pub fn second_look(&self, data: &Data<'_>, from: &Hypothesis, attempt: Attempt) -> Attempt {
-        if self.addition.keys().len() < 2 || self.costly {
-            return attempt;
-        }
         let known = from.fit.values.len();
         let there = on_part(data, &attempt.model, attempt.fit.parameters.clone());
         let mut places = vec![attempt.fit.values[..known].to_vec()];
@@ -342,9 +345,9 @@ pub fn on_all(data: &Data<'_>, model: &Model, fit: &Fit) -> Fit {
 }
 
 /// A fit from starts scattered over the ranges of its parameters, of either sign where there are two, begun on the part
-/// of the points and followed on all; the model with the signs it ends with. `None` for a continuum of sliders, which takes
-/// too long.
-pub fn scattered_fit(data: &Data<'_>, model: &Model, fit: &Fit) -> Option<(Model, Fit)> {
+/// of the points and followed on all; the model with the signs it ends with. `None` where on that part it does not come below
+/// `aim`, and for a continuum of sliders, which takes too long.
+pub fn scattered_fit(data: &Data<'_>, model: &Model, fit: &Fit, aim: f64) -> Option<(Model, Fit)> {
     if model.has_continuum() {
         return None;
     }
@@ -365,7 +368,7 @@ pub fn scattered_fit(data: &Data<'_>, model: &Model, fit: &Fit) -> Option<(Model
     tried.sort_by(|a, b| a.0.total_cmp(&b.0));
     let settings = Settings { evaluations: END, threshold: data.threshold, converged: CLOSE };
     let ends = tried.iter_mut().take(followed).map(|(_, problem, start)| minimise(problem, start, &settings));
-    let best = ends.min_by(|a, b| a.objective.total_cmp(&b.objective))?;
+    let best = ends.min_by(|a, b| a.objective.total_cmp(&b.objective)).filter(|best| best.objective < aim)?;
     let model = on_part(data, model, best.parameters.clone()).model(&best.values);
     let fit = on_all(data, &model, &best);
     Some((model, fit))

@@ -97,8 +97,12 @@ struct Target<'p, 'a> {
 
 impl<'p, 'a> Target<'p, 'a> {
     fn new(problem: &'p mut Problem<'a>, parameters: Vec<Parameter>, threshold: f64) -> Self {
-        let nothing =
-            Evaluation { residuals: DVector::zeros(0), jacobian: DMatrix::zeros(0, 0), predictions: Vec::new() };
+        let nothing = Evaluation {
+            residuals: DVector::zeros(0),
+            jacobian: DMatrix::zeros(0, 0),
+            predictions: Vec::new(),
+            lost: false,
+        };
         let best = (f64::INFINITY, Vec::new(), nothing);
         Self { problem, parameters, threshold, u: DVector::zeros(0), evaluation: None, best }
     }

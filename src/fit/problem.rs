@@ -19,6 +19,8 @@ pub const TROUBLED: f64 = 6.0;
 /// A model without a steady state at more than this share of the points explains none of them: there a residual counts as
 /// this many standard deviations.
 const LOST: (f64, f64) = (0.25, 1e3);
+/// The share where the model is a continuum of sliders, which takes long to find none, and is only looked at.
+const LOST_COSTLY: f64 = 0.05;
 
 /// Step of a difference on the natural scale of a parameter.
 const DIFFERENCE: f64 = 0.02;
@@ -43,6 +45,8 @@ pub struct Evaluation {
     pub jacobian: DMatrix<f64>,
     /// What the model says of each point.
     pub predictions: Vec<Prediction>,
+    /// Whether it has no steady state at so many points that the residuals say nothing of the others.
+    pub lost: bool,
 }
 
 impl Evaluation {
@@ -138,7 +142,9 @@ impl<'a> Problem<'a> {
         let model = self.model(values);
         let indices: Vec<usize> = if derivatives { self.parameters.iter().map(|p| p.index).collect() } else { vec![] };
         let tolerance = self.tolerance;
-        let (allowed, gives_up) = (LOST.0 * self.points.len() as f64, self.gives_up);
+        let gives_up = self.gives_up;
+        let share = if gives_up && model.has_continuum() { LOST_COSTLY } else { LOST.0 };
+        let allowed = share * self.points.len() as f64;
         let troubled = AtomicUsize::new(0);
         let work: Vec<(&Point, &mut Warm)> = self.points.iter().copied().zip(&mut self.warm).collect();
         let solved: Vec<(Prediction, Vec<(f64, f64)>)> = work
@@ -170,7 +176,7 @@ impl<'a> Problem<'a> {
             // Whichever points were solved before: the same for any order of them.
             residuals.fill(LOST.1);
             let predictions = solved.into_iter().map(|(p, _)| p).collect();
-            return Evaluation { residuals, jacobian, predictions };
+            return Evaluation { residuals, jacobian, predictions, lost };
         }
         let steady = self.points.iter().zip(&solved).filter(|(_, (p, _))| p.status == Status::Steady);
         let squares = steady.map(|(point, (prediction, _))| {
@@ -200,7 +206,7 @@ impl<'a> Problem<'a> {
                 row += 1;
             }
         }
-        Evaluation { residuals, jacobian, predictions: solved.into_iter().map(|(p, _)| p).collect() }
+        Evaluation { residuals, jacobian, predictions: solved.into_iter().map(|(p, _)| p).collect(), lost }
     }
 }
 

@@ -41,7 +41,7 @@ impl Demand {
     /// Errors below 1e-4.
     pub const FINE: Self = Self { steps: 96, periodic: 1e-9, creep: 3e-6, cycles: 120 };
     /// Errors of about 1e-3, for searches over many models.
-    pub const COARSE: Self = Self { steps: 48, periodic: 1e-6, creep: 1e-4, cycles: 40 };
+    pub const COARSE: Self = Self { steps: 48, periodic: 1e-6, creep: 1e-4, cycles: 28 };
 }
 
 /// A periodic state, as the start for a neighbouring problem.

@@ -18,13 +18,18 @@ pub struct Tolerance {
 
 impl Tolerance {
     /// For searches over many models: errors of 1e-4, and points that are hard to solve are given up soon.
-    pub const COARSE: Self = Self { steps: 12, roughness: 1e-2, cycles: 60, budget: 800 };
+    pub const COARSE: Self = Self { steps: 12, roughness: 1e-2, cycles: 30, budget: 400 };
 
     /// For fits to all points: errors of 1e-5, and points that are hard to solve are given up before long.
-    pub const FIT: Self = Self { steps: 18, roughness: 1e-3, cycles: 100, budget: 3000 };
+    pub const FIT: Self = Self { steps: 18, roughness: 1e-3, cycles: 60, budget: 1500 };
 }
 
 impl Tolerance {
+    /// Whether points that are hard to solve are given up.
+    pub(super) fn gives_up(&self) -> bool {
+        self.budget < usize::MAX
+    }
+
     /// Whether exactly the steps asked for are wanted, to measure the order of convergence: an infinite roughness says so.
     pub(super) fn measures_order(&self) -> bool {
         self.roughness.is_infinite()
