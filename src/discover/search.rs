@@ -209,8 +209,9 @@ impl Explored {
         let far = far_off(data, from);
         let mut attempts = Vec::new();
         for (rank, sample) in starts.iter().take(begun).enumerate() {
-            let drawn = on_part(data, &sample.drawn, data.movable(&sample.drawn, &keys));
-            let base = drawn.values()[..data.stated.len()].to_vec();
+            let at = |model: &Model| Start::new(data, model, &keys);
+            let (drawn, strengthened) = (at(&sample.drawn), sample.strengthened.as_ref().map(at));
+            let base = drawn.values[..data.stated.len()].to_vec();
             let stated = if from.additions.is_empty() || far { data.stated.clone() } else { base.clone() };
             // Both where it costs little or the two are far apart, otherwise in turn.
             let places = match self.addition.keys().len() {
@@ -219,41 +220,25 @@ impl Explored {
                 _ => vec![base],
             };
             for place in places {
-                let (model, mut problem, start) = self.start(data, sample, &keys, &place);
+                let start = self.better(data, drawn.at(&place), strengthened.as_ref().map(|s| s.at(&place)));
                 let settings = Settings { evaluations: BEGIN, threshold: data.threshold, converged: CLOSE };
-                let fit = minimise(&mut problem, &start, &settings);
-                attempts.push(Attempt { model, fit });
+                let fit = minimise(&mut start.problem.clone(), &start.values, &settings);
+                attempts.push(Attempt { model: start.model, fit });
             }
         }
         attempts.sort_by(|a, b| a.fit.objective.total_cmp(&b.fit.objective));
         attempts
     }
 
-    /// Where a fit begins from a sample, with the base at these values: as strong as a linear estimate wants it, or as it was
-    /// drawn where that is better, and much better than nothing. A law that sets in with a jump is no matter for a linear estimate.
-    fn start<'a>(
-        &self,
-        data: &Data<'a>,
-        sample: &Sample,
-        keys: &[String],
-        base: &[f64],
-    ) -> (Model, Problem<'a>, Vec<f64>) {
-        let at = |model: &Model| {
-            let problem = on_part(data, model, data.movable(model, keys));
-            let mut values = problem.values();
-            values[..base.len()].copy_from_slice(base);
-            (model.clone(), problem, values)
-        };
-        let drawn = at(&sample.drawn);
-        let Some(strengthened) = sample.strengthened.as_ref().map(at) else { return drawn };
+    /// Where a fit begins from a sample: as strong as a linear estimate wants it, or as it was drawn where that is better, and
+    /// much better than nothing. A law that sets in with a jump is no matter for a linear estimate.
+    fn better<'a>(&self, data: &Data<'a>, drawn: Start<'a>, strengthened: Option<Start<'a>>) -> Start<'a> {
+        let Some(strengthened) = strengthened else { return drawn };
         if self.costly {
             return strengthened;
         }
-        let square = |(_, problem, values): &(Model, Problem<'a>, Vec<f64>)| {
-            robust_chi2(&problem.clone().evaluate(values, false).residuals, data.threshold)
-        };
-        let as_drawn = square(&drawn);
-        if as_drawn < AS_DRAWN * self.before && as_drawn < square(&strengthened) { drawn } else { strengthened }
+        let as_drawn = drawn.square(data);
+        if as_drawn < AS_DRAWN * self.before && as_drawn < strengthened.square(data) { drawn } else { strengthened }
     }
 
     fn keys(&self, from: &Hypothesis) -> Vec<String> {
@@ -293,6 +278,32 @@ impl Explored {
         fit.evaluation.jacobian.resize_horizontally_mut(columns, 0.0);
         fit.termination = "not fitted: in a linear estimate it explains too little".into();
         Attempt { model, fit }
+    }
+}
+
+/// Where a fit to the part of the points may begin.
+#[derive(Clone)]
+struct Start<'a> {
+    model: Model,
+    problem: Problem<'a>,
+    values: Vec<f64>,
+}
+
+impl<'a> Start<'a> {
+    fn new(data: &Data<'a>, model: &Model, keys: &[String]) -> Self {
+        let problem = on_part(data, model, data.movable(model, keys));
+        Self { model: model.clone(), values: problem.values(), problem }
+    }
+
+    /// The same with the base at these values.
+    fn at(&self, base: &[f64]) -> Self {
+        let mut start = self.clone();
+        start.values[..base.len()].copy_from_slice(base);
+        start
+    }
+
+    fn square(&self, data: &Data<'_>) -> f64 {
+        robust_chi2(&self.problem.clone().evaluate(&self.values, false).residuals, data.threshold)
     }
 }
 
