@@ -15,7 +15,7 @@ const STARTS: usize = 12;
 const FOLLOWED: usize = 2;
 /// Evaluations of one fit at most.
 const EVALUATIONS: usize = 60;
-/// A residual this many times the scatter of its neighbours away from their median stands out.
+/// A residual this many times the scatter of its neighbours about a line away from that line stands out.
 const OUTLYING: f64 = 5.0;
 /// Neighbours on either side.
 const NEIGHBOURS: usize = 3;
@@ -111,16 +111,44 @@ pub(crate) fn scale(residuals: &DVector<f64>) -> f64 {
 pub(crate) fn outliers(column: &'static str, residuals: &[(usize, f64)]) -> Vec<Outlier> {
     let mut found = Vec::new();
     for (i, &(row, residual)) in residuals.iter().enumerate() {
-        let range = i.saturating_sub(NEIGHBOURS)..(i + NEIGHBOURS + 1).min(residuals.len());
-        let near: Vec<f64> = range.filter(|&j| j != i).map(|j| residuals[j].1).collect();
+        // As many on one side as are missing on the other.
+        let first = i.saturating_sub(NEIGHBOURS).min(residuals.len().saturating_sub(2 * NEIGHBOURS + 1));
+        let range = first..(first + 2 * NEIGHBOURS + 1).min(residuals.len());
+        let near: Vec<(f64, f64)> = range.filter(|&j| j != i).map(|j| (j as f64 - i as f64, residuals[j].1)).collect();
         if near.len() < NEIGHBOURS {
             continue;
         }
-        let middle = median(near.iter().copied());
-        let scatter = spread(near, middle);
+        // Along the line through the neighbours (Theil 1950, Sen 1968): at the end of a curve on which a model fails smoothly
+        // they are all on one side.
+        let pairs = near.iter().enumerate().flat_map(|(n, a)| near[..n].iter().map(move |b| (a.1 - b.1) / (a.0 - b.0)));
+        let slope = median(pairs);
+        let level: Vec<f64> = near.iter().map(|(step, residual)| residual - slope * step).collect();
+        let middle = median(level.iter().copied());
+        let scatter = spread(level, middle);
         if (residual - middle).abs() > OUTLYING * scatter.max(1.0) {
             found.push(Outlier { row, column, sigma: residual });
         }
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Residuals without noise: what stands out is known.
+    fn rows(residual: impl Fn(f64) -> f64) -> Vec<(usize, f64)> {
+        (0..24).map(|row| (row, residual(row as f64))).collect()
+    }
+
+    #[test]
+    fn a_smooth_misfit_has_no_outliers_and_a_reading_far_off_is_one_wherever_it_stands() {
+        for smooth in [|x: f64| 60.0 - 8.0 * x, |x: f64| 100.0 * (0.2 * x).sin(), |x: f64| 0.5 * x * x] {
+            assert_eq!(outliers("amplitude_rad", &rows(smooth)), []);
+        }
+        for far in [0, 1, 12, 23] {
+            let found = outliers("amplitude_rad", &rows(|x| 60.0 - 8.0 * x + if x == far as f64 { 30.0 } else { 0.0 }));
+            assert_eq!(found.iter().map(|o| o.row).collect::<Vec<_>>(), [far]);
+        }
+    }
 }

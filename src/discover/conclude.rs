@@ -72,10 +72,15 @@ impl Search<'_> {
         if let Some(best) = candidates.first().filter(|c| c.hypothesis.label() != end.hypothesis.label()) {
             let above =
                 candidates.iter().find(|c| c.hypothesis.label() == end.hypothesis.label()).map_or(0.0, |c| c.delta_bic);
-            notes.push(format!(
-                "{} would be better by {above:.1} in Schwarz's criterion, too little to decide for it among as many candidates",
-                best.hypothesis.label()
-            ));
+            let (label, pool) = (best.hypothesis.label(), self.pool.len());
+            let more = best.hypothesis.additions.len().saturating_sub(end.hypothesis.additions.len());
+            let takes = MARGIN + 2.0 * more as f64 * (pool.max(1) as f64).ln();
+            let verdict = if above < takes {
+                format!("too little to decide for it: among {pool} that were looked at it takes {takes:.1}")
+            } else {
+                "and the search, which goes step by step, did not end there".into()
+            };
+            notes.push(format!("{label} would be better by {above:.1} in Schwarz's criterion, {verdict}"));
         }
         let troubled = end.hypothesis.fit.evaluation.troubled();
         if troubled > 0 {
@@ -131,7 +136,14 @@ impl Search<'_> {
             }
             hypothesis.bic = self.bic(hypothesis, noise);
         }
-        all.sort_by(|a, b| a.0.bic.total_cmp(&b.0.bic).then_with(|| a.0.label().cmp(&b.0.label())));
+        // What was not fitted to all points is estimated, and never better than what was.
+        let full = |h: &Hypothesis| h.basis() == Basis::AllPoints;
+        let least = all.iter().map(|(h, _)| h).filter(|h| full(h)).map(|h| h.bic).fold(f64::INFINITY, f64::min);
+        all.iter_mut().filter(|(h, _)| !full(h)).for_each(|(h, _)| h.bic = h.bic.max(least));
+        all.sort_by(|(a, _), (b, _)| {
+            let by_basis = full(b).cmp(&full(a));
+            a.bic.total_cmp(&b.bic).then(by_basis).then_with(|| a.label().cmp(&b.label()))
+        });
         let best = all.first().map_or(0.0, |(h, _)| h.bic);
         let total: f64 = all.iter().map(|(h, _)| (-0.5 * (h.bic - best)).exp()).sum();
         // Estimates are of the sum in which large residuals count less: told as those of the base compare.
@@ -185,12 +197,10 @@ impl Search<'_> {
         for entry in first.found.iter().filter(named).filter(|e| !self.testable(e)) {
             let Some(addition) = entry.found.hypothesis.additions.first() else { continue };
             let base = candidates.iter().find(|c| c.hypothesis.additions.is_empty());
-            let would_show = match (base, &entry.found.strongest) {
-                (Some(base), Some(strongest)) => {
-                    next::would_show(&base.hypothesis.fitted(), strongest, self.table, &self.options.bounds)
-                }
-                _ => String::new(),
-            };
+            let would_show = base.map_or_else(String::new, |base| {
+                let fitted = base.hypothesis.fitted();
+                next::would_show(&fitted, &entry.found.strongest, self.table, &self.options.bounds)
+            });
             list.push(NotTestable {
                 effect: addition.name().into(),
                 largest_sigma: entry.found.visibility.sqrt(),

@@ -12,6 +12,10 @@ use rayon::prelude::*;
 
 /// Values of speed, load, drive and frequency that are tried.
 const GRID: [usize; 4] = [9, 4, 3, 24];
+/// Every so many-th of these points serves to choose among forms of an effect; no divisor of their number.
+const THIN: usize = 37;
+/// Without a positive value in a table and without a lower bound, values reach down to this share of the upper one.
+const LOWEST: f64 = 1e-3;
 /// Changes of prediction smaller than this many standard deviations do not show.
 const SHOWS: f64 = 3.0;
 
@@ -66,9 +70,19 @@ pub(super) fn next(survivors: &[&Hypothesis], table: &Table, bounds: &Bounds, no
     })
 }
 
-/// Where an effect that the data cannot show would show most, in words; empty where nowhere.
-pub(super) fn would_show(without: &Model, with: &Model, table: &Table, bounds: &Bounds) -> String {
-    match within(without, with, table, bounds) {
+/// Where an effect that the data cannot show would show most, in the one of its `forms` that shows most there, in words; empty
+/// where nowhere.
+pub(super) fn would_show(without: &Model, forms: &[Model], table: &Table, bounds: &Bounds) -> String {
+    let (typical, all) = (typical(table), grid(table, bounds));
+    let thin: Vec<Operation> = all.iter().step_by(THIN).copied().collect();
+    let shown =
+        |with: &&Model, grid: &[Operation]| farthest(&[without, with], grid, (typical.amplitude, typical.phase));
+    let most = |with: &&Model| shown(with, &thin).map_or(0.0, |(_, sigma)| sigma);
+    let form = match forms {
+        [one] => Some(one),
+        many => many.iter().max_by(|a, b| most(a).total_cmp(&most(b))),
+    };
+    match form.and_then(|with| shown(&with, &all)) {
         Some((at, sigma)) if sigma > SHOWS => {
             let setting = Setting { speed: at.speed, load: at.load, drive: at.drive };
             format!(
@@ -155,7 +169,7 @@ fn logarithmic((from, to): (f64, f64), count: usize, least: f64) -> Vec<f64> {
     if from <= 0.0 {
         values.push(0.0);
     }
-    let low = if from > 0.0 { from } else { least.min(to) };
+    let low = if from > 0.0 { from } else { least.min(LOWEST * to) };
     if to <= low * (1.0 + 1e-9) {
         if to > 0.0 {
             values.push(to);

@@ -54,8 +54,8 @@ pub struct Look {
     pub after: f64,
     /// Largest change that a sample makes beyond what the parameters before it can imitate: sum of squares over the part.
     pub visibility: f64,
-    /// The sample with that change.
-    pub strongest: Option<Model>,
+    /// The sample with that change; all of them where none changes anything.
+    pub strongest: Vec<Model>,
     /// Which points of the part a sample changes at all.
     pub touched: Vec<bool>,
 }
@@ -66,7 +66,7 @@ pub fn look(data: &Data<'_>, base: &Base<'_>, addition: Addition, samples: &[Mod
     let rows = rows(&data.part);
     let mut touched = vec![false; data.part.len()];
     let mut told = false;
-    let (mut visibility, mut strongest) = (0.0, None);
+    let (mut visibility, mut strongest) = (0.0, samples.to_vec());
     let mut after = robust_chi2(&rest, data.threshold);
     let mut tried: Vec<(f64, Sample)> = Vec::new();
     for model in samples {
@@ -91,7 +91,7 @@ pub fn look(data: &Data<'_>, base: &Base<'_>, addition: Addition, samples: &[Mod
         }
         after = after.min(least);
         if size > visibility {
-            (visibility, strongest) = (size, Some(model.clone()));
+            (visibility, strongest) = (size, vec![model.clone()]);
         }
         tried.push((least, sample));
     }

@@ -102,7 +102,7 @@ pub struct Explored {
     needed: f64,
     scale: f64,
     visibility: f64,
-    strongest: Option<Model>,
+    strongest: Vec<Model>,
     touched: Vec<bool>,
     /// Whether its points take long to solve: it makes the contact a continuum of sliders.
     pub costly: bool,
@@ -118,8 +118,8 @@ pub struct Found {
     /// Largest change that a plausible strength of the last addition makes to the predictions beyond what the parameters
     /// before it can imitate: sum of squares in standard deviations, over all points.
     pub visibility: f64,
-    /// The sample with that change.
-    pub strongest: Option<Model>,
+    /// The sample with that change; all of them where none changes anything.
+    pub strongest: Vec<Model>,
     /// Which points of the part it changes at all.
     pub touched: Vec<bool>,
 }

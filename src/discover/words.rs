@@ -1,17 +1,25 @@
 //! What a discovery says, in words that the terminal and the report share.
 
 use super::{Discovery, Verdict};
+use crate::effects::REGISTRY;
 use crate::fit::{Identified, Interval, Parameter};
 
 /// The verdict in a sentence.
 pub fn sentence(d: &Discovery) -> String {
     let end = d.explanation();
-    let (effects, recalibrated) = (end.hypothesis.effects(), end.hypothesis.recalibrated());
+    let named = |names: Vec<String>| names.iter().map(|name| with_rivals(d, name)).collect::<Vec<_>>();
+    let (effects, recalibrated) = (named(end.hypothesis.effects()), named(end.hypothesis.recalibrated()));
     let all = end.hypothesis.label();
     match d.verdict {
-        Verdict::NothingMissing => {
+        Verdict::NothingMissing if d.not_testable.is_empty() => {
             "nothing is missing; the calibrated model explains the data within their noise".into()
         }
+        Verdict::NothingMissing => format!(
+            "nothing is missing that these data can show, and {} of {} effects they cannot; the calibrated model explains \
+             them within their noise",
+            d.not_testable.len(),
+            REGISTRY.len()
+        ),
         Verdict::Recalibrate => format!("recalibrate {}: no effect is needed", recalibrated.join(", ")),
         Verdict::EffectMissing if recalibrated.is_empty() => format!("missing: {}", effects.join(" + ")),
         Verdict::EffectMissing => format!("missing: {}; recalibrate {}", effects.join(" + "), recalibrated.join(", ")),
@@ -19,6 +27,15 @@ pub fn sentence(d: &Discovery) -> String {
             "unexplained: structured misfit is left, and nothing of the catalogue reduces it".into()
         }
         Verdict::Unexplained => format!("unexplained: {all} helps, but structured misfit is left"),
+    }
+}
+
+/// A part of the explanation, with what the data do not tell from it.
+fn with_rivals(d: &Discovery, name: &str) -> String {
+    let group = d.indistinguishable.iter().find(|group| group.first().is_some_and(|first| first == name));
+    match group {
+        Some(group) if group.len() > 1 => format!("{name} (or {})", group[1..].join(", or ")),
+        _ => name.into(),
     }
 }
 

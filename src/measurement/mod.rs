@@ -7,6 +7,7 @@
 
 mod columns;
 mod delimited;
+mod doubts;
 mod file;
 mod header;
 mod noise;
@@ -154,6 +155,7 @@ pub fn load(scenario: &Scenario) -> Result<Option<Table>> {
     unused_keys(wanted, Format::of(&wanted.file)?, &mut notes);
     let pooled = pool::pool(readings, &mut notes)?;
     let (points, amplitude_noise, phase_noise) = noise::assign(pooled, &wanted.file, &mut notes)?;
+    notes.extend(doubts::doubts(&points));
     let hash = blake3::hash(&bytes).to_hex().to_string();
     Ok(Some(Table { file: wanted.file.clone(), hash, points, amplitude_noise, phase_noise, notes }))
 }

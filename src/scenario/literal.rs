@@ -46,7 +46,8 @@ impl Estimate {
         };
         let style = Style::of(&old.map_or_else(fresh, String::from), self.unit);
         let place = self.place(style.factor);
-        let number = |value: f64| style.number(value / style.factor, place);
+        // An end far below the estimate has digits of its own.
+        let number = |value: f64| style.number(value / style.factor, place.min(shown(value / style.factor)));
         let fine = (self.felt / style.factor).log10().floor().min(f64::from(place)).max(f64::from(place - MOST)) as i32;
         let value = style.number(self.value / style.factor, fine);
         let unit = if style.unit.is_empty() { String::new() } else { format!(" {}", style.unit) };
@@ -75,6 +76,11 @@ impl Estimate {
         };
         place.clamp(own + 1 - MOST, own + 1 - FEWEST)
     }
+}
+
+/// Power of ten of the last digit of a number that is written with the fewest.
+fn shown(x: f64) -> i32 {
+    if x == 0.0 { i32::MAX } else { (x * (1.0 + 1e-9)).abs().log10().floor() as i32 + 1 - FEWEST }
 }
 
 /// How a number is written.
