@@ -29,7 +29,8 @@
     const plain = decimals <= 6 && Math.abs(value) < 1e6;
     const digits = Math.max(1, Math.floor(Math.log10(Math.abs(value) || 1)) + decimals);
     const text = plain ? value.toFixed(Math.max(0, decimals)) : value.toExponential(Math.min(3, digits));
-    return text.replace(/e\+?(-?\d+)/, "×10^$1").replaceAll("-", "−");
+    const raised = (power) => Array.from(power, (sign) => (sign === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[+sign])).join("");
+    return text.replace(/e\+?(-?\d+)/, (_, power) => `×10${raised(power)}`).replaceAll("-", "−");
   };
 
   // An axis: shares 0 to 1 of its length, and the values there.
@@ -85,7 +86,10 @@
         }
         if (this.kind === "asinh") values.push([0, 1]);
       }
-      const inside = values.map(([value, step]) => ({ share: this.share(value), text: written(value, step), value }))
+      // What cannot be told from zero is zero.
+      const nothing = this.kind === "asinh" ? this.share(0) : null;
+      const shown = values.filter(([value]) => value === 0 || nothing === null || Math.abs(this.share(value) - nothing) > 1e-4);
+      const inside = shown.map(([value, step]) => ({ share: this.share(value), text: written(value, step), value }))
         .filter(({ share }) => share >= this.from - 1e-9 && share <= this.to + 1e-9)
         .sort((x, y) => Math.abs(Math.log10(Math.abs(x.value) || 1)) % 1 - Math.abs(Math.log10(Math.abs(y.value) || 1)) % 1);
       const kept = [];
@@ -241,7 +245,7 @@
     // Ticks of a zoomed panel in place of its own; names only where it had them.
     scale(panel) {
       const { left, top, width, height, x, y } = panel;
-      const shows = panel.ticks[0]?.dataset.shows ?? "xy";
+      const shows = panel.ticks.length ? Array.from(panel.ticks, (ticks) => ticks.dataset.shows).join("") : "xy";
       const [right, bottom] = [left + width, top + height];
       const small = { "font-size": 15 * FINE, "font-family": "DejaVu Sans, Verdana, sans-serif", fill: "#222" };
       const line = (d) => shape("path", { d, stroke: "#222", "stroke-width": 1.2 * FINE, fill: "none" }, this.overlay);

@@ -7,9 +7,9 @@ use crate::discover::{Change, fit_addition, fit_removal};
 use crate::effects::{self, Effect, REGISTRY};
 use crate::error::{Error, Result};
 use crate::files;
-use crate::scenario::Scenario;
 use crate::scenario::diagnostic::{nearest, quote, whole_file};
 use crate::scenario::edit::Editable;
+use crate::scenario::{Scenario, parameter_keys};
 use std::io::Write as _;
 use std::path::Path;
 
@@ -68,6 +68,9 @@ fn known(name: &str) -> Result<&'static dyn Effect> {
     effects::find(name).ok_or_else(|| {
         let names = || REGISTRY.iter().map(|effect| effect.name());
         let help = match nearest(name, names()) {
+            _ if parameter_keys(&[]).iter().any(|key| key == name) => {
+                format!("it is a number of the model: to fit it, name it in [fit] free = [\"{name}\"]")
+            }
             Some(near) => format!("did you mean `{near}`?"),
             None => format!("`stickslip effects` lists the catalogue: {}", names().collect::<Vec<_>>().join(", ")),
         };

@@ -46,8 +46,19 @@ fn frequency(text: &str) -> Result<Range, String> {
 /// Two quantities with `..` between them, ascending; one alone is a range of that value only.
 fn range(text: &str, unit: &str, positive: bool) -> Result<Range, String> {
     let (from, to) = text.split_once("..").unwrap_or((text, text));
-    let value = |part: &str| units::parse(part, unit).map_err(|e| e.to_string());
-    let (from, to) = (value(from)?, value(to)?);
+    // A number without a unit has that of the other end.
+    let written = |part: &str| units::split_number(part.trim()).1.to_string();
+    let (first, last) = (written(from), written(to));
+    if first.is_empty() && last.is_empty() {
+        return Err(format!(
+            "it has no unit; write e.g. \"10 {unit}..20 {unit}\", or the unit once: \"10..20 {unit}\""
+        ));
+    }
+    let value = |part: &str, own: &str, other: &str| {
+        let unit_of = if own.is_empty() { other } else { "" };
+        units::parse(format!("{part} {unit_of}").trim(), unit).map_err(|e| e.to_string())
+    };
+    let (from, to) = (value(from, &first, &last)?, value(to, &last, &first)?);
     let low = if positive { from > 0.0 } else { from >= 0.0 };
     match (low, from <= to) {
         (true, true) => Ok((from, to)),
@@ -65,6 +76,7 @@ mod tests {
     fn ranges_carry_units() {
         assert_eq!(speed("0 mm/s..50 mm/s"), Ok((0.0, 0.05)));
         assert_eq!(load("2 N"), Ok((2.0, 2.0)));
+        assert_eq!((speed("0..50 mm/s"), frequency("50 Hz..60")), (Ok((0.0, 0.05)), Ok((50.0, 60.0))));
     }
 
     #[test]
@@ -72,6 +84,6 @@ mod tests {
         assert!(speed("5 mm..6 mm").unwrap_err().contains("speed"));
         assert!(load("0 N..5 N").unwrap_err().contains("more than zero"));
         assert!(drive("5 um..2 um").unwrap_err().contains("smaller value first"));
-        assert!(frequency("50..60").is_err());
+        assert!(frequency("50..60").unwrap_err().contains("\"10..20 Hz\""));
     }
 }

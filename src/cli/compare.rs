@@ -128,6 +128,9 @@ pub(super) fn words(c: &Comparison) -> Vec<String> {
     for outlier in &c.outliers {
         lines.push(format!("outlier: row {}, {}: {:+.1} sigma", outlier.row, outlier.column, outlier.sigma));
     }
+    if c.whiteness.structured {
+        lines.push(format!("next: stickslip discover {}", c.scenario.path.display()));
+    }
     lines
 }
 

@@ -44,7 +44,8 @@ pub(super) fn words(d: &Discovery) -> Vec<String> {
     let end = d.explanation();
     let scenario = &end.comparison.scenario;
     let mut lines = vec![format!("{}: {}", scenario.title, discover::sentence(d))];
-    lines.extend(d.notes.iter().map(|note| format!("note: {note}")));
+    let notes = end.comparison.table.notes.iter().chain(&d.notes);
+    lines.extend(notes.map(|note| format!("note: {note}")));
     lines.push("ladder:                                chi2   rms error  left-out".into());
     for step in &d.steps {
         let c = &step.comparison.overall;
@@ -89,13 +90,28 @@ pub(super) fn words(d: &Discovery) -> Vec<String> {
         let setting = Setting { speed: next.speed_m_s, load: next.load_n, drive: next.drive_m };
         let [one, other] = &next.separates;
         lines.push(format!(
-            "measure next: {}, f = {:.1} Hz: {one} and {other} differ by {:.1} sigma there",
+            "measure next: {}, f = {:.1} Hz: {one} and {other} differ by {:.1} sigma there, {}",
             compare::words(&setting),
             next.frequency_hz,
-            next.sigma
+            next.sigma,
+            next.meaning()
         ));
     }
+    lines.extend(step(d));
     lines
+}
+
+/// The command or the change that comes next.
+fn step(d: &Discovery) -> Option<String> {
+    let end = d.explanation();
+    let file = end.comparison.scenario.path.display();
+    let effect = end.hypothesis.effects().into_iter().next().filter(|_| d.verdict == Verdict::EffectMissing);
+    let number = end.hypothesis.recalibrated().into_iter().next().filter(|_| d.verdict != Verdict::Unexplained);
+    match (number, effect) {
+        (Some(key), _) => Some(format!("next: name \"{key}\" in [fit] free of {file}")),
+        (None, Some(name)) => Some(format!("next: stickslip add {name} {file} --dry-run")),
+        (None, None) => None,
+    }
 }
 
 fn candidate(c: &Candidate, points: usize) -> String {

@@ -109,7 +109,7 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
         sections.into_iter().map(|section| (section.view, section.points)).unzip();
     let mut checks = verified.0;
     checks.extend(verification::numerical_error(points.concat()).iter().map(check_view));
-    let mut provenance = Provenance::from_environment(&command(paths), rayon::current_num_threads());
+    let mut provenance = Provenance::from_environment(&command(paths, limits, verdict), rayon::current_num_threads());
     provenance.timings = clock.laps;
     let mut plain = ReportView::assemble(TITLE, claims.views, sections, atlas.0, checks, &provenance);
     if tables.iter().any(Option::is_some)
@@ -193,10 +193,13 @@ fn verified() -> Vec<CheckView> {
     verification::run().iter().map(check_view).collect()
 }
 
-/// The command that makes the report again.
-fn command(paths: &[PathBuf]) -> String {
+/// The command that makes the report again, with everything that its contents depend on.
+fn command(paths: &[PathBuf], limits: &GateLimits, verdict: &Verdicts) -> String {
     let mut words = vec!["stickslip report".to_string()];
     words.extend(paths.iter().map(|path| path.display().to_string()));
+    words.extend(limits.max_rms_error.map(|limit| format!("--max-rms-error {limit}")));
+    words.extend(limits.max_chi2.map(|limit| format!("--max-chi2 {limit}")));
+    words.extend(verdict.verdict.as_ref().map(|verdict| format!("--verdict {verdict}")));
     words.join(" ")
 }
 

@@ -49,6 +49,17 @@ pub struct NextMeasurement {
     pub sigma: f64,
 }
 
+impl NextMeasurement {
+    /// What one reading there is worth, in words.
+    pub fn meaning(&self) -> &'static str {
+        if self.sigma >= SHOWS {
+            "one reading there decides"
+        } else {
+            "too little for one reading within these ranges: repeat it, or go beyond them"
+        }
+    }
+}
+
 /// Typical noise of a table.
 struct Typical {
     amplitude: f64,

@@ -156,11 +156,7 @@ fn not_testable(n: &NotTestable) -> NotTestableView {
 }
 
 fn next(n: &NextMeasurement) -> NextView {
-    let meaning = if n.sigma >= DECIDES {
-        "one reading there decides"
-    } else {
-        "too little for one reading within these ranges: repeat it, or go beyond them"
-    };
+    let meaning = n.meaning();
     NextView {
         speed: rounded(n.speed_m_s, "m/s"),
         load: rounded(n.load_n, "N"),

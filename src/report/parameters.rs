@@ -9,13 +9,14 @@ use crate::scenario::{EffectSetting, Formulation, Scenario, Sweep};
 /// All parameters of the scenario: rig, contact, instrument, effects, sweep.
 pub fn parameters(scenario: &Scenario) -> Vec<ParameterView> {
     let (rig, contact, instrument) = (&scenario.rig, &scenario.contact, &scenario.instrument);
+    let source = |key: &str| scenario.origins.get(key).unwrap_or(&scenario.provenance).clone();
     let number = |key: &str, symbol: &str, value: f64, unit: &str| ParameterView {
         key: key.into(),
         symbol: symbol.into(),
         name: meaning(symbol).into(),
         value: format::setting(value, unit).text,
         unit: unit.into(),
-        source: scenario.provenance.clone(),
+        source: source(key),
     };
     let mut rows = vec![
         number("rig.inertia", "J", rig.inertia, "kg m^2"),
@@ -32,7 +33,7 @@ pub fn parameters(scenario: &Scenario) -> Vec<ParameterView> {
             "contact.formulation",
             "formulation of the contact",
             formulation(contact.formulation),
-            &scenario.provenance,
+            &source("contact.formulation"),
         ),
     ];
     let readings = [
@@ -41,8 +42,8 @@ pub fn parameters(scenario: &Scenario) -> Vec<ParameterView> {
         ("instrument.phase_offset", "reading minus true phase", instrument.phase_offset, 0.0, "rad"),
     ];
     for (key, name, value, neutral, unit) in readings {
-        let source = if value == neutral { "ideal instrument" } else { &scenario.provenance };
-        rows.push(ParameterView { name: name.into(), source: source.into(), ..number(key, "", value, unit) });
+        let own = if value == neutral { "ideal instrument".into() } else { source(key) };
+        rows.push(ParameterView { name: name.into(), source: own, ..number(key, "", value, unit) });
     }
     rows.extend(scenario.effects.iter().flat_map(|effect| of_effect(effect, &scenario.provenance)));
     rows.extend(scenario.sweep.iter().flat_map(of_sweep));

@@ -154,6 +154,16 @@ fn of_discovery(scenario: &ScenarioView, d: &DiscoveryView) -> Headline {
     }
 }
 
+/// How many of the tables were made by a program, said where there are any.
+fn synthetic(scenarios: &[ScenarioView]) -> String {
+    let tables = comparisons(scenarios).count();
+    match comparisons(scenarios).filter(|(scenario, _)| scenario.provenance.starts_with("synthetic")).count() {
+        0 => String::new(),
+        n if n == tables => " (all of them synthetic)".into(),
+        n => format!(" ({n} of them synthetic)"),
+    }
+}
+
 /// What is known of a table in the end: what was discovered, or what the model leaves.
 fn outcome(scenario: &ScenarioView, c: &ComparisonView) -> &'static str {
     scenario.discovery.as_ref().map_or(c.verdict.words(), |d| d.verdict.words())
@@ -205,9 +215,10 @@ fn sentence(claims: &[ClaimView], scenarios: &[ScenarioView], checks: &[CheckVie
     if !matches.is_empty() {
         let good = matches.iter().filter(|verdict| **verdict == Match::Noise).count();
         parts.push(format!(
-            "the model matches {good} of {} {} of measurements within the noise",
+            "the model matches {good} of {} {} of measurements within the noise{}",
             matches.len(),
-            plural(matches.len(), "table")
+            plural(matches.len(), "table"),
+            synthetic(scenarios)
         ));
         let found = |wanted: &[Found]| {
             scenarios.iter().filter_map(|s| s.discovery.as_ref()).filter(|d| wanted.contains(&d.verdict)).count()

@@ -107,6 +107,12 @@ fn view(main: &Series, others: &[Series], figures: &[FigureInput]) -> TrustView 
     }
     if all.flagged.of > 0 {
         sentence += &format!("; causes outside the catalogue were called unexplained in {}", right(&all.flagged));
+        // A share over several causes hides one that always fails.
+        let never: Vec<&str> =
+            s.causes.iter().filter(|c| c.scores.flagged.share == Some(0.0)).map(|c| c.cause.as_str()).collect();
+        if !never.is_empty() {
+            sentence += &format!(", {} never", never.join(" and "));
+        }
     }
     let method = format!(
         "{} trials: causes drawn over the ranges of the catalogue, measured by plain time integration at {} points each with noise \

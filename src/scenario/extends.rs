@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::diagnostic::{quote, render};
 use super::source::{Source, Store, tidy};
-use super::written::{Entry, Value, merge, parse};
+use super::written::{Entry, Value, find, merge, parse};
 use crate::error::{Error, Result};
 
 /// Longest chain of `extends`.
@@ -17,6 +17,8 @@ pub(crate) struct Document {
     pub sources: Vec<Source>,
     /// The merged top-level entries.
     pub entries: Vec<Entry>,
+    /// What each file says of the origin of its numbers; empty where it says nothing.
+    pub provenances: Vec<String>,
     /// BLAKE3 over all files, hex.
     pub hash: String,
 }
@@ -46,8 +48,17 @@ pub(crate) fn read_from(store: Store, first: Source) -> Result<Document> {
         sources.push(source);
         layers.push(entries);
     }
+    let provenances = layers.iter().map(|entries| provenance(entries)).collect();
     let entries = layers.into_iter().rev().reduce(merge).unwrap_or_default();
-    Ok(Document { sources, entries, hash: hasher.finalize().to_hex().to_string() })
+    Ok(Document { sources, entries, provenances, hash: hasher.finalize().to_hex().to_string() })
+}
+
+/// What a file says of the origin of its numbers, in one line.
+fn provenance(entries: &[Entry]) -> String {
+    match find(entries, &["provenance"]).map(|node| &node.value) {
+        Some(Value::Text(text)) => text.split_whitespace().collect::<Vec<_>>().join(" "),
+        _ => String::new(),
+    }
 }
 
 /// The folder that `extends` may not leave: the nearest ancestor called `scenarios`, otherwise the file's own folder.

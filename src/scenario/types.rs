@@ -1,5 +1,6 @@
 //! What is meant: the validated scenario in SI, the type that every later step starts from.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// The rig (paper Eqs. 1-8), SI units.
@@ -161,6 +162,9 @@ pub struct Scenario {
     pub description: String,
     /// Where the numbers come from: "published number", "independent computation", "synthetic, hidden effect", "measured"; may be empty.
     pub provenance: String,
+    /// Where the numbers come from that stand in a file that this one extends, by their keys, e.g. `rig.inertia`.
+    #[serde(skip)]
+    pub origins: BTreeMap<String, String>,
     /// The rig.
     pub rig: Rig,
     /// The contact.

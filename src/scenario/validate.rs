@@ -1,5 +1,7 @@
 //! From what was written to what is meant: the table of contents of a scenario file.
 
+use std::collections::BTreeMap;
+
 use super::additions::{effects, fits_formulation, free, measurement};
 use super::axes;
 use super::extends::Document;
@@ -9,7 +11,7 @@ use super::question::question;
 use super::reader::{Reader, TOP_LEVEL, Table, WHOLE};
 use super::source::Store;
 use super::types::{Contact, Formulation, Instrument, Rig, Scenario, Sweep};
-use super::written::{Entry, Node};
+use super::written::{Entry, Node, inside};
 use super::{LoadOptions, Role};
 use crate::effects::ParameterInfo;
 use crate::error::{Error, Result};
@@ -88,6 +90,7 @@ fn read(
         title: title?,
         description: description?,
         provenance: provenance?,
+        origins: origins(document),
         rig: rig?,
         contact: contact?,
         instrument: instrument?,
@@ -99,6 +102,20 @@ fn read(
         figures,
         gate: gate?,
     })
+}
+
+/// Origins of the numbers of rig, contact and instrument that stand in another file than the first.
+fn origins(document: &Document) -> BTreeMap<String, String> {
+    let mut origins = BTreeMap::new();
+    for table in document.entries.iter().filter(|table| ["rig", "contact", "instrument"].contains(&table.key.as_str()))
+    {
+        for entry in inside(&table.node).iter().filter(|entry| entry.node.place.file > 0) {
+            if let Some(origin) = document.provenances.get(entry.node.place.file).filter(|origin| !origin.is_empty()) {
+                origins.insert(format!("{}.{}", table.key, entry.key), origin.clone());
+            }
+        }
+    }
+    origins
 }
 
 fn title(reader: &mut Reader<'_>, node: &Node) -> Option<String> {

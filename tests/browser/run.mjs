@@ -171,6 +171,26 @@ try {
     await page.finish();
   });
 
+  await step("a zoomed panel of any figure keeps the numbers of its axes", async () => {
+    const page = await open(folder);
+    const bare = [];
+    let seen = 0;
+    for (const root of await page.locator("figure:has(.canvas)").all()) {
+      if (!(await root.isVisible())) continue;
+      await root.locator(".canvas").focus();
+      await page.keyboard.press("ArrowRight");
+      await page.keyboard.press("+");
+      if (!(await zoomed(root))) continue;
+      seen += 1;
+      const numbers = await root.locator("[data-overlay] text").allTextContents();
+      if (numbers.length < 2 || numbers.some((text) => text.includes("^"))) bare.push(await root.getAttribute("id"));
+      await page.keyboard.press("Escape");
+    }
+    check(seen >= 10, `figures zoomed: ${seen}`);
+    check(bare.length === 0, `without numbers: ${bare.join(", ") || "none"}`);
+    await page.finish();
+  });
+
   await step("a finger reads values too", async () => {
     const page = await open(folder, { viewport: PHONE, hasTouch: true, isMobile: true });
     const root = await figure(page);

@@ -186,6 +186,7 @@ fn scenario(sweep: Sweep) -> Scenario {
         title: "Test".into(),
         description: String::new(),
         provenance: String::new(),
+        origins: std::collections::BTreeMap::new(),
         rig: RIG,
         contact: Contact { stiffness: 8.9e4, damping: 26.0, friction: 0.5, formulation: Formulation::Series },
         instrument: Instrument::default(),

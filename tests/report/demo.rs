@@ -19,6 +19,7 @@ pub fn scenario(id: &str, title: &str) -> Scenario {
         description: "Resonance curves between static contact and full slip, for a list of speeds of the roller."
             .into(),
         provenance: "printed in the paper".into(),
+        origins: std::collections::BTreeMap::new(),
         rig: Rig {
             inertia: 5.0e-3,
             torsional_stiffness: 990.0,

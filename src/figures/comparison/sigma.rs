@@ -14,13 +14,16 @@ const LEAST: f64 = 5.0;
 pub struct Sigma {
     /// The end of the scale.
     pub limit: f64,
+    /// The largest residual.
+    largest: f64,
 }
 
 impl Sigma {
     /// A scale that reaches to the largest residual.
     pub fn over(residuals: impl IntoIterator<Item = f64>) -> Self {
         let sizes = residuals.into_iter().map(f64::abs).filter(|size| size.is_finite());
-        Self { limit: sizes.fold(LEAST, f64::max) }
+        let largest = sizes.fold(0.0, f64::max);
+        Self { limit: largest.max(LEAST), largest }
     }
 
     /// Place of a residual, -1 to 1.
@@ -50,8 +53,9 @@ impl Sigma {
     pub fn sentence(self) -> String {
         format!(
             "Errors are model minus measurement in standard deviations σ of the reading; their scale is linear within about \
-             ±{BAND} σ and logarithmic beyond, and reaches to the largest, {} σ.",
-            significant(self.limit, 3)
+             ±{BAND} σ and logarithmic beyond, and reaches to {} σ; the largest error is {} σ.",
+            significant(self.limit, 3),
+            significant(self.largest, 3)
         )
     }
 }
