@@ -33,6 +33,8 @@ const ALL: usize = 15;
 const GOING_ON: (usize, f64) = (2, 3.0);
 /// Starts scattered over the ranges of all parameters, and how many of them are followed.
 const ELSEWHERE: (u32, usize) = (48, 4);
+/// So many of those have every parameter of their additions tried at so many values.
+const SCAN: (usize, usize) = (2, 80);
 /// Relative change of the sum of squares at which a fit to a part of the points is done, and one to all.
 const CLOSE: f64 = 1e-4;
 const CLOSER: f64 = 1e-6;
@@ -355,6 +357,22 @@ pub fn on_all(data: &Data<'_>, model: &Model, fit: &Fit) -> Fit {
     minimise(&mut problem, &fit.values, &Settings { evaluations, threshold: data.threshold, converged: CLOSER })
 }
 
+/// Moves every parameter of the additions in turn to the best of so many values over its range: a narrow resonance is no
+/// valley that a fit could follow.
+fn scan(data: &Data<'_>, problem: &mut Problem<'_>, (square, start): (&mut f64, &mut Vec<f64>), values: usize) {
+    for index in data.stated.len()..start.len() {
+        let parameter = problem.parameters()[index].clone();
+        let mut moved = start.clone();
+        for number in 0..values {
+            moved[index] = parameter.within((number as f64 + 0.5) / values as f64);
+            let found = robust_chi2(&problem.evaluate(&moved, false).residuals, data.threshold);
+            if found < *square {
+                (*square, start[index]) = (found, moved[index]);
+            }
+        }
+    }
+}
+
 /// A fit from starts scattered over the ranges of its parameters, of either sign where there are two, begun on the part
 /// of the points and followed on all; the model with the signs it ends with. `None` where on that part it does not come below
 /// `aim`, and for a continuum of sliders, which takes too long.
@@ -371,12 +389,19 @@ pub fn scattered_fit(data: &Data<'_>, model: &Model, fit: &Fit, aim: f64) -> Opt
         if (number / 2).is_multiple_of(2) {
             values[..data.stated.len()].copy_from_slice(&data.stated);
         }
-        let mut problem = on_part(data, model, parameters);
-        let square = robust_chi2(&problem.evaluate(&values, false).residuals, data.threshold);
-        (square, problem, values)
+        let problem = on_part(data, model, parameters);
+        // Where the base makes room for it: of a strong effect beside a base that has taken its place, nothing else is seen.
+        let count = data.stated.len();
+        let mut base = problem.at(&values, problem.parameters()[..count].to_vec());
+        let settings = Settings { evaluations: BEGIN, threshold: data.threshold, converged: CLOSE };
+        let room = minimise(&mut base, &values[..count], &settings);
+        values[..count].copy_from_slice(&room.values);
+        (room.objective, problem, values)
     };
     let mut tried: Vec<(f64, Problem<'_>, Vec<f64>)> = (0..count).map(start).collect();
     tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (scanned, values) = SCAN;
+    tried.iter_mut().take(scanned).for_each(|(square, problem, start)| scan(data, problem, (square, start), values));
     let settings = Settings { evaluations: END, threshold: data.threshold, converged: CLOSE };
     let ends = tried.iter_mut().take(followed).map(|(_, problem, start)| minimise(problem, start, &settings));
     let best = ends.min_by(|a, b| a.objective.total_cmp(&b.objective)).filter(|best| best.objective < aim)?;

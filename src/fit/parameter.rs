@@ -9,6 +9,8 @@ use crate::scenario::parameters::{CONTACT, INSTRUMENT, RIG};
 const CONTACT_FACTOR: f64 = 30.0;
 /// A rig and its instrument are known within this factor.
 const RIG_FACTOR: f64 = 3.0;
+/// Its dampings, which nobody measures before the experiment, within this one.
+const RIG_DAMPING_FACTOR: f64 = 10.0;
 /// A fit may leave the range that the catalogue searches by this factor.
 const BEYOND: f64 = 3.0;
 /// Part of the largest magnitude that counts as zero where a range starts at zero.
@@ -66,7 +68,11 @@ pub fn parameter(model: &Model, key: &str) -> Option<Parameter> {
     let info = infos.iter().find(|info| info.key == name)?;
     let at = &mut crate::model::Operation { speed: 0.0, load: 0.0, drive: 0.0, frequency: 0.0 };
     let value = *model.clone().parameter(at, index)?;
-    let factor = if table == "contact" { CONTACT_FACTOR } else { RIG_FACTOR };
+    let factor = match table {
+        "contact" => CONTACT_FACTOR,
+        "rig" if name.ends_with("damping") => RIG_DAMPING_FACTOR,
+        _ => RIG_FACTOR,
+    };
     Some(of_base(key, info, index, value, factor))
 }
 
