@@ -190,7 +190,12 @@ fn reading(answer: &Answer) -> [String; 3] {
         format!(" The best of those that cannot is {}: {why}.", h.effect.name())
     });
     [
-        "A coloured line that lies on the black one, with a strain well below 1.".into(),
+        format!(
+            "A coloured line whose peak is clearly lower than that of full slip and further right, which ends on full slip and is \
+             within {} (root mean square) of the black line: that is what an effect \"can\", and the line may do it beside the \
+             black one. A strain well below 1.",
+            percent(answer.question.tolerance)
+        ),
         format!("A line that leaves the black one at the peak or at the ends, or a strain near 1 or above it.{worst}"),
         "Take no ranking for a finding: several effects give nearly the same curve, and the choice of the drive is \
          assumed. Make the reading that is named to decide between them."
