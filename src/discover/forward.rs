@@ -20,9 +20,9 @@ const NEARLY: f64 = 1.1;
 const CONTENDING: f64 = 1.3;
 /// ... up to so many: what explains best alone need not belong to the best pair.
 const CARRIED: usize = 2;
-/// Where the explanation leaves structure, pairs with so many of the leading first additions are tried, ...
+/// Where the explanation leaves structure, pairs with so many of the leading first additions are tried quickly, ...
 const OTHER_BEGINNINGS: usize = 5;
-/// ... and if none of them explains, the pairs with so many, which explain best, once more and thoroughly.
+/// ... and if a third addition leaves structure too, the pairs with the first so many thoroughly.
 const THOROUGH: usize = 2;
 /// Scattered starts are tried for so many of the leading first additions ...
 const ELSEWHERE: usize = 3;
@@ -97,15 +97,24 @@ impl Search<'_> {
         self.conclude(&start, &chosen, explanation, &rounds, &ties)
     }
 
-    /// Adds to a hypothesis as long as that pays, and removes what that makes needless; before a third addition it looks for
-    /// another pair.
+    /// Adds to a hypothesis as long as that pays, and removes what that makes needless; where a pair leaves structure it looks
+    /// for another one, quickly before a third addition, thoroughly where that leaves structure too.
     fn extend(&self, from: Hypothesis, rounds: &mut Rounds) -> Hypothesis {
-        let (pair, contenders) = self.extend_to(2, vec![from.clone()], from, rounds);
-        if self.options.max_effects > 1
-            && self.structured(&pair)
-            && let Some(other) = self.begin_otherwise(&pair, rounds)
-        {
-            return self.extend_to(usize::MAX, vec![other.clone()], other, rounds).0;
+        let (mut pair, mut contenders) = self.extend_to(2, vec![from.clone()], from, rounds);
+        if self.options.max_effects > 1 && self.structured(&pair) {
+            let others = self.other_beginnings(rounds);
+            if let Some(other) = self.begin_otherwise(&others, &pair, rounds, Pace::Quick) {
+                (pair, contenders) = (other.clone(), vec![other]);
+            }
+            let chosen = self.extend_to(usize::MAX, contenders, pair.clone(), rounds).0;
+            if !self.structured(&chosen) {
+                return chosen;
+            }
+            let leading = &others[..others.len().min(THOROUGH)];
+            let Some(other) = self.begin_otherwise(leading, &pair, rounds, Pace::Thorough) else { return chosen };
+            let other = self.extend_to(usize::MAX, vec![other.clone()], other, rounds).0;
+            let noise = self.noise(&other);
+            return if self.score(&other, noise) < self.score(&chosen, noise) { other } else { chosen };
         }
         self.extend_to(usize::MAX, contenders, pair, rounds).0
     }
@@ -164,53 +173,43 @@ impl Search<'_> {
         (self.score(&best, noise) + MARGIN < self.score(chosen, noise)).then_some(best)
     }
 
-    /// Where the way from what explains best alone leaves structure: the best pair that contains one of the leading first
-    /// additions, if it explains better.
-    fn begin_otherwise(&self, chosen: &Hypothesis, rounds: &mut Rounds) -> Option<Hypothesis> {
+    /// The leading first additions, fitted to all points.
+    fn other_beginnings(&self, rounds: &Rounds) -> Vec<Hypothesis> {
         let mut others = self.first_additions(rounds);
         // Beside a continuum of sliders every look takes too long.
         others.retain(|h| !h.model.has_continuum());
         others.truncate(OTHER_BEGINNINGS);
-        let mut best: Option<Hypothesis> = None;
-        let mut tried: Vec<(f64, Hypothesis)> = Vec::new();
-        for mut other in others {
-            if other.estimate.take().is_some() {
-                other.fit = on_all(&self.data, &other.model, &other.fit);
-            }
-            if let Some(pair) = self.pair(&other, chosen, &mut best, rounds, Pace::Quick) {
-                tried.push((self.score(&pair, self.noise(&pair)), other));
-            }
-            if best.as_ref().is_some_and(|best| !self.structured(best)) {
-                return best;
-            }
+        for other in others.iter_mut().filter(|other| other.estimate.is_some()) {
+            other.fit = on_all(&self.data, &other.model, &other.fit);
+            other.estimate = None;
         }
-        tried.sort_by(|a, b| a.0.total_cmp(&b.0));
-        for (_, other) in tried.into_iter().take(THOROUGH) {
-            rounds.forget(&other);
-            self.pair(&other, chosen, &mut best, rounds, Pace::Thorough);
+        others
+    }
+
+    /// The best pair that contains one of these first additions, if it explains better than what is `chosen`; the first that
+    /// leaves nothing but noise.
+    fn begin_otherwise(
+        &self,
+        others: &[Hypothesis],
+        chosen: &Hypothesis,
+        rounds: &mut Rounds,
+        pace: Pace<'_>,
+    ) -> Option<Hypothesis> {
+        let mut best: Option<Hypothesis> = None;
+        for other in others {
+            if matches!(pace, Pace::Thorough) {
+                rounds.forget_beyond(other);
+            }
+            let Some((pair, _)) = self.advance(std::slice::from_ref(other), rounds, pace) else { continue };
+            let noise = self.noise(&pair);
+            if self.score(&pair, noise) + MARGIN < self.score(best.as_ref().unwrap_or(chosen), noise) {
+                best = Some(self.eliminate(pair));
+            }
             if best.as_ref().is_some_and(|best| !self.structured(best)) {
                 break;
             }
         }
         best
-    }
-
-    /// The best pair with an addition; in place of the `best` one so far if it explains better than that and than what is
-    /// `chosen`.
-    fn pair(
-        &self,
-        first: &Hypothesis,
-        chosen: &Hypothesis,
-        best: &mut Option<Hypothesis>,
-        rounds: &mut Rounds,
-        pace: Pace<'_>,
-    ) -> Option<Hypothesis> {
-        let (pair, _) = self.advance(std::slice::from_ref(first), rounds, pace)?;
-        let noise = self.noise(&pair);
-        if self.score(&pair, noise) + MARGIN < self.score(best.as_ref().unwrap_or(chosen), noise) {
-            *best = Some(self.eliminate(pair.clone()));
-        }
-        Some(pair)
     }
 
     /// The best hypothesis with one addition more than one of the frontier, and those that may lead further than it does.

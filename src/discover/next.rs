@@ -50,9 +50,14 @@ pub struct NextMeasurement {
 }
 
 impl NextMeasurement {
+    /// Whether one reading there decides.
+    pub fn decides(&self) -> bool {
+        self.sigma >= SHOWS
+    }
+
     /// What one reading there is worth, in words.
     pub fn meaning(&self) -> &'static str {
-        if self.sigma >= SHOWS {
+        if self.decides() {
             "one reading there decides"
         } else {
             "too little for one reading within these ranges: repeat it, or go beyond them"

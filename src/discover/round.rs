@@ -58,6 +58,10 @@ pub(super) enum Pace<'h> {
 /// All additions to one hypothesis, fitted.
 pub(super) struct Round {
     pub found: Vec<Entry>,
+    /// The looks and the fits to a part of the points behind them, the same order, and whether everything was done for them.
+    explored: Vec<Explored>,
+    attempts: Vec<Option<Attempt>>,
+    thorough: bool,
 }
 
 /// An addition that was fitted.
@@ -75,6 +79,11 @@ pub(super) struct Rounds {
 }
 
 impl Rounds {
+    /// Forgets the rounds from more than these additions: they are fitted anew.
+    pub fn forget_beyond(&mut self, hypothesis: &Hypothesis) {
+        self.made.retain(|(from, _)| from.same_additions(hypothesis) || !hypothesis.within(from));
+    }
+
     /// Forgets the rounds from these additions and from more than these: they are fitted anew.
     pub fn forget(&mut self, hypothesis: &Hypothesis) {
         self.made.retain(|(from, _)| from.additions.is_empty() || !hypothesis.within(from));
@@ -100,7 +109,8 @@ impl Search<'_> {
         all
     }
 
-    /// All additions that go with a hypothesis; as they were found where there is a round already.
+    /// All additions that go with a hypothesis; as they were found where there is a round already, which is gone on with
+    /// where more is wanted than was done.
     pub(super) fn round<'r>(&self, from: &Hypothesis, rounds: &'r mut Rounds, pace: Pace<'_>) -> &'r Round {
         let known = rounds.made.iter().position(|(other, _)| other.same_additions(from));
         let index = known.unwrap_or_else(|| {
@@ -108,6 +118,11 @@ impl Search<'_> {
             rounds.made.push((from.clone(), round));
             rounds.made.len() - 1
         });
+        if matches!(pace, Pace::Thorough) && !rounds.made[index].1.thorough {
+            let (from, Round { explored, attempts, .. }) = rounds.made.remove(index);
+            let round = self.looked_again(&from, explored, attempts);
+            rounds.made.insert(index, (from, round));
+        }
         &rounds.made[index].1
     }
 
@@ -136,69 +151,84 @@ impl Search<'_> {
             let mut problem = on_part(data, &goal.model, goal.fit.parameters.clone());
             robust_chi2(&problem.evaluate(&goal.fit.values, false).residuals, data.threshold)
         });
-        // Who is left of the race at a stage, given the sums of squares that were reached.
-        let leading = |reached: &[f64], share: f64| -> Vec<bool> {
-            let best = reached.iter().copied().fold(goal_on_part, f64::min);
-            explored
-                .iter()
-                .zip(reached)
-                .map(|(e, &reached)| {
-                    let share = if e.costly { COSTLY } else { share };
-                    let equal = reached < best + EQUAL * data.part.len() as f64;
-                    let gains = e.gain(reached) > if e.costly { 1.0 } else { NEARLY };
-                    if e.costly && from.additions.len() > 1 {
-                        return gains && reached <= best;
-                    }
-                    gains && (equal || (e.before / reached).ln() > share * (e.before / best).ln())
-                })
-                .collect()
-        };
-        let mut best: Vec<Option<Attempt>> = explored.iter().map(|_| None).collect();
+        let mut attempts: Vec<Option<Attempt>> = explored.iter().map(|_| None).collect();
         let estimates: Vec<f64> = explored.iter().map(|e| e.after.max(f64::MIN_POSITIVE)).collect();
         let possible = estimates.iter().copied().fold(f64::INFINITY, f64::min);
-        let promising = leading(&estimates, BEGIN);
+        let promising = self.leading(from, &explored, &estimates, goal_on_part, BEGIN);
         let first = explored.iter().zip(promising).map(|(e, leads)| leads && e.after < WITHIN * possible).collect();
-        let reached = |best: &[Option<Attempt>]| -> Vec<f64> {
-            best.iter().map(|a| a.as_ref().map_or(f64::INFINITY, |a| a.fit.objective)).collect()
-        };
-        // Begins the fits of those that are to begin, and takes the leading ones of them on.
-        let begin = |begins: Vec<bool>, best: &mut Vec<Option<Attempt>>| {
-            let begun = explored.par_iter().zip(&begins).map(|(e, &begins)| {
-                if begins && e.gain(e.after) > HOPELESS { e.begin(data, from) } else { Vec::new() }
-            });
-            let begun: Vec<Vec<Attempt>> = begun.collect();
-            for (best, begun) in best.iter_mut().zip(&begun).filter(|(_, begun)| !begun.is_empty()) {
-                *best = begun.first().cloned();
+        self.begin(from, &explored, first, goal_on_part, &mut attempts);
+        if matches!(pace, Pace::Thorough) {
+            return self.looked_again(from, explored, attempts);
+        }
+        self.followed(from, explored, attempts, goal.map(|goal| (goal_on_part, goal.fit.objective)))
+    }
+
+    /// Who is left of the race at a stage, given the sums of squares that were `reached` and the one to beat.
+    fn leading(&self, from: &Hypothesis, explored: &[Explored], reached: &[f64], goal: f64, share: f64) -> Vec<bool> {
+        let best = reached.iter().copied().fold(goal, f64::min);
+        let leads = |(e, &reached): (&Explored, &f64)| {
+            let share = if e.costly { COSTLY } else { share };
+            let equal = reached < best + EQUAL * self.data.part.len() as f64;
+            let gains = e.gain(reached) > if e.costly { 1.0 } else { NEARLY };
+            if e.costly && from.additions.len() > 1 {
+                return gains && reached <= best;
             }
-            let goes_on = leading(&reached(best), GO_ON);
-            best.par_iter_mut()
-                .zip(begun)
-                .zip(goes_on)
-                .filter(|((_, begun), on)| *on && !begun.is_empty())
-                .for_each(|((best, begun), _)| *best = lead(data, begun));
-            let ends = leading(&reached(best), END);
-            best.par_iter_mut()
-                .zip(begins)
-                .zip(ends)
-                .filter(|((_, begins), ends)| *begins && *ends)
-                .for_each(|((best, _), _)| *best = best.take().map(|attempt| attempt.finished(data)));
+            gains && (equal || (e.before / reached).ln() > share * (e.before / best).ln())
         };
-        begin(first, &mut best);
+        explored.iter().zip(reached).map(leads).collect()
+    }
+
+    /// Begins the fits of those that are to begin, and takes the leading ones of them on.
+    fn begin(
+        &self,
+        from: &Hypothesis,
+        explored: &[Explored],
+        begins: Vec<bool>,
+        goal: f64,
+        attempts: &mut [Option<Attempt>],
+    ) {
+        let data = &self.data;
+        let begun = explored
+            .par_iter()
+            .zip(&begins)
+            .map(|(e, &begins)| if begins && e.gain(e.after) > HOPELESS { e.begin(data, from) } else { Vec::new() });
+        let begun: Vec<Vec<Attempt>> = begun.collect();
+        for (best, begun) in attempts.iter_mut().zip(&begun).filter(|(_, begun)| !begun.is_empty()) {
+            *best = begun.first().cloned();
+        }
+        let goes_on = self.leading(from, explored, &reached(attempts), goal, GO_ON);
+        attempts
+            .par_iter_mut()
+            .zip(begun)
+            .zip(goes_on)
+            .filter(|((_, begun), on)| *on && !begun.is_empty())
+            .for_each(|((best, begun), _)| *best = lead(data, begun));
+        let ends = self.leading(from, explored, &reached(attempts), goal, END);
+        attempts
+            .par_iter_mut()
+            .zip(begins)
+            .zip(ends)
+            .filter(|((_, begins), ends)| *begins && *ends)
+            .for_each(|((best, _), _)| *best = best.take().map(|attempt| attempt.finished(data)));
+    }
+
+    /// A round in which everything is done that may be needed where nothing explains the data.
+    fn looked_again(&self, from: &Hypothesis, explored: Vec<Explored>, mut attempts: Vec<Option<Attempt>>) -> Round {
+        let data = &self.data;
+        let readings = explored.first().map_or(0.0, |e| e.readings as f64);
         // Beside two other additions a longer search takes too long.
-        let thorough = matches!(pace, Pace::Thorough) && from.additions.len() < 2;
-        let unexplained = |best: &[Option<Attempt>]| {
-            let least = reached(best).into_iter().fold(f64::INFINITY, f64::min);
-            thorough && least > UNEXPLAINED * base.readings() as f64
-        };
+        let thorough = from.additions.len() < 2;
+        let least = |attempts: &[Option<Attempt>]| reached(attempts).into_iter().fold(f64::INFINITY, f64::min);
+        let unexplained = |attempts: &[Option<Attempt>]| thorough && least(attempts) > UNEXPLAINED * readings;
         // Where nothing explains the data, the linear estimate may have left out what would, if it is not much that is left, ...
-        let least = reached(&best).into_iter().fold(f64::INFINITY, f64::min);
-        let nearly = least < NEAR * self.noise(from).powi(2) * base.readings() as f64;
-        if unexplained(&best) && nearly {
-            let left_out = explored.iter().zip(&best).map(|(e, best)| best.is_none() && !e.costly).collect();
-            begin(left_out, &mut best);
+        let nearly = least(&attempts) < NEAR * self.noise(from).powi(2) * readings;
+        if unexplained(&attempts) && nearly {
+            let left_out = explored.iter().zip(&attempts).map(|(e, best)| best.is_none() && !e.costly).collect();
+            self.begin(from, &explored, left_out, f64::INFINITY, &mut attempts);
         }
         // ... or the leading ones may be in local minima. So may one that, in the linear estimate, promises what the best reached.
-        let (nothing_explains, ends, reached) = (unexplained(&best), leading(&reached(&best), END), reached(&best));
+        let (nothing_explains, reached) = (unexplained(&attempts), reached(&attempts));
+        let ends = self.leading(from, &explored, &reached, f64::INFINITY, END);
         let equal = reached.iter().copied().fold(f64::INFINITY, f64::min) + EQUAL * data.part.len() as f64;
         let mut again: Vec<usize> = (0..explored.len()).collect();
         again.retain(|&index| {
@@ -207,18 +237,25 @@ impl Search<'_> {
         });
         again.sort_by(|&i, &j| explored[i].after.total_cmp(&explored[j].after));
         again.truncate(SEEN_AGAIN);
-        let begun = best.par_iter_mut().zip(&explored).enumerate();
+        let begun = attempts.par_iter_mut().zip(&explored).enumerate();
         begun.filter(|(index, _)| again.contains(index)).for_each(|(_, (best, e))| {
             *best = best.take().map(|attempt| e.second_look(data, from, attempt));
         });
-        let found: Vec<Found> = explored.par_iter().zip(best).map(|(e, best)| e.found(data, from, best)).collect();
-        let least = if from.additions.is_empty() { FOLLOWED } else { 0 };
-        self.followed(&explored, found, least, goal.map(|goal| (goal_on_part, goal.fit.objective)))
+        Round { thorough: true, ..self.followed(from, explored, attempts, None) }
     }
 
     /// The leading ones followed on all points; only what comes near the `goal`, its sums of squares on the part and on all
     /// points.
-    fn followed(&self, explored: &[Explored], found: Vec<Found>, at_least: usize, goal: Option<(f64, f64)>) -> Round {
+    fn followed(
+        &self,
+        from: &Hypothesis,
+        explored: Vec<Explored>,
+        attempts: Vec<Option<Attempt>>,
+        goal: Option<(f64, f64)>,
+    ) -> Round {
+        let found = explored.par_iter().zip(&attempts).map(|(e, best)| e.found(&self.data, from, best.clone()));
+        let found: Vec<Found> = found.collect();
+        let at_least = if from.additions.is_empty() { FOLLOWED } else { 0 };
         let scale = self.data.points.len() as f64 / self.data.part.len() as f64;
         let objective = |f: &Found| f.hypothesis.fit.objective;
         let gaining = |f: &&Found| f.gain > 0.0;
@@ -233,7 +270,7 @@ impl Search<'_> {
         // A costly one is brought to its end only if it would be accepted.
         let promising =
             |(f, e): (&Found, &Explored)| f.gain > if e.costly { 1.0 } else { NEARLY } && objective(f) < near;
-        let mut full: Vec<bool> = found.iter().zip(explored).map(promising).collect();
+        let mut full: Vec<bool> = found.iter().zip(&explored).map(promising).collect();
         let mut order: Vec<usize> = (0..found.len()).filter(|&i| gaining(&&found[i]) && !explored[i].costly).collect();
         order.sort_by(|&i, &j| criterion(&found[i]).total_cmp(&criterion(&found[j])));
         order.iter().take(at_least).for_each(|&i| full[i] = true);
@@ -254,7 +291,7 @@ impl Search<'_> {
         let least = least.min(NEAR * noise.powi(2) * self.readings() as f64);
         let close = |e: &&mut Entry| e.full && objective(e) <= least + CONTESTED;
         found.par_iter_mut().filter(close).for_each(|e| self.settle(&mut e.found.hypothesis));
-        Round { found }
+        Round { found, explored, attempts, thorough: false }
     }
 
     /// Follows a fit that ended for want of evaluations, in a curved valley say, to its minimum.
@@ -273,6 +310,11 @@ impl Search<'_> {
             }
         }
     }
+}
+
+/// Sums of squares over the part of the points.
+fn reached(attempts: &[Option<Attempt>]) -> Vec<f64> {
+    attempts.iter().map(|a| a.as_ref().map_or(f64::INFINITY, |a| a.fit.objective)).collect()
 }
 
 impl Round {

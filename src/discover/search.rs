@@ -106,6 +106,8 @@ pub struct Explored {
     visibility: f64,
     strongest: Vec<Model>,
     touched: Vec<bool>,
+    /// Readings in the part.
+    pub readings: usize,
     /// Whether its points take long to solve: it makes the contact a continuum of sliders.
     pub costly: bool,
 }
@@ -158,6 +160,7 @@ pub fn explore(
         visibility: found.visibility * scale,
         strongest: found.strongest,
         touched: found.touched,
+        readings: base.readings(),
         costly,
         starts: found.starts.into_iter().map(|(_, sample)| sample).collect(),
     }

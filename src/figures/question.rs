@@ -7,7 +7,7 @@ use super::data;
 use super::legend::{Entry, Key};
 use super::style::{DASH_SLIP, DASH_STATIC, INK, LABEL_SIZE, SLIP, STATIC, Table, Unit, WIDTH, cell, significant};
 use super::{Drawing, FigureError};
-use crate::question::{Answer, Hypothesis, Setting, condition, why_not};
+use crate::question::{Answer, Hypothesis, Setting, condition, criteria, otherwise, why_not};
 use crate::sweep::Curve;
 
 /// Name of the figure; also the stem of its files.
@@ -17,6 +17,11 @@ const MOST: usize = 6;
 const TARGET: Stroke = Stroke { color: INK, width: 3.4, dash: Dash::Solid };
 /// Colours that go with those of the limiting cases for all kinds of colour vision.
 const CLOSEST: super::style::Color = super::style::Color(0x00, 0x8a, 0x63);
+/// Curves that differ by less than this share of the largest value are drawn as one.
+const ALIKE: f64 = 0.005;
+/// Height of a line of text above a panel, and panels side by side from which on there is room for one criterion a line.
+const LINE: f64 = 18.0;
+const MANY: usize = 3;
 const MILDEST: super::style::Color = super::style::Color(0xaa, 0x44, 0x99);
 
 /// Draws the answer.
@@ -73,10 +78,12 @@ fn drawing(answer: &Answer, shown: &[&Hypothesis], words: (&str, &str)) -> Resul
     let frequency = &answer.target.frequency;
     let largest = answer.full_slip.iter().chain(&answer.static_contact).copied().fold(0.0, f64::max);
     let unit = Unit::fitting(largest, "rad");
-    let rows = Rows::of(legend(answer));
-    // No strip beneath the panels.
+    let rows = Rows::of(legend(answer, shown));
+    // The criteria stand above the panels, where others have a strip beneath.
     let grid = Grid::of(shown.len(), rows.height());
-    let grid = Grid { main: grid.main + grid.strip, strip: 0.0, ..grid };
+    let per_line = if grid.columns >= MANY { 1 } else { 2 };
+    let above = LINE * (4 / per_line) as f64;
+    let grid = Grid { main: grid.main + grid.strip + above, strip: 0.0, ..grid };
     let x = Axis::linear("frequency f [Hz]", frequency[0], frequency[frequency.len() - 1]).step(10.0);
     let y = Axis::around("", [0.0, 1.06 * unit.of(largest)]);
     document((WIDTH, grid.bottom()), words, |canvas| {
@@ -85,26 +92,36 @@ fn drawing(answer: &Answer, shown: &[&Hypothesis], words: (&str, &str)) -> Resul
         canvas.text((LEFT - 60.0, grid.middle()), &format!("amplitude α [{}]", unit.label), upright);
         for (index, hypothesis) in shown.iter().enumerate() {
             let Cell { left, top, width, first, last, .. } = grid.cell(index);
-            let panel = Panel { left, top, width, height: grid.main, x: x.clone(), y: y.clone() };
+            let panel = Panel { left, top: top + above, width, height: grid.main - above, x: x.clone(), y: y.clone() };
             panel.frame(canvas, last, first);
             let name = format!("{}. {}", index + 1, hypothesis.effect.name());
-            heading(canvas, &panel, (&name, &subtitle(hypothesis)));
+            heading(canvas, &Panel { top, ..panel.clone() }, (&name, &subtitle(hypothesis)));
+            for (number, criterion) in criteria(answer, hypothesis.shown()).iter().enumerate() {
+                let x = left + width * (number % per_line) as f64 / per_line as f64;
+                let y = top + LINE * (number / per_line) as f64 + 10.0;
+                let text = if criterion.met { criterion.text.clone() } else { format!("NOT: {}", criterion.text) };
+                let style = Type { size: 13.0, ..Type::default() };
+                canvas.text((x, y), &text, if criterion.met { style } else { style.bold() });
+            }
             lines(canvas, &panel, answer, hypothesis, &unit);
         }
     })
 }
 
 fn subtitle(hypothesis: &Hypothesis) -> String {
-    let rms = |setting: &Setting| percent(setting.features.rms);
     match &hypothesis.mildest {
-        Some(mild) => format!(
-            "strain {} (at {} rms); closest {} rms",
-            significant(mild.strain, 2),
-            rms(mild),
-            rms(&hypothesis.best)
-        ),
-        None => format!("cannot; closest {} rms", rms(&hypothesis.best)),
+        Some(mild) if coincide(mild, &hypothesis.best) => {
+            format!("can; strain {}; its closest curve is the same", significant(mild.strain, 2))
+        }
+        Some(mild) => format!("can; strain {}", significant(mild.strain, 2)),
+        None => "cannot".into(),
     }
+}
+
+/// Whether two curves are the same to the eye.
+fn coincide(a: &Setting, b: &Setting) -> bool {
+    let largest = b.curve.states.iter().map(|s| s.amplitude).fold(0.0, f64::max);
+    a.curve.states.iter().zip(&b.curve.states).all(|(a, b)| (a.amplitude - b.amplitude).abs() < ALIKE * largest)
 }
 
 fn lines(canvas: &mut Canvas, panel: &Panel, answer: &Answer, hypothesis: &Hypothesis, unit: &Unit) {
@@ -116,20 +133,20 @@ fn lines(canvas: &mut Canvas, panel: &Panel, answer: &Answer, hypothesis: &Hypot
     panel.curve(canvas, &limit(&answer.static_contact), Stroke::dashed(STATIC, 1.6, DASH_STATIC));
     panel.curve(canvas, &steady(&answer.target), TARGET);
     panel.curve(canvas, &steady(&hypothesis.best.curve), Stroke::solid(CLOSEST, 3.0));
-    if let Some(mild) = &hypothesis.mildest {
+    if let Some(mild) = hypothesis.mildest.as_ref().filter(|mild| !coincide(mild, &hypothesis.best)) {
         panel.curve(canvas, &steady(&mild.curve), Stroke::dashed(MILDEST, 2.0, Dash::Dashes(3.0, 3.0)));
     }
 }
 
-fn legend(answer: &Answer) -> Vec<Entry> {
+fn legend(answer: &Answer, shown: &[&Hypothesis]) -> Vec<Entry> {
     let line = |stroke: Stroke, text: String| (Key::Line(stroke), text);
     let mut entries = vec![
         line(TARGET, format!("asked for: model itself, {}", speed(answer.question.resembles))),
-        line(Stroke::solid(CLOSEST, 3.0), format!("with the effect, {}, closest", speed(answer.condition.speed))),
+        line(Stroke::solid(CLOSEST, 3.0), format!("with the effect, {}", speed(answer.condition.speed))),
         line(Stroke::dashed(SLIP, 1.6, DASH_SLIP), "full slip (I, III)".into()),
         line(Stroke::dashed(STATIC, 1.6, DASH_STATIC), "static contact (II)".into()),
     ];
-    if answer.able().next().is_some() {
+    if shown.iter().any(|h| h.mildest.as_ref().is_some_and(|mild| !coincide(mild, &h.best))) {
         let stroke = Stroke::dashed(MILDEST, 2.0, Dash::Dashes(3.0, 3.0));
         entries.insert(2, line(stroke, "with the effect, least strained".into()));
     }
@@ -168,7 +185,7 @@ fn csv(answer: &Answer) -> String {
 /// Key numbers, and how to read the figure.
 fn notes(answer: &Answer) -> Vec<(String, String)> {
     let d = &answer.described;
-    vec![
+    let mut notes = vec![
         ("Condition".to_string(), condition(answer)),
         (
             "The curve asked for".to_string(),
@@ -179,7 +196,11 @@ fn notes(answer: &Answer) -> Vec<(String, String)> {
                 percent(d.ends[0].abs().max(d.ends[1].abs()))
             ),
         ),
-    ]
+    ];
+    if !answer.otherwise.is_empty() {
+        notes.push(("With another tolerance".to_string(), otherwise(answer)));
+    }
+    notes
 }
 
 /// What good looks like, what bad looks like, what to do.
@@ -190,13 +211,11 @@ fn reading(answer: &Answer) -> [String; 3] {
         format!(" The best of those that cannot is {}: {why}.", h.effect.name())
     });
     [
-        format!(
-            "A coloured line whose peak is clearly lower than that of full slip and further right, which ends on full slip and is \
-             within {} (root mean square) of the black line: that is what an effect \"can\", and the line may do it beside the \
-             black one. A strain well below 1.",
-            percent(answer.question.tolerance)
-        ),
-        format!("A line that leaves the black one at the peak or at the ends, or a strain near 1 or above it.{worst}"),
+        "All four criteria above a panel met (what the least strained curve has, and in brackets what is asked), with a \
+         margin: that is what an effect \"can\", and the line may do it beside the \
+         black one. A strain well below 1."
+            .into(),
+        format!("A criterion above a panel that is not met, or a strain near 1 or above it.{worst}"),
         "Take no ranking for a finding: several effects give nearly the same curve, and the choice of the drive is \
          assumed. Make the reading that is named to decide between them."
             .into(),

@@ -5,7 +5,7 @@ use crate::solver::Status;
 use crate::sweep::Curve;
 
 /// A peak is clearly lower from this many tolerances on.
-const CLEARLY: f64 = 2.0;
+pub const CLEARLY: f64 = 2.0;
 /// What counts as a peak that is not there, in units of what is asked of a peak.
 const NO_PEAK: f64 = 10.0;
 
@@ -65,6 +65,12 @@ impl Judge {
             step,
             slip_peak,
         })
+    }
+
+    /// The same judge with another tolerance.
+    pub fn within(&self, tolerance: f64) -> Self {
+        let (frequency, full_slip, target) = (self.frequency.clone(), self.full_slip.clone(), self.target.clone());
+        Self { frequency, full_slip, target, tolerance, ..*self }
     }
 
     /// The same judge for every so many-th frequency; what is asked stays.

@@ -1,6 +1,6 @@
 //! The answer as JSON, schema `stickslip.question/1`, and its table as CSV.
 
-use super::{Answer, Deciding, Features, Setting};
+use super::{Answer, Deciding, Features, Otherwise, Setting};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -23,6 +23,7 @@ pub struct QuestionJson {
     drive_m: f64,
     described: Features,
     effects: Vec<EffectJson>,
+    other_tolerances: Vec<Otherwise>,
     deciding: Option<Deciding>,
 }
 
@@ -71,6 +72,7 @@ pub fn json(answer: &Answer) -> QuestionJson {
         drive_m: answer.condition.drive,
         described: answer.described.clone(),
         effects: effects.collect(),
+        other_tolerances: answer.otherwise.clone(),
         deciding: answer.deciding.clone(),
     }
 }

@@ -11,9 +11,9 @@ mod search;
 mod words;
 
 pub use deciding::{Deciding, MOST as MOST_RIVALS, Prediction};
-pub use features::Features;
+pub use features::{CLEARLY, Features};
 pub use json::{QuestionJson, SCHEMA, json, table};
-pub use words::{close, condition, lines, parameters, why_not};
+pub use words::{Criterion, close, condition, criteria, lines, otherwise, parameters, why_not};
 
 use crate::compare::Peak;
 use crate::discover::{Addition, compatible};
@@ -25,6 +25,9 @@ use crate::solver::SteadyState;
 use crate::sweep::{Condition, Curve, DEFAULT_EULER_STEPS, LimitingCase, curve, limiting_oscillator};
 use features::Judge;
 use rayon::prelude::*;
+
+/// Other tolerances that are tried, relative to that of the question.
+const OTHERWISE: [f64; 3] = [0.5, 0.75, 1.25];
 
 /// An effect at certain values of its parameters.
 #[derive(Debug, Clone)]
@@ -72,6 +75,15 @@ impl Hypothesis {
     }
 }
 
+/// The effects that can with another tolerance.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Otherwise {
+    /// That tolerance \[-\].
+    pub tolerance: f64,
+    /// Their names, in the order of the catalogue.
+    pub able: Vec<&'static str>,
+}
+
 /// The answer to the question of a scenario.
 #[derive(Clone)]
 pub struct Answer {
@@ -93,11 +105,19 @@ pub struct Answer {
     pub described: Features,
     /// Every effect: those that can by strain, then those that cannot by their error.
     pub hypotheses: Vec<Hypothesis>,
+    /// Which can with another tolerance, where that leaves the curve to be resembled itself clearly lower.
+    pub otherwise: Vec<Otherwise>,
     /// The reading that tells the leading ones apart; `None` where fewer than two can.
     pub deciding: Option<Deciding>,
 }
 
 impl Answer {
+    /// Step of the frequencies \[Hz\]: a peak is further right from so much on.
+    pub fn step_hz(&self) -> f64 {
+        let frequency = &self.target.frequency;
+        (frequency[frequency.len() - 1] - frequency[0]) / (frequency.len() - 1) as f64
+    }
+
     /// The effects that can, the least strained first.
     pub fn able(&self) -> impl Iterator<Item = &Hypothesis> {
         self.hypotheses.iter().filter(|hypothesis| hypothesis.can())
@@ -126,12 +146,20 @@ pub fn answer(scenario: &Scenario) -> Option<Answer> {
     let full_slip = limit(LimitingCase::FreeOrFullSlip);
     let judge = Judge::new(&sweep.frequency, &full_slip, &amplitudes(&target), question.tolerance)?;
     let points = points(&condition, &target, question.tolerance);
-    let mut hypotheses: Vec<Hypothesis> = REGISTRY
+    let described = judge.judge(&target);
+    let others: Vec<Judge> = OTHERWISE.iter().map(|share| judge.within(share * question.tolerance)).collect();
+    let others: Vec<Judge> = others.into_iter().filter(|other| other.judge(&target).all()).collect();
+    let searched: Vec<(Hypothesis, Vec<bool>)> = REGISTRY
         .par_iter()
         .filter(|effect| compatible(&base, &[Addition::Effect(**effect)]))
         .filter(|effect| !base.effects.iter().any(|(present, _)| present.name() == effect.name()))
-        .map(|effect| search::search(&base, *effect, &condition, &points, &judge))
+        .map(|effect| search::search(&base, *effect, &condition, &points, (&judge, &others)))
         .collect();
+    let able_at = |index: usize| searched.iter().filter(move |(_, able)| able[index]).map(|(h, _)| h.effect.name());
+    let otherwise = others.iter().enumerate();
+    let otherwise: Vec<Otherwise> =
+        otherwise.map(|(i, other)| Otherwise { tolerance: other.most(), able: able_at(i).collect() }).collect();
+    let mut hypotheses: Vec<Hypothesis> = searched.into_iter().map(|(hypothesis, _)| hypothesis).collect();
     hypotheses.sort_by(|a, b| {
         let key = |h: &Hypothesis| if h.can() { (0, h.shown().strain) } else { (1, h.best.features.rms) };
         let ((i, x), (j, y)) = (key(a), key(b));
@@ -139,7 +167,7 @@ pub fn answer(scenario: &Scenario) -> Option<Answer> {
     });
     let deciding = deciding::deciding(&base, &condition, &sweep.frequency, &hypotheses);
     let static_contact = limit(LimitingCase::StaticContact);
-    let (slip_peak, described) = (judge.slip_peak, judge.judge(&target));
+    let slip_peak = judge.slip_peak;
     let scenario = scenario.clone();
     let answer = Answer {
         scenario,
@@ -151,6 +179,7 @@ pub fn answer(scenario: &Scenario) -> Option<Answer> {
         slip_peak,
         described,
         hypotheses,
+        otherwise,
         deciding,
     };
     Some(answer)

@@ -53,15 +53,15 @@ struct Search<'a> {
     model: Model,
 }
 
-/// Searches the parameters of an effect.
+/// Searches the parameters of an effect; whether it can is also said for `others` that judge by another tolerance.
 pub(super) fn search(
     base: &Model,
     effect: &'static dyn Effect,
     condition: &Condition,
     points: &[Point],
-    judge: &Judge,
-) -> Hypothesis {
-    let stride = points.len().div_ceil(POINTS);
+    (judge, others): (&Judge, &[Judge]),
+) -> (Hypothesis, Vec<bool>) {
+    let stride = stride(points.len());
     let model = extended(base, &[Addition::Effect(effect)]);
     let (coarse, points) = (judge.every(stride), points.iter().step_by(stride).collect());
     let search = Search { base, effect, condition, judge, coarse, points, model };
@@ -70,22 +70,42 @@ pub(super) fn search(
     let near = search.setting(&nearest);
     let idle = (near.features.rms / judge.rms_of_full_slip() - 1.0).abs() < IDLE;
     if idle {
-        return Hypothesis { effect, best: near, mildest: None, idle };
+        return (Hypothesis { effect, best: near, mildest: None, idle }, vec![false; others.len()]);
     }
     let mut all = vec![nearest];
     all.extend(starts);
     let able = search.able(&all, f64::INFINITY, true);
-    let Some(best) = able.as_ref().map(|start| search.setting(start)).filter(|setting| setting.features.all()) else {
-        return Hypothesis { effect, best: near, mildest: None, idle };
-    };
+    let with_all = able.as_ref().map(|start| search.setting(start)).filter(|setting| setting.features.all());
     all.extend(able);
+    let otherwise = others.iter().map(|judge| search.judged_by(judge).can(&all)).collect();
+    let Some(best) = with_all else {
+        return (Hypothesis { effect, best: near, mildest: None, idle }, otherwise);
+    };
     let mildest = search.mildest(&best, &all);
     let closer = mildest.features.rms < best.features.rms;
     let best = if closer { mildest.clone() } else { best };
-    Hypothesis { effect, best, mildest: Some(mildest), idle }
+    (Hypothesis { effect, best, mildest: Some(mildest), idle }, otherwise)
+}
+
+fn stride(points: usize) -> usize {
+    points.div_ceil(POINTS)
 }
 
 impl<'a> Search<'a> {
+    /// The same search for another judge of the same curve.
+    fn judged_by(&self, judge: &'a Judge) -> Self {
+        let coarse = judge.every(stride(judge.frequency().len()));
+        Self { judge, coarse, points: self.points.clone(), model: self.model.clone(), ..*self }
+    }
+
+    /// Whether a search from these starts finds a setting with all features.
+    fn can(&self, starts: &[Start]) -> bool {
+        // What is enough on a part of the frequencies need not be on all of them: then the closest has to be.
+        let found =
+            |closest| self.able(starts, f64::INFINITY, closest).map(|start| self.setting(&start).features.all());
+        found(false).is_some_and(|all| all || found(true) == Some(true))
+    }
+
     fn problem(&self, parameters: &[Parameter]) -> Problem<'a> {
         Problem::new(self.model.clone(), self.points.iter().copied(), parameters.to_vec(), Tolerance::COARSE)
     }

@@ -1,11 +1,16 @@
 //! What an answer says, in words that the terminal, the figure and the report share.
 
-use super::{Answer, Deciding, Features, Hypothesis, Setting};
+use super::{Answer, CLEARLY, Deciding, Features, Hypothesis, Setting};
 use crate::units;
 
 /// Percent with two digits.
 fn percent(share: f64) -> String {
     if share.is_finite() { format!("{:.1} %", 100.0 * share) } else { "-".into() }
+}
+
+/// Percent of a number that somebody wrote: with the digits that it has.
+fn whole(share: f64) -> String {
+    format!("{} %", (1e4 * share).round() / 100.0)
 }
 
 /// The parameters of an effect at a setting, with units.
@@ -42,6 +47,45 @@ fn unmet(features: &Features) -> String {
         all.extend(wanted.iter().filter(|(met, _)| !met).map(|(_, text)| text.to_string()));
     }
     all.join("; ")
+}
+
+/// One of the things that are asked of a curve, and what a curve has of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Criterion {
+    /// Whether the curve has it.
+    pub met: bool,
+    /// What it has and what is asked.
+    pub text: String,
+}
+
+/// Everything that is asked of a curve, with what a setting's has.
+pub fn criteria(answer: &Answer, setting: &Setting) -> [Criterion; 4] {
+    let (f, tolerance) = (&setting.features, answer.question.tolerance);
+    let ends = f.ends[0].abs().max(f.ends[1].abs());
+    let step = answer.step_hz();
+    let peak = |text: String| if f.peak.is_some() { text } else { "no peak".into() };
+    let side = if f.shift_hz < 0.0 { "left" } else { "right" };
+    let height = if f.lower < 0.0 { "higher" } else { "lower" };
+    [
+        Criterion {
+            met: f.is_lower,
+            text: peak(format!("peak {} {height} (≥ {} lower)", percent(f.lower.abs()), whole(CLEARLY * tolerance))),
+        },
+        Criterion {
+            met: f.is_right, text: peak(format!("{:.2} Hz {side} (≥ {step:.2} Hz right)", f.shift_hz.abs()))
+        },
+        Criterion { met: f.same_at_ends, text: format!("ends differ by {} (≤ {})", percent(ends), whole(tolerance)) },
+        Criterion { met: f.is_alike, text: format!("rms {} (≤ {})", percent(f.rms), whole(tolerance)) },
+    ]
+}
+
+/// How many can with another tolerance; empty where none was tried.
+pub fn otherwise(answer: &Answer) -> String {
+    let at = |other: &super::Otherwise| {
+        let names = if other.able.is_empty() { "none".into() } else { other.able.join(", ") };
+        format!("{}: {names}", whole(other.tolerance))
+    };
+    answer.otherwise.iter().map(at).collect::<Vec<_>>().join("; ")
 }
 
 /// The speeds and the condition in words.
@@ -110,6 +154,9 @@ pub fn lines(answer: &Answer) -> Vec<String> {
     let idle: Vec<&str> = answer.hypotheses.iter().filter(|h| h.idle).map(|h| h.effect.name()).collect();
     if !idle.is_empty() {
         lines.push(format!("  without influence here: {}", idle.join(", ")));
+    }
+    if !answer.otherwise.is_empty() {
+        lines.push(format!("  with another tolerance, {}", otherwise(answer)));
     }
     if let Some(deciding) = &answer.deciding {
         lines.push(format!("  a reading that decides: {}", close(deciding)));

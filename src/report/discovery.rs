@@ -15,8 +15,6 @@ const FIRST: [&str; 4] = ["ladder", "ladder-overlay", "fingerprint-before-after"
 const CANDIDATES: usize = 12;
 const REGIONS: usize = 8;
 const OUTLIERS: usize = 24;
-/// A distance in standard deviations from which on one reading decides.
-const DECIDES: f64 = 3.0;
 
 impl ScenarioView {
     /// The section with a discovery in it.
@@ -57,11 +55,7 @@ pub fn discovery_view(d: &Discovery, figures: &[FigureInput]) -> DiscoveryView {
         outliers: d.outliers.iter().take(OUTLIERS).map(outlier).collect(),
         more_outliers: d.outliers.len().saturating_sub(OUTLIERS),
         // Where nothing is missing, a rival that cannot be told apart is no news.
-        next: d
-            .next_measurement
-            .as_ref()
-            .filter(|n| d.verdict != Verdict::NothingMissing || n.sigma >= DECIDES)
-            .map(next),
+        next: d.next_measurement.as_ref().filter(|n| d.verdict != Verdict::NothingMissing || n.decides()).map(next),
         notes: d.notes.clone(),
         regions: c.regions.iter().take(REGIONS).map(|region| region.sentence.clone()).collect(),
         more_regions: c.regions.len().saturating_sub(REGIONS),

@@ -6,7 +6,7 @@ use super::format::{percent, quantity, setting};
 use super::question_view::{AbleView, QuestionView, SettingView};
 use super::scenario::{FigureInput, figure};
 use super::view::{Quantity, ScenarioView};
-use crate::question::{Answer, Deciding, Hypothesis, Setting, why_not};
+use crate::question::{Answer, Deciding, Hypothesis, Setting, otherwise, why_not};
 
 /// Noise of a reading that is assumed where none is known.
 const ASSUMED_NOISE: f64 = 0.01;
@@ -37,7 +37,7 @@ fn story(answer: &Answer) -> Vec<String> {
     let (c, d) = (&answer.condition, &answer.described);
     let words = |value: f64, unit: &str| setting(value, unit).text;
     let (target, tolerance) = (words(answer.question.resembles, "m/s"), percent(answer.question.tolerance, 2));
-    vec![
+    let mut story = vec![
         format!(
             "Everything in this section is simulated. The curve asked for is the model's own at V = {target}, W = {}, \
              u₀ = {}: its peak is {} lower than in full slip and {} further right, and at both ends of the range it is full \
@@ -63,7 +63,15 @@ fn story(answer: &Answer) -> Vec<String> {
             answer.able().count(),
             answer.hypotheses.len()
         ),
-    ]
+    ];
+    if !answer.otherwise.is_empty() {
+        story.push(format!(
+            "How many can hangs on the tolerance, which also says how much lower is clearly lower. Those that can with another \
+             one: {}.",
+            otherwise(answer)
+        ));
+    }
+    story
 }
 
 fn able(h: &Hypothesis) -> AbleView {

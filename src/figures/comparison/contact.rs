@@ -92,7 +92,8 @@ impl<'a> Data<'a> {
         let rows = Row::both(&c.model.contact);
         let curves = || columns.iter().flat_map(|column| &column.curves);
         let limits = [&rows[0], &rows[1]].map(|row| {
-            Limits::of(curves().flat_map(|curve| &curve.measured), curves().flat_map(|curve| &curve.model), row)
+            let (measured, model) = (curves().flat_map(|c| &c.measured), curves().flat_map(|c| &c.model));
+            Limits::of(measured, model, row, Some(row.stuck))
         });
         Self { c, by_speed, columns, rows, limits }
     }

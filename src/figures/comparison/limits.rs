@@ -29,18 +29,19 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// The limits for some readings and the model's values.
+    /// The limits for some readings and the model's values, zero and what else is drawn (`besides`, SI).
     pub fn of<'a>(
         measured: impl Iterator<Item = &'a &'a ContactPoint> + Clone,
         model: impl Iterator<Item = &'a &'a ContactPoint>,
         row: &Row,
+        besides: Option<f64>,
     ) -> Self {
         let mut sds: Vec<f64> = measured.clone().map(|p| (row.sd)(p)).filter(|sd| sd.is_finite()).collect();
         sds.sort_by(f64::total_cmp);
         let typical = sds.get(sds.len() / 2).copied().unwrap_or(0.0);
         let clear = measured.filter(|p| (row.sd)(p) <= VAGUE * typical);
         let of_model = inner(model.map(|p| (row.value)(p)));
-        let ends = inner(clear.map(|p| (row.value)(p))).into_iter().chain(of_model).chain([0.0, row.stuck]);
+        let ends = inner(clear.map(|p| (row.value)(p))).into_iter().chain(of_model).chain([0.0]).chain(besides);
         let (low, high) = range(ends.map(|value| row.unit.of(value)));
         let bar = row.unit.of(typical);
         let margin = MARGIN * (high - low) + bar;

@@ -1,7 +1,7 @@
 //! What the contact did before and after: measured stiffness and damping beside those of base and explanation.
 
 use super::{color, dash, ladder_of, name};
-use crate::compare::ContactPoint;
+use crate::compare::{ContactPoint, fingerprint};
 use crate::discover::{Discovery, Step};
 use crate::figures::axes::{Axis, Panel};
 use crate::figures::canvas::{Canvas, Point, Stroke, Type, document};
@@ -33,6 +33,9 @@ pub struct Fingerprint;
 struct Data<'a> {
     base: &'a Step,
     end: &'a Step,
+    /// What one would take for the contact if the curves of the base were the readings: seen through the same rig and
+    /// instrument as these.
+    before: Vec<ContactPoint>,
     shown: Vec<usize>,
     rows: [Row; 2],
     limits: [Limits; 2],
@@ -51,31 +54,37 @@ fn distance(
     if n > 0.0 { sum / n } else { 0.0 }
 }
 
+/// Those of the points that are at one of the conditions.
+fn shown_of<'a>(points: &'a [ContactPoint], shown: &[usize]) -> Vec<&'a ContactPoint> {
+    points.iter().filter(|p| shown.contains(&p.condition)).collect()
+}
+
 impl<'a> Data<'a> {
     fn of(steps: &'a [Step]) -> Self {
         let (base, end) = (&steps[0], &steps[steps.len() - 1]);
         let measured = &end.comparison.contact;
         let rows = Row::both(&end.comparison.model.contact);
+        let (_, before) = fingerprint(&end.comparison.model, &base.comparison.points);
         let telling = |i: &usize| {
             let of = |p: &ContactPoint| p.condition == *i;
-            rows.iter().map(|row| distance(measured, &base.comparison.contact_model, row, of)).sum::<f64>()
+            rows.iter().map(|row| distance(measured, &before, row, of)).sum::<f64>()
         };
         let mut shown: Vec<usize> = (0..end.comparison.conditions.len()).collect();
         shown.retain(|i| measured.iter().any(|p| p.condition == *i));
         shown.sort_by(|a, b| telling(b).total_cmp(&telling(a)).then(a.cmp(b)));
         shown.truncate(MOST);
         shown.sort_unstable();
-        let of =
-            |points: &'a [ContactPoint]| points.iter().filter(|p| shown.contains(&p.condition)).collect::<Vec<_>>();
-        let (points, models) =
-            (of(measured), [of(&base.comparison.contact_model), of(&end.comparison.contact_model)].concat());
-        let limits = [&rows[0], &rows[1]].map(|row| Limits::of(points.iter(), models.iter(), row));
-        Self { base, end, shown, rows, limits }
+        let limits = {
+            let of = |points| shown_of(points, &shown);
+            let (points, models) = (of(measured), [of(&before), of(&end.comparison.contact_model)].concat());
+            [&rows[0], &rows[1]].map(|row| Limits::of(points.iter(), models.iter(), row, None))
+        };
+        Self { base, end, before, shown, rows, limits }
     }
 
-    fn models(&self) -> [(&'a [ContactPoint], Stroke); 2] {
+    fn models(&self) -> [(&[ContactPoint], Stroke); 2] {
         let stroke = |index| Stroke::dashed(color(index, 2), 2.4, dash(index, 2));
-        [(&self.base.comparison.contact_model, stroke(0)), (&self.end.comparison.contact_model, stroke(1))]
+        [(&self.before, stroke(0)), (&self.end.comparison.contact_model, stroke(1))]
     }
 
     fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
@@ -140,7 +149,7 @@ impl<'a> Data<'a> {
 
     fn csv(&self) -> String {
         let end = &self.end.comparison;
-        let models = [("base", &*self.base.comparison.contact_model), ("explanation", &end.contact_model)];
+        let models = [("base", &*self.before), ("explanation", &end.contact_model)];
         contact::csv(&end.conditions, &[("measured", &end.contact), models[0], models[1]])
     }
 
@@ -186,12 +195,12 @@ impl Figure<Discovery> for Fingerprint {
         let rig = if discovery.explanation().hypothesis.recalibrated().is_empty() {
             ""
         } else {
-            " The measured contact is that seen through the recalibrated rig and instrument."
+            " Readings and both curves are seen through the recalibrated rig and instrument."
         };
         let added = discovery.explanation().hypothesis.label();
         let caption = format!(
             "Dynamic stiffness and damping that the contact must have had, from the readings and the rig alone, at the {panels} \
-             that tell most; dashed, what the contact of the calibrated base does there; solid, that of the explanation, with {added}.{rig} \
+             where the base fails most; dashed, what one would find if the readings were the curves of the calibrated base; solid, that of the explanation, with {added}.{rig} \
              Faded: readings that say little; some may lie beyond the axes."
         );
         Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), data.notes()))
