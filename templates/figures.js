@@ -56,9 +56,8 @@
       return (place - this.low) / (this.high - this.low);
     }
     // Name, value, unit; nothing for rows.
-    words(share) {
+    words(share, half = 0.25 / (this.length / FINE)) {
       if (this.kind === "rows") return "";
-      const half = 0.25 / (this.length / FINE);
       const step = Math.abs(this.value(share + half) - this.value(share - half)) / (this.to - this.from > 0.5 ? 1 : 10);
       const unit = this.unit === "°" ? "°" : this.unit && ` ${this.unit}`;
       return `${this.name ? `${this.name}: ` : ""}${written(this.value(share), step)}${unit}`;
@@ -149,6 +148,7 @@
       this.panels = new Map(all("[data-panel]", this.svg).map((node) => [node.dataset.panel, this.panel(node)]));
       this.groups = all("[data-p]", this.svg).map((group) => this.group(group)).filter((group) => group.panel);
       this.points = this.groups.flatMap((group) => this.read(group));
+      this.shades = new Map(all("[data-bar]", this.svg).flatMap((bar) => this.bar(bar)));
       this.overlay = shape("g", { "pointer-events": "none", "data-overlay": "" }, this.svg);
       this.tip = this.drawing.appendChild(element("div", { class: "tip", hidden: "" }));
       this.current = null;
@@ -168,6 +168,16 @@
       const parts = all("circle, polyline, polygon, rect, path, text", node)
         .map((part) => ({ part, outlines: outlines(part), moved: part.getAttribute("transform") ?? "" }));
       return { node, panel, name: node.dataset.s ?? "", area: "area" in node.dataset, parts };
+    }
+    // Colours of a colour bar, and what they stand for.
+    bar(node) {
+      const [top, height] = node.dataset.bar.split(" ").map(Number);
+      const axis = new Axis(node.dataset.y, node.dataset.yl, height);
+      const shades = all("rect", node);
+      return shades.map((rect) => {
+        const middle = +rect.getAttribute("y") + 0.5 * rect.getAttribute("height");
+        return [rect.getAttribute("fill"), axis.words((top + height - middle) / height, 0.5 / shades.length)];
+      });
     }
     // What can be read of a series: corners of its lines, middles of its marks.
     read(group) {
@@ -353,13 +363,32 @@
         key.addEventListener("click", () => this.toggle(key.dataset.key));
       }
       this.buttons = names.map((name) => element("button", { type: "button", "aria-pressed": "true" }, name));
-      for (const button of this.buttons) button.addEventListener("click", () => this.toggle(button.textContent));
+      for (const button of this.buttons) {
+        const shown = this.groups.find((group) => group.name === button.textContent && group.parts.length);
+        const { stroke, fill } = shown ? getComputedStyle(shown.parts[0].part) : {};
+        const color = [stroke, fill].find((one) => one && one !== "none");
+        if (color) button.prepend(element("span", { class: "swatch" }));
+        if (color) button.firstChild.style.background = color;
+        button.addEventListener("click", () => this.toggle(button.textContent));
+      }
       this.reset = element("button", { type: "button", class: "reset", hidden: "" }, "Whole view");
       this.reset.addEventListener("click", () => { this.unzoom(); this.frame.focus(); });
+      this.fit = element("button", { type: "button", "aria-pressed": "false", hidden: "" }, "Fit to width");
+      this.fit.addEventListener("click", () => {
+        const whole = this.drawing.classList.toggle("whole");
+        this.fit.setAttribute("aria-pressed", String(whole));
+        this.fit.textContent = whole ? "Readable size" : "Fit to width";
+      });
+      new ResizeObserver(() => {
+        const wider = this.frame.scrollWidth > this.frame.clientWidth + 1;
+        this.fit.hidden = !wider && !this.drawing.classList.contains("whole");
+      }).observe(this.frame);
       const tools = element("div", { class: "tools" });
-      tools.append(this.reset);
+      tools.append(this.reset, this.fit);
       if (names.length > 1) {
         const list = element("details", { class: "series" });
+        // Where a legend may lie beyond the screen, this stands for it.
+        list.open = matchMedia("(max-width: 48rem)").matches && names.length <= 8;
         const group = element("div", { role: "group", "aria-label": `Curves of ${this.title}` });
         group.append(...this.buttons);
         list.append(element("summary", {}, `Show or hide curves (${names.length})`), group);
@@ -376,7 +405,8 @@
       const { x, y, left, top, width, height } = at.panel;
       const across = x.words(x.from + (at.x - left) / width * (x.to - x.from));
       const up = y.words(y.from + (top + height - at.y) / height * (y.to - y.from));
-      const lines = [across, up].filter(Boolean);
+      const shade = event.target.closest("[data-area]") && this.shades.get(event.target.getAttribute("fill"));
+      const lines = [shade && `about ${shade}`, across, up].filter(Boolean);
       if (lines.length) this.note(lines, at.x, at.y);
     }
     listen() {

@@ -158,6 +158,13 @@ impl Panel {
         self.labels(canvas, below, beside);
     }
 
+    /// The panel with the names of its axes only where asked for: the others share them.
+    pub fn named(&self, below: bool, beside: bool) -> Self {
+        let named =
+            |axis: &Axis, named| if named { axis.clone() } else { Axis { label: String::new(), ..axis.clone() } };
+        Self { x: named(&self.x, below), y: named(&self.y, beside), ..self.clone() }
+    }
+
     /// Lines at the named ticks.
     fn grid(&self, canvas: &mut Canvas) {
         let grid = Stroke::solid(GRID, 1.0);

@@ -25,8 +25,11 @@ struct Pair<'a> {
     difference: Vec<Point>,
     /// Steps per cycle and the largest relative difference from the series curve.
     to_series: Vec<Point>,
-    /// Steps per cycle and the largest relative difference from the Richardson extrapolation; empty below three step sizes.
+    /// Steps per cycle and the largest relative difference from the Richardson extrapolation of the two finest, for all others;
+    /// empty below three step sizes.
     to_limit: Vec<Point>,
+    /// Largest relative difference of that extrapolation from the series formulation.
+    between: Option<f64>,
     series: &'a Curve,
     euler: Vec<&'a Curve>,
 }
@@ -179,13 +182,16 @@ impl<'a> Pair<'a> {
         };
         let to_series = euler.iter().map(|curve| worst(curve, &exact)).collect();
         let limit = if euler.len() > 2 { richardson(euler[euler.len() - 2], finest) } else { Vec::new() };
-        let to_limit =
-            if limit.is_empty() { Vec::new() } else { euler.iter().map(|curve| worst(curve, &limit)).collect() };
+        // The two finest lie on the slope by construction: the limit is made of them.
+        let coarser = &euler[..euler.len().saturating_sub(2)];
+        let to_limit = if limit.is_empty() { Vec::new() } else { coarser.iter().map(|c| worst(c, &limit)).collect() };
+        let errors = limit.iter().zip(&exact).map(|(a, b)| (a.1 / b.1 - 1.0).abs());
+        let between = (!limit.is_empty()).then(|| range(errors).1);
         let condition = &series.condition;
         let fields = if fields.is_empty() { &[Field::Speed] } else { fields };
         let label = data::describe(condition, fields);
         let difference = relative(finest, &exact);
-        Some(Self { label, difference, to_series, to_limit, series, euler })
+        Some(Self { label, difference, to_series, to_limit, between, series, euler })
     }
 }
 
@@ -207,8 +213,8 @@ impl Figure for Formulations {
 
     fn reading(&self) -> [&'static str; 3] {
         [
-            "Squares on the dotted slope; circles that level off at a small difference.",
-            "Circles that level off at more than the noise of the readings: the two formulations are then different models.",
+            "Squares on the dotted slope, and a small difference of the formulations themselves.",
+            "A difference of the formulations themselves above the noise of the readings: they are then different models.",
             "Take the series formulation; use the published procedure only to reproduce its numbers, with at least the steps shown.",
         ]
     }
@@ -227,10 +233,14 @@ impl Figure for Formulations {
             let text = format!("{} % at {n} steps", significant(100.0 * error, 2));
             caption += &format!(
                 " Right: largest difference over frequency against steps per cycle. The error of the step size (squares, \
-                 relative to the extrapolation of the two finest step sizes, {text}) should fall along the dotted slope −1 of a first-order \
-                 procedure; the difference from the series formulation (circles) levels off at what the formulations differ by, after a \
-                 minimum where the two have opposite signs."
+                 {text}) should fall along the dotted slope −1 of a first-order procedure; it is taken from the extrapolation of \
+                 the two finest step sizes to none, which therefore have no squares. The difference from the series formulation \
+                 (circles) is that error and the difference of the formulations themselves together."
             );
+            let between = range(data.pairs.iter().filter_map(|pair| pair.between)).1;
+            let between = format!("{} %", significant(100.0 * between, 2));
+            caption += &format!(" Extrapolated to no step size, the formulations differ by at most {between}.");
+            notes.push(("Largest difference without step size".into(), between));
             notes.push(("Largest error of the coarsest step".into(), text));
         }
         let curves: Vec<&Curve> = data.pairs.iter().flat_map(|p| p.euler.iter().copied().chain([p.series])).collect();

@@ -118,6 +118,13 @@ impl Canvas<'_> {
         drawn
     }
 
+    /// Draws the colour bar that stands in a panel: what has one of its colours has the value beside it.
+    pub fn color_bar<R>(&mut self, panel: &Panel, draw: impl FnOnce(&mut Self) -> R) -> R {
+        let [top, height] = [panel.top, panel.height].map(fine);
+        let (ends, name) = (ends(&panel.y), escape(&panel.y.label));
+        self.group(format!("<g data-bar=\"{top} {height}\" data-y=\"{ends}\" data-yl=\"{name}\">"), draw)
+    }
+
     /// Draws the legend entry of the series of that name.
     pub fn key<R>(&mut self, name: &str, draw: impl FnOnce(&mut Self) -> R) -> R {
         self.group(format!("<g data-key=\"{}\">", escape(name)), draw)

@@ -3,7 +3,7 @@
 use super::axes::{Axis, Panel, range};
 use super::canvas::{Anchor, Canvas, Point, Stroke, Type, document};
 use super::legend::{Key, legend};
-use super::orbits::{Cycle, cycles, force_unit, left_out};
+use super::orbits::{Cycle, ROUNDING, cycles, force_range, force_unit, left_out};
 use super::style::{INK, SLIP, STATIC, Table, Unit, WIDTH, cell};
 use super::{Drawing, Figure, FigureError};
 use crate::sweep::Outcome;
@@ -42,16 +42,11 @@ impl<'a> Data<'a> {
     fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
         let columns = self.cycles.len().min(3);
         let rows = self.cycles.len().div_ceil(columns);
-        let (left, gap, top, cell_height) = (96.0, 40.0, 96.0, 390.0);
+        let (left, gap, top, cell_height) = (96.0, 76.0, 96.0, 390.0);
         let width = (WIDTH - left - 28.0 - gap * (columns - 1) as f64) / columns as f64;
         let height = if rows == 1 { 430.0 } else { 310.0 };
         let pitch = if rows == 1 { cell_height } else { height + 66.0 };
         let total = top + (rows - 1) as f64 * pitch + height + 62.0;
-        let points = || self.cycles.iter().flat_map(|cycle| self.points(cycle));
-        let (low, high) = range(points().map(|((x, _), _)| x));
-        let reach = 1.08 * low.abs().max(high.abs());
-        let (lowest, highest) = range(points().map(|((_, y), _)| y));
-        let pad = 0.08 * (highest - lowest).max(1e-3);
         document((WIDTH, total), (title, alt), |canvas| {
             let entries = [
                 (Key::Line(Stroke::solid(STATIC, 4.5)), NAMES[0].to_string()),
@@ -61,11 +56,17 @@ impl<'a> Data<'a> {
             legend(canvas, left + 220.0, 2.0, &entries[1..]);
             for (index, cycle) in self.cycles.iter().enumerate() {
                 let (row, column) = (index / columns, index % columns);
+                let (low, high) = range(self.points(cycle).into_iter().map(|((x, _), _)| x));
+                let reach = 1.08 * low.abs().max(high.abs());
+                let (lowest, highest) = force_range(cycle, &self.force);
                 let x = Axis::linear(format!("arm displacement b(θ − θ₀) [{}]", self.stroke.label), -reach, reach);
-                let y = Axis::linear(format!("force F − µW [{}]", self.force.label), lowest - pad, highest + pad);
+                let y = Axis::linear(format!("force F − µW [{}]", self.force.label), lowest, highest);
                 let (left, top) = (left + (width + gap) * column as f64, top + pitch * row as f64);
                 let panel = Panel { left, top, width, height, x, y };
-                panel.frame(canvas, index + columns >= self.cycles.len(), column == 0);
+                canvas.register(&panel);
+                panel
+                    .named(row + 1 == rows || index + columns >= self.cycles.len(), column == 0)
+                    .frame(canvas, true, true);
                 let [first, second] = cycle.name();
                 canvas.text((left, top - 29.0), &first, Type::at(Anchor::Start).bold());
                 canvas.text((left, top - 9.0), &second, Type::at(Anchor::Start).colored(INK));
@@ -153,11 +154,16 @@ impl Figure for Loops {
         let mut notes = Vec::new();
         for cycle in &data.cycles {
             let work = work(cycle);
-            notes.push((format!("Loop area, {}", cycle.name()[0]), Unit::fitting(work.abs(), "J").show(work.abs(), 3)));
+            let (low, high) = range((0..cycle.len()).map(|i| cycle.displacement(i)));
+            let nothing = ROUNDING * cycle.condition.friction * cycle.condition.load * (high - low);
+            let shown =
+                if work.abs() > nothing { Unit::fitting(work.abs(), "J").show(work.abs(), 3) } else { "0 J".into() };
+            notes.push((format!("Loop area, {}", cycle.name()[0]), shown));
         }
         let regimes: Vec<String> = data.cycles.iter().map(|c| format!("{} ({})", c.name()[0], c.regime())).collect();
         let caption = format!(
-            "Contact force beyond the Coulomb limit µW against displacement of the arm over one cycle: {}. While the interface \
+            "Contact force less the Coulomb limit µW against displacement of the arm over one cycle, each panel with its own \
+             axes: {}. While the interface \
              slips the force stays at the limit; while it sticks the bristles carry the arm's motion and the force falls below \
              it. The enclosed area is what the contact takes out of the arm's vibration per cycle.{}",
             regimes.join("; "),

@@ -7,6 +7,9 @@ use super::style::{Unit, significant};
 use crate::solver::{Orbit, Status, SteadyState};
 use crate::sweep::{Condition, Outcome};
 
+/// A share of the Coulomb limit that is rounding.
+pub const ROUNDING: f64 = 1e-9;
+
 /// Most points shown in one figure.
 const MOST: usize = 6;
 
@@ -42,7 +45,7 @@ impl Cycle<'_> {
         self.arm * (self.orbit.angle[index] - self.state.mean)
     }
 
-    /// Force beyond the Coulomb limit mu W \[N\].
+    /// Force less the Coulomb limit mu W \[N\].
     pub fn force(&self, index: usize) -> f64 {
         self.orbit.force[index] - self.condition.friction * self.condition.load
     }
@@ -115,9 +118,20 @@ pub fn left_out(count: usize) -> String {
     if count == 0 { String::new() } else { format!(" {count} further points with orbits are not shown.") }
 }
 
-/// The unit that suits the forces beyond mu W; mN where they never leave that limit and only rounding would show.
+/// Range of an axis for the force of one point less mu W, in `unit`; one unit either way where only rounding would show.
+pub fn force_range(cycle: &Cycle<'_>, unit: &Unit) -> (f64, f64) {
+    let (lowest, highest) = range((0..cycle.len()).map(|i| cycle.force(i)));
+    if highest - lowest <= ROUNDING * cycle.condition.friction * cycle.condition.load {
+        return (-1.0, 1.0);
+    }
+    let (lowest, highest) = (unit.of(lowest), unit.of(highest));
+    let pad = 0.08 * (highest - lowest);
+    (lowest - pad, highest + pad)
+}
+
+/// The unit that suits the forces less mu W; mN where they never leave that limit and only rounding would show.
 pub fn force_unit(cycles: &[Cycle<'_>]) -> Unit {
     let forces = cycles.iter().flat_map(|c| (0..c.len()).map(|i| c.force(i).abs()));
     let (largest, limits) = (range(forces).1, cycles.iter().map(|c| c.condition.friction * c.condition.load));
-    if largest > 1e-9 * limits.fold(0.0, f64::max) { Unit::fitting(largest, "N") } else { Unit::new(1e-3, "mN") }
+    if largest > ROUNDING * limits.fold(0.0, f64::max) { Unit::fitting(largest, "N") } else { Unit::new(1e-3, "mN") }
 }

@@ -152,17 +152,19 @@ fn color_bar(canvas: &mut Canvas, panel: &Panel) {
     let (left, width, steps) = (panel.right() + 30.0, 22.0, 50);
     let axis = Axis::linear("share of the cycle that sticks", 0.0, 1.0).step(0.2);
     let bar = Panel { left, width, x: Axis::linear("", 0.0, 1.0), y: axis, ..panel.clone() };
-    for i in (0..=steps).rev() {
-        let share = f64::from(i) / f64::from(steps);
-        let (low, high) = ((share - 0.01).max(0.0), (share + 0.01).min(1.0));
-        canvas.rectangle(
-            (left, bar.py(high)),
-            width,
-            (bar.py(low) - bar.py(high) + 1.2).min(bar.bottom() - bar.py(high)),
-            viridis(share),
-            None,
-        );
-    }
+    canvas.color_bar(&bar, |canvas| {
+        for i in (0..=steps).rev() {
+            let share = f64::from(i) / f64::from(steps);
+            let (low, high) = ((share - 0.01).max(0.0), (share + 0.01).min(1.0));
+            canvas.rectangle(
+                (left, bar.py(high)),
+                width,
+                (bar.py(low) - bar.py(high) + 1.2).min(bar.bottom() - bar.py(high)),
+                viridis(share),
+                None,
+            );
+        }
+    });
     let outline =
         [(left, bar.top), (bar.right(), bar.top), (bar.right(), bar.bottom()), (left, bar.bottom()), (left, bar.top)];
     canvas.polyline(&outline, Stroke::solid(INK, 1.2));

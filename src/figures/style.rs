@@ -92,9 +92,27 @@ pub fn diverging(t: f64) -> Color {
     STOPS[index].mix(STOPS[index + 1], place - index as f64)
 }
 
-/// Colour of line `index` of `count`: viridis without its pale end, so that lines stay readable on white.
+/// Colour of line `index` of `count`: viridis, its pale end darkened so that lines stay readable on white.
 pub fn ramp(index: usize, count: usize) -> Color {
-    if count <= 1 { viridis(0.45) } else { viridis(0.87 * index as f64 / (count - 1) as f64) }
+    readable(if count <= 1 { viridis(0.45) } else { viridis(0.87 * index as f64 / (count - 1) as f64) })
+}
+
+/// Least contrast with white of what carries meaning (WCAG 2.2, success criterion 1.4.11).
+const CONTRAST: f64 = 3.0;
+
+/// A colour, darkened as far as needed to be seen on white.
+pub fn readable(color: Color) -> Color {
+    let darkened = |percent: u32| color.mix(Color(0, 0, 0), f64::from(percent) / 100.0);
+    (0..100).map(darkened).find(|color| contrast_with_white(*color) >= CONTRAST).unwrap_or(INK)
+}
+
+/// Contrast ratio with white of WCAG 2.2.
+fn contrast_with_white(Color(red, green, blue): Color) -> f64 {
+    let linear = |channel: u8| {
+        let c = f64::from(channel) / 255.0;
+        if c <= 0.040_45 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+    };
+    1.05 / (0.2126 * linear(red) + 0.7152 * linear(green) + 0.0722 * linear(blue) + 0.05)
 }
 
 /// A unit with its prefix: displayed value = SI value / `factor`.
@@ -264,6 +282,23 @@ mod tests {
         assert_eq!([1.0, 7.0].map(viridis), [Color(254, 232, 37); 2]);
         let light = |i: i32| viridis(f64::from(i) / 50.0).1;
         assert!((0..50).all(|i| light(i) <= light(i + 1)), "{:?}", (0..=50).map(light).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn lines_are_seen_on_white_and_told_apart() {
+        assert!((contrast_with_white(Color(0, 0, 0)) - 21.0).abs() < 1e-9);
+        // 4.54 is the ratio that WCAG's technique G18 is often shown with.
+        assert!((contrast_with_white(Color(0x76, 0x76, 0x76)) - 4.54).abs() < 0.01);
+        for count in 1..9 {
+            let colors: Vec<Color> = (0..count).map(|index| ramp(index, count)).collect();
+            assert!(colors.iter().all(|color| contrast_with_white(*color) >= CONTRAST), "{colors:?}");
+            let apart = |pair: &[Color]| {
+                let [Color(a, b, c), Color(d, e, f)] = [pair[0], pair[1]];
+                [a.abs_diff(d), b.abs_diff(e), c.abs_diff(f)].iter().any(|difference| *difference > 16)
+            };
+            assert!(colors.windows(2).all(apart), "{colors:?}");
+        }
+        assert_eq!(readable(Color(68, 1, 84)), Color(68, 1, 84));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use super::axes::{Axis, Panel, range};
 use super::canvas::{Anchor, Canvas, Dash, Point, Stroke, Type, document};
 use super::legend::{Key, legend};
-use super::orbits::{Cycle, cycles, force_unit, left_out};
+use super::orbits::{Cycle, cycles, force_range, force_unit, left_out};
 use super::style::{Color, DASH_ROLLER, INK, ROLLER, SHADE, SLIP, Table, Unit, WIDTH, cell};
 use super::{Drawing, Figure, FigureError};
 use crate::sweep::Outcome;
@@ -47,17 +47,8 @@ impl<'a> Data<'a> {
     fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
         let speed = Unit::speed();
         let columns = self.cycles.len();
-        let (left, gap) = (96.0, 52.0);
+        let (left, gap) = (96.0, 82.0);
         let width = (WIDTH - left - 28.0 - gap * (columns - 1) as f64) / columns as f64;
-        let speeds = self.cycles.iter().flat_map(|c| {
-            let own = (0..c.len()).flat_map(move |i| [c.velocity(i), c.orbit.slip_rate[i]]);
-            own.chain([c.condition.speed]).map(|v| speed.of(v)).collect::<Vec<_>>()
-        });
-        let (low, high) = range(speeds);
-        let pad = 0.06 * (high - low);
-        let forces = self.cycles.iter().flat_map(|c| (0..c.len()).map(|i| self.force.of(c.force(i))));
-        let (lowest, highest) = range(forces);
-        let padding = 0.08 * (highest - lowest).max(1e-3);
         document((WIDTH, HEIGHT), (title, alt), |canvas| {
             let entries = [
                 (Key::Line(Stroke::solid(INK, 2.6)), ARM),
@@ -72,14 +63,18 @@ impl<'a> Data<'a> {
             for (index, cycle) in self.cycles.iter().enumerate() {
                 let left = left + (width + gap) * index as f64;
                 let axis = || Axis::linear("time t/T [–]", 0.0, 1.0).step(0.25);
+                let own = (0..cycle.len()).flat_map(|i| [cycle.velocity(i), cycle.orbit.slip_rate[i]]);
+                let (low, high) = range(own.chain([cycle.condition.speed]).map(|v| speed.of(v)));
+                let pad = 0.06 * (high - low);
                 let y = Axis::linear("speed [mm/s]", low - pad, high + pad);
                 let upper = Panel { left, top: 92.0, width, height: 350.0, x: axis(), y };
-                let y =
-                    Axis::linear(format!("force F − µW [{}]", self.force.label), lowest - padding, highest + padding);
+                let (lowest, highest) = force_range(cycle, &self.force);
+                let y = Axis::linear(format!("force F − µW [{}]", self.force.label), lowest, highest);
                 let lower = Panel { left, top: 466.0, width, height: 214.0, x: axis(), y };
                 for panel in [&upper, &lower] {
                     canvas.series(STICKS, |canvas| canvas.areas(panel, |canvas| shade(panel, canvas, cycle)));
-                    panel.frame(canvas, panel.top == lower.top, index == 0);
+                    canvas.register(panel);
+                    panel.named(true, index == 0).frame(canvas, panel.top == lower.top, true);
                 }
                 let [first, second] = cycle.name();
                 canvas.text((left, 92.0 - 29.0), &first, Type::at(Anchor::Start).bold());
@@ -167,8 +162,8 @@ impl Figure for TimeHistories {
         let data = Data::of(outcome)?;
         let shares: Vec<String> = data.cycles.iter().map(|cycle| cycle.name().join(" – ")).collect();
         let caption = format!(
-            "Speed of the arm at the contact, speed of the roller, slip rate and contact force over one period T, starting \
-             where the actuator passes zero upwards: {}. Stick (shaded) begins when the arm has caught up with the roller and \
+            "Speed of the arm at the contact, speed of the roller, slip rate and contact force less µW over one period \
+             T, starting where the actuator passes zero upwards, each column with its own axes: {}. Stick (shaded) begins when the arm has caught up with the roller and \
              the slip rate reaches zero; it ends when the bristles are stretched back to the Coulomb limit µW.{}",
             shares.join("; "),
             left_out(data.left_out)

@@ -133,20 +133,26 @@ impl<'a> Data<'a> {
     fn bar(&self, canvas: &mut Canvas, left: f64, height: f64) {
         let steps = (2.0 * SHADES) as usize + 1;
         let step = height / steps as f64;
-        for i in 0..steps {
-            let color = diverging(1.0 - i as f64 / SHADES);
-            canvas.rectangle((left, TOP + step * i as f64), 18.0, step + 0.3, color, None);
-        }
+        let y = self.scale.axis("error [σ]");
+        let panel = Panel { left, top: TOP, width: 18.0, height, x: Axis::linear("", 0.0, 1.0), y };
+        canvas.color_bar(&panel, |canvas| {
+            for i in 0..steps {
+                let color = diverging(1.0 - i as f64 / SHADES);
+                canvas.rectangle((left, TOP + step * i as f64), 18.0, step + 0.3, color, None);
+            }
+        });
         let frame = [(left, TOP), (left + 18.0, TOP), (left + 18.0, TOP + height), (left, TOP + height), (left, TOP)];
         canvas.polyline(&frame, Stroke::solid(GREY, 1.0));
         let mut last = f64::INFINITY;
         let ticks = self.scale.ticks();
+        let ends = [-self.scale.limit, self.scale.limit];
         let all: Vec<f64> = ticks.iter().rev().map(|t| -t).chain([0.0]).chain(ticks.iter().copied()).collect();
-        for tick in all {
+        for tick in [ends[0]].into_iter().chain(all).chain([ends[1]]) {
             let y = TOP + 0.5 * height * (1.0 - self.scale.place(tick));
             canvas.line((left + 18.0, y), (left + 23.0, y), Stroke::solid(INK, 1.0));
-            // Labels that would touch the one below are left out.
-            if last - y < 15.0 {
+            // The ends are named, and of the others those whose names touch no other.
+            let end = ends.contains(&tick);
+            if !end && (last - y < 15.0 || y - TOP < 15.0) {
                 continue;
             }
             last = y;

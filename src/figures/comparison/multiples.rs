@@ -8,7 +8,7 @@ use crate::figures::FigureError;
 use crate::figures::axes::{Axis, Panel, range};
 use crate::figures::canvas::{Anchor, Canvas, Stroke, Type, document};
 use crate::figures::legend::Entry;
-use crate::figures::style::{GREY, LABEL_SIZE, SHADE, WIDTH, significant};
+use crate::figures::style::{GREY, INK, LABEL_SIZE, SHADE, WIDTH, significant};
 
 /// What all panels share.
 pub struct Multiples<'a> {
@@ -79,6 +79,12 @@ impl Multiples<'_> {
     fn edge(&self, canvas: &mut Canvas, strip: &Panel, at: &Cell) {
         strip.border(canvas, 0.0);
         strip.labels(canvas, at.last, false);
+        canvas.ticks(strip, (false, false), |canvas| {
+            for tick in self.scale.ticks().into_iter().flat_map(|tick| [-tick, tick]) {
+                let y = strip.py(self.scale.place(tick));
+                canvas.line((strip.left, y), (strip.left + 4.0, y), Stroke::solid(INK, 1.0));
+            }
+        });
         if at.first {
             let small = Type { size: 13.0, ..Type::at(Anchor::End) };
             let top = self.scale.top();

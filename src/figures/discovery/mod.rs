@@ -7,7 +7,7 @@ mod parameters;
 mod ranking;
 mod rows;
 
-use super::style::{Color, DASHES, viridis};
+use super::style::{Color, DASHES, readable, viridis};
 use super::{Figure, FigureError, canvas::Dash};
 use crate::discover::{Discovery, Step};
 
@@ -23,7 +23,7 @@ fn name(step: &Step) -> String {
 /// Colour of a step: from pale to dark along the ladder.
 fn color(index: usize, count: usize) -> Color {
     let share = index as f64 / (count.max(2) - 1) as f64;
-    viridis(0.82 - 0.57 * share)
+    readable(viridis(0.82 - 0.57 * share))
 }
 
 /// Dash of a step: solid for the last one.
