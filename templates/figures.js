@@ -364,11 +364,7 @@
       }
       this.buttons = names.map((name) => element("button", { type: "button", "aria-pressed": "true" }, name));
       for (const button of this.buttons) {
-        const shown = this.groups.find((group) => group.name === button.textContent && group.parts.length);
-        const { stroke, fill } = shown ? getComputedStyle(shown.parts[0].part) : {};
-        const color = [stroke, fill].find((one) => one && one !== "none");
-        if (color) button.prepend(element("span", { class: "swatch" }));
-        if (color) button.firstChild.style.background = color;
+        button.prepend(this.swatch(button.textContent));
         button.addEventListener("click", () => this.toggle(button.textContent));
       }
       this.reset = element("button", { type: "button", class: "reset", hidden: "" }, "Whole view");
@@ -395,6 +391,18 @@
         tools.append(list);
       }
       this.frame.after(tools);
+    }
+    // A piece of line like that of a series.
+    swatch(name) {
+      const parts = this.groups.filter((group) => group.name === name).flatMap((group) => group.parts);
+      const made = element("span", { class: "swatch" });
+      for (const { stroke, fill, strokeDasharray } of parts.map(({ part }) => getComputedStyle(part))) {
+        const color = [stroke, fill].find((one) => one !== "none" && one !== "rgb(255, 255, 255)");
+        if (!color) continue;
+        made.style.borderTop = `4px ${strokeDasharray === "none" ? "solid" : "dashed"} ${color}`;
+        break;
+      }
+      return made;
     }
     // What is at a place: the nearest point of a curve, or else where it is on the axes.
     look(event, at) {

@@ -14,7 +14,7 @@ use super::select::outcomes;
 /// folder the ones inside the binary. One line per sound file; the problems of all others are told together.
 pub fn execute(paths: &[PathBuf]) -> Result<()> {
     let mut problems = Vec::new();
-    for outcome in outcomes(paths) {
+    for outcome in outcomes(paths, false) {
         let read = outcome.and_then(|scenario| {
             Ledger::find(std::slice::from_ref(&scenario))?;
             Ok((measurement::load(&scenario)?, scenario))

@@ -3,8 +3,9 @@
 use super::folder::Folder;
 use super::gates::{self, GateLimits};
 use super::{Global, Json, Stamped, say, simulate};
-use crate::compare::{self, Comparison, Options};
+use crate::compare::{self, Comparison, Options, Outlier};
 use crate::error::{Error, Result};
+use crate::figures::style::count;
 use crate::files;
 use crate::fit::{Identified, Interval, Parameter};
 use crate::gate;
@@ -95,10 +96,18 @@ pub(super) fn compare(scenario: &Scenario, table: &Table) -> Comparison {
     compare::compare(scenario, table, &Options { seed: 0 })
 }
 
+/// Where a reading that stands out is, and by how much.
+pub(super) fn stands_out(c: &Comparison, outlier: &Outlier) -> String {
+    let line = c.table.points.iter().find(|p| p.row == outlier.row).map_or(0, |p| p.line);
+    let place = if line > 0 { format!("line {line} (row {})", outlier.row) } else { format!("row {}", outlier.row) };
+    format!("outlier: {place}, {}: {:+.1} sigma", outlier.column, outlier.sigma)
+}
+
 /// The comparison in lines of text.
 pub(super) fn words(c: &Comparison) -> Vec<String> {
     let m = &c.overall;
-    let mut lines = vec![format!("{}: {} points, {} conditions", c.scenario.title, m.points, c.conditions.len())];
+    let (points, conditions) = (count(m.points, "point"), count(c.conditions.len(), "condition"));
+    let mut lines = vec![format!("{}: {points}, {conditions}", c.scenario.title)];
     lines.extend(c.table.notes.iter().map(|note| format!("  note: {note}")));
     if !c.fit.parameters.is_empty() {
         lines.push("calibrated (95 % interval):".into());
@@ -126,7 +135,7 @@ pub(super) fn words(c: &Comparison) -> Vec<String> {
         }
     }
     for outlier in &c.outliers {
-        lines.push(format!("outlier: row {}, {}: {:+.1} sigma", outlier.row, outlier.column, outlier.sigma));
+        lines.push(stands_out(c, outlier));
     }
     if c.whiteness.structured {
         lines.push(format!("next: stickslip discover {}", c.scenario.path.display()));

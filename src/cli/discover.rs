@@ -1,6 +1,6 @@
 //! `stickslip discover`: which effect is missing.
 
-use super::compare::{parameter, verdict, with_measurements};
+use super::compare::{parameter, stands_out, verdict, with_measurements};
 use super::gates::{self, GateLimits, Verdicts};
 use super::{Global, Json, Stamped, say};
 use crate::compare::{self, Setting};
@@ -80,7 +80,7 @@ pub(super) fn words(d: &Discovery) -> Vec<String> {
         lines.push(format!("not testable with these data: {} ({shows})", effect.effect));
     }
     for outlier in &d.outliers {
-        lines.push(format!("outlier: row {}, {}: {:+.1} sigma", outlier.row, outlier.column, outlier.sigma));
+        lines.push(stands_out(c, outlier));
     }
     if d.verdict == Verdict::Unexplained {
         lines.push("where the best model still fails:".into());

@@ -54,7 +54,9 @@ pub fn table() -> String {
             ]);
         }
     }
-    aligned(&rows, "") + "\nstickslip effects NAME   equation, meaning, source, fingerprint and an example\n"
+    aligned(&rows, "")
+        + "\nA fit begins within the range of its search, and may go beyond it by a factor of 3 where the parameter's domain allows.\n\
+        stickslip effects NAME   equation, meaning, source, fingerprint and an example\n"
 }
 
 /// Everything that the catalogue knows of one effect.
@@ -83,6 +85,10 @@ fn parameters(effect: &dyn Effect) -> String {
     for info in effect.parameters() {
         text.push_str(&wrapped(&format!("{}: {}", info.key, info.meaning), "    "));
     }
+    text.push_str(&wrapped(
+        "A fit begins within the range of its search, and may go beyond it by a factor of 3.",
+        "    ",
+    ));
     text
 }
 

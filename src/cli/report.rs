@@ -65,7 +65,7 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
         return again::execute(from, arguments, global);
     }
     let out = out.as_deref().unwrap_or(Path::new("output"));
-    let mut scenarios = select::scenarios(paths)?;
+    let mut scenarios = select::scenarios(paths, global.quiet)?;
     gates::apply(limits, verdict, &mut scenarios)?;
     // In the order of the figures, then of the names.
     let place = |s: &Scenario| figures::names().iter().position(|name| s.figures.first().is_some_and(|f| f == name));

@@ -15,7 +15,7 @@ pub fn execute(path: &Path, results: &Folder, global: &Global) -> Result<()> {
             path.display()
         )));
     }
-    let scenarios = select::scenarios(&[PathBuf::from(path)])?;
+    let scenarios = select::scenarios(&[PathBuf::from(path)], global.quiet)?;
     let out = results.path();
     let mut judged = Vec::new();
     for scenario in &scenarios {

@@ -10,9 +10,9 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 /// All problems of all files together.
-pub fn scenarios(paths: &[PathBuf]) -> Result<Vec<Scenario>> {
+pub fn scenarios(paths: &[PathBuf], quiet: bool) -> Result<Vec<Scenario>> {
     let (mut good, mut problems) = (Vec::new(), Vec::new());
-    for outcome in outcomes(paths) {
+    for outcome in outcomes(paths, quiet) {
         match outcome {
             Ok(scenario) => good.push(scenario),
             Err(error) => problems.push(error.to_string()),
@@ -34,13 +34,15 @@ pub fn scenarios(paths: &[PathBuf]) -> Result<Vec<Scenario>> {
 }
 
 /// Each scenario of the arguments, or why it cannot be read.
-pub fn outcomes(paths: &[PathBuf]) -> Vec<Result<Scenario>> {
+pub fn outcomes(paths: &[PathBuf], quiet: bool) -> Vec<Result<Scenario>> {
     if !paths.is_empty() {
         return paths.iter().flat_map(|path| below(path)).collect();
     }
     let found = scenario::discover(Path::new("scenarios"));
     if found.is_empty() {
-        eprintln!("no scenarios/ here: the scenarios built into the program are used");
+        if !quiet {
+            eprintln!("no scenarios/ here: the scenarios built into the program are used");
+        }
         return scenario::embedded_names().iter().map(|name| scenario::load_embedded(name)).collect();
     }
     found.iter().map(scenario::load).collect()

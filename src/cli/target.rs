@@ -38,9 +38,16 @@ pub fn find(job: &Job<'_>, file: &Editable, table: &Path) -> Result<Target> {
     if !folder.is_dir() {
         return refuse(format!("there is no folder {}", folder.display()), "make it first, or give -o another file");
     }
-    if target.path.exists() && scenario::load(&target.path).is_err() && scenario::load_base(&target.path).is_err() {
-        let title = format!("{shown} exists, is not a scenario and is not overwritten");
-        return refuse(title, "give -o another file");
+    if target.path.exists() {
+        let title = match scenario::load(&target.path) {
+            // As an earlier run of the same command left it.
+            Ok(other) if other.measurement.as_ref().is_some_and(|m| same(&m.file, table)) => None,
+            Ok(_) => Some(format!("{shown} exists, is a scenario of other measurements and is not overwritten")),
+            Err(_) => Some(format!("{shown} exists, is not a scenario and is not overwritten")),
+        };
+        if let Some(title) = title {
+            return refuse(title, "give -o another file, or remove this one first");
+        }
     }
     let [extends, table] = file.named();
     target.extends = extends.and_then(|(name, at)| elsewhere(&name, &at, folder, job.path));

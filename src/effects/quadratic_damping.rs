@@ -27,7 +27,8 @@ impl Effect for QuadraticDamping {
         "L. S. Jacobsen, Steady forced vibration as influenced by damping, Trans. ASME 52 (1930)."
     }
     fn fingerprint(&self) -> &'static str {
-        "V = 0, partial stick and full slip: a lower and broader peak at the same frequency, by an equivalent \
+        "V = 0, partial stick and full slip: a lower and broader peak, at nearly the same frequency unless \
+         strong (in partial stick it moves down with the amplitude), by an equivalent \
          damping (8/3π) D₂ ω α, hence the more the larger the drive; curves at two drives tell it from linear \
          damping."
     }

@@ -28,8 +28,8 @@ impl Effect for StructuralDamping {
          738."
     }
     fn fingerprint(&self) -> &'static str {
-        "V = 0, partial stick and full slip: a lower and broader peak at the same frequency, the same at every \
-         drive, load and speed; below the resonance the phase lags by η already. In a narrow band it is hard to \
+        "V = 0, partial stick and full slip: a lower and broader peak, at nearly the same frequency unless strong (in \
+         partial stick it moves down with the amplitude), the same at every drive, load and speed; below the resonance the phase lags by η already. In a narrow band it is hard to \
          tell from a larger C₀."
     }
     fn zero(&self) -> &'static [Zero] {

@@ -45,7 +45,8 @@ pub fn draw(entry: &Entry) -> Result<Drawing, FigureError> {
     let gaps = match missing {
         0 => String::new(),
         _ => format!(
-            " At {missing} of {total} points the periodic state is unstable (open marks) or none was found (gaps)."
+            " At {missing} of {total} points the periodic state is unstable (open marks) or none was found (gaps).{}",
+            absent(&lines)
         ),
     };
     let caption = format!(
@@ -71,6 +72,17 @@ pub fn draw(entry: &Entry) -> Result<Drawing, FigureError> {
         notes,
         reading: READING.map(String::from),
     })
+}
+
+/// Which curves have no steady state at all, by condition.
+fn absent(lines: &[Line<'_>]) -> String {
+    let of = |(index, (name, _)): (usize, &(&str, _))| {
+        let none: Vec<&str> =
+            lines.iter().filter(|line| steady(&line.curves[index]) == 0).map(|line| line.label.as_str()).collect();
+        (!none.is_empty()).then(|| format!("{} for {}", name.to_lowercase(), none.join(" and ")))
+    };
+    let all: Vec<String> = CONDITIONS.iter().enumerate().filter_map(of).collect();
+    if all.is_empty() { String::new() } else { format!(" No steady state at any frequency: {}.", all.join("; ")) }
 }
 
 fn steady(curve: &Curve) -> usize {
@@ -204,16 +216,20 @@ fn csv(lines: &[Line<'_>]) -> String {
     table.finish()
 }
 
-/// Per condition the peak of the base and of the strongest curve that is steady throughout.
+/// Per condition the peak of the base and of the strongest curve that is steady throughout and has its peak within the range.
 fn notes(lines: &[Line<'_>]) -> Vec<(String, String)> {
     let peak = |curve: &Curve| data::peak(&data::steady(curve, per_drive(curve)));
     let text = |(f, a): (f64, f64)| format!("{} rad/m at {f:.1} Hz", significant(a, 3));
     let note = |(index, (name, _)): (usize, &(&str, _))| {
         let base = peak(&lines.first()?.curves[index])?;
         let whole = |line: &&Line<'_>| steady(&line.curves[index]) == line.curves[index].states.len();
-        let strong = lines.iter().skip(1).rev().find(whole)?;
-        let with = peak(&strong.curves[index])?;
-        Some((format!("Peak, {}", name.to_lowercase()), format!("{}; {}: {}", text(base), strong.label, text(with))))
+        let within = |line: &Line<'_>| {
+            let curve = &line.curves[index];
+            let ends = [curve.frequency.first(), curve.frequency.last()];
+            peak(curve).filter(|(f, _)| !ends.contains(&Some(f))).map(|peak| (line.label.clone(), peak))
+        };
+        let (label, with) = lines.iter().skip(1).rev().filter(whole).find_map(within)?;
+        Some((format!("Peak, {}", name.to_lowercase()), format!("{}; {}: {}", text(base), label, text(with))))
     };
     CONDITIONS.iter().enumerate().filter_map(note).collect()
 }

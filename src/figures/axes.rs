@@ -35,6 +35,8 @@ pub struct Axis {
     pub log: bool,
     /// Fixed distance of the ticks of a linear axis.
     pub step: Option<f64>,
+    /// Where the ticks are; empty for round values.
+    pub named: Vec<f64>,
     /// What places stand for.
     pub scale: Scale,
 }
@@ -52,7 +54,15 @@ impl Axis {
         } else {
             0.05 * scale
         };
-        Self { label: label.into(), low: low - pad, high: high + pad, log: false, step: None, scale: Scale::Value }
+        Self {
+            label: label.into(),
+            low: low - pad,
+            high: high + pad,
+            log: false,
+            step: None,
+            named: Vec::new(),
+            scale: Scale::Value,
+        }
     }
 
     /// A linear axis around the values with a margin; from zero where they are positive and come near it.
@@ -71,12 +81,17 @@ impl Axis {
         let (low, high) = if !low.is_finite() { (-1.0, 0.0) } else { (low, high) };
         let pad = if high - low < 0.05 { 0.3 } else { margin * (high - low) };
         let (low, high) = (10f64.powf(low - pad), 10f64.powf(high + pad));
-        Self { label: label.into(), low, high, log: true, step: None, scale: Scale::Value }
+        Self { label: label.into(), low, high, log: true, step: None, named: Vec::new(), scale: Scale::Value }
     }
 
     /// The same with ticks at multiples of `step`.
     pub fn step(self, step: f64) -> Self {
         Self { step: Some(step), ..self }
+    }
+
+    /// The same with ticks at these values and no others.
+    pub fn at(self, values: &[f64]) -> Self {
+        Self { named: values.to_vec(), ..self }
     }
 
     /// An axis of rows that names nothing itself.

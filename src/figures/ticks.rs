@@ -1,13 +1,16 @@
 //! Ticks of the axes and their labels.
 
 use super::axes::Axis;
-use super::style::power_of_ten;
+use super::style::{power_of_ten, significant};
 use plotters::coord::ranged1d::{BoldPoints, Ranged};
 use plotters::coord::types::RangedCoordf64;
 
 impl Axis {
     /// Ticks with their labels (empty for minor ones) for an axis of that length.
     pub fn ticks(&self, length: f64, spacing: f64) -> Vec<(f64, String)> {
+        if !self.named.is_empty() {
+            return self.named.iter().map(|&value| (value, significant(value, 3))).collect();
+        }
         let room = (length / spacing).max(2.0);
         if self.log { self.log_ticks(room) } else { self.linear_ticks(room) }
     }

@@ -174,6 +174,10 @@ fn missing(sheet: &Sheet, lacking: &[usize], sweep: Option<&Sweep>, aside: &[usi
     let near = |column: &usize| {
         let found = nearest(STANDARD[*column], others.iter().copied());
         let found = found.or_else(|| nearest(COLUMNS[*column], others.iter().copied()))?;
+        let lower = found.to_lowercase();
+        if *column == AMPLITUDE && ["pp", "p2p", "ptp", "peak_to", "peak-to"].iter().any(|mark| lower.contains(mark)) {
+            return Some(format!("is {} peak to peak? The amplitude is half of that", quote(found)));
+        }
         Some(format!("is {} the {}?", quote(found), COLUMNS[*column]))
     };
     let near: Vec<String> = lacking.iter().filter_map(near).collect();

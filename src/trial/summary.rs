@@ -79,6 +79,9 @@ pub struct Confusion {
     pub named: Vec<String>,
     /// Trials, row by row.
     pub counts: Vec<Vec<usize>>,
+    /// Of those with another answer, the trials in which it is said not to be told apart from the right one.
+    #[serde(default)]
+    pub tied: Vec<Vec<usize>>,
 }
 
 /// Everything about a series of trials.
@@ -215,15 +218,22 @@ fn coverage(records: &[Record]) -> Vec<Coverage> {
 }
 
 fn confusion(records: &[Record], planted: Vec<String>) -> Confusion {
-    let pairs: Vec<(&str, String)> =
-        records.iter().filter_map(|r| Some((r.answer.cause.as_str(), r.found.as_ref()?.label()))).collect();
+    let tied = |r: &Record| r.score.as_ref().is_some_and(|s| s.named == Some(true) || s.recalibration == Some(true));
+    let answers = records.iter().filter_map(|r| Some((r.answer.cause.as_str(), r.found.as_ref()?.label(), tied(r))));
+    let answers: Vec<(&str, String, bool)> = answers.collect();
     // What is named as it is planted stands on the diagonal, the rest behind it.
     let own = |name: &String| if name == "none" { "nothing".to_string() } else { sorted(name) };
-    let known = unique(planted.iter().map(own).chain(pairs.iter().map(|(_, label)| label.clone())));
-    let named: Vec<String> = known.into_iter().filter(|n| pairs.iter().any(|(_, label)| label == n)).collect();
-    let count = |row: &String, column: &String| pairs.iter().filter(|(p, n)| p == row && n == column).count();
-    let counts = planted.iter().map(|row| named.iter().map(|column| count(row, column)).collect()).collect();
-    Confusion { planted, named, counts }
+    let known = unique(planted.iter().map(own).chain(answers.iter().map(|(_, label, _)| label.clone())));
+    let named: Vec<String> = known.into_iter().filter(|n| answers.iter().any(|(_, label, _)| label == n)).collect();
+    let count = |wanted: &dyn Fn(&String, &String, bool) -> bool| -> Vec<Vec<usize>> {
+        let cell = |row: &String, column: &String| {
+            answers.iter().filter(|(p, n, tied)| p == row && n == column && wanted(row, column, *tied)).count()
+        };
+        planted.iter().map(|row| named.iter().map(|column| cell(row, column)).collect()).collect()
+    };
+    let counts = count(&|_, _, _| true);
+    let tied = count(&|row, column, tied| tied && own(row) != *column);
+    Confusion { planted, named, counts, tied }
 }
 
 /// A planted name as a search would write it.

@@ -198,6 +198,37 @@ try {
     await page.touchscreen.tap(at.x, at.y);
     check(/\d/.test(await root.locator(".tip").innerText()), "a tap reads a value");
     await picture(page, "tap");
+    const swatches = await root.locator(".series .swatch").evaluateAll((all) => all.map((one) => getComputedStyle(one).borderTopColor));
+    check(new Set(swatches).size > 1 && (await root.locator(".series button").first().isVisible()),
+      `curves are named beside their colours: ${swatches}`);
+    const widths = () => root.locator(".canvas").evaluate((one) => [one.scrollWidth, one.clientWidth]);
+    const [wide, seen] = await widths();
+    check(wide > seen, "a figure is wider than a phone");
+    await root.getByRole("button", { name: "Fit to width" }).click();
+    check((await widths())[0] <= seen + 1, "the whole figure fits on demand");
+    await picture(page, "whole");
+    await root.getByRole("button", { name: "Readable size" }).click();
+    check((await widths())[0] === wide, "and is as large as it was again");
+    await page.finish();
+  });
+
+  await step("a map says the value of a colour", async () => {
+    const page = await open(folder);
+    for (const [name, unit] of [["misfit-map", "σ"], ["regime-map", "sticks"]]) {
+      const map = page.locator(`figure[id$="-${name}"]`).first();
+      await map.evaluate((one) => { for (let up = one; up; up = up.parentElement) if (up.localName === "details") up.open = true; });
+      const cell = map.locator("[data-area] path, [data-area] rect").last();
+      await cell.scrollIntoViewIfNeeded();
+      const at = await map.locator("svg").evaluate((svg) => {
+        const [left, top, width, height] = svg.querySelector("[data-panel]").dataset.box.split(" ").map(Number);
+        const matrix = svg.getScreenCTM();
+        const { x, y } = new DOMPoint(left + 0.37 * width, top + 0.6 * height).matrixTransform(matrix);
+        return { x, y };
+      });
+      await page.mouse.move(at.x, at.y);
+      const tip = await map.locator(".tip").innerText();
+      check(tip.includes("about ") && tip.includes(unit), `${name}: ${tip.replaceAll("\n", ", ")}`);
+    }
     await page.finish();
   });
 

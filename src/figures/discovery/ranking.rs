@@ -187,7 +187,8 @@ impl Figure<Discovery> for Ranking {
         let caption = format!(
             "How far each candidate is behind the best one by Schwarz's criterion, which charges every parameter for its keep. \
              Candidates in the shaded band, within {MARGIN} of the best, are not decided between by these data; the one with \
-             the fewest additions is taken. The scale is linear in the band and logarithmic beyond. ≈ stands before what was not fitted to its end.{more}"
+             the fewest additions is taken. The scale is linear in the band and logarithmic beyond. ≈ stands before what was not fitted to its end: where a linear \
+             estimate sees no gain at all, a candidate stands at the charge for its parameters.{more}"
         );
         let svg = draw(&shown, self.title(), &alt)?;
         let mut notes = vec![("Within the band".to_string(), count(tied, "candidate"))];

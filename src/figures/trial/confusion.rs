@@ -8,6 +8,8 @@ use crate::trial::{Confusion, Summary};
 const SIZE: f64 = 13.0;
 const ROW: f64 = 22.0;
 const WIDEST: f64 = 46.0;
+/// Colour of answers that are said not to be told apart from the right one.
+const TIED: Color = Color(0xe6, 0x9f, 0x00);
 /// Most columns; the rarest labels are united behind them.
 const COLUMNS: usize = 34;
 
@@ -19,12 +21,15 @@ struct Shown<'a> {
     planted: &'a [String],
     named: Vec<String>,
     counts: Vec<Vec<usize>>,
+    tied: Vec<Vec<usize>>,
 }
 
 impl<'a> Shown<'a> {
     fn of(c: &'a Confusion) -> Self {
+        let none = || vec![vec![0; c.named.len()]; c.planted.len()];
+        let tied = if c.tied.is_empty() { none() } else { c.tied.clone() };
         if c.named.len() <= COLUMNS {
-            return Self { planted: &c.planted, named: c.named.clone(), counts: c.counts.clone() };
+            return Self { planted: &c.planted, named: c.named.clone(), counts: c.counts.clone(), tied };
         }
         let mut order: Vec<usize> = (0..c.named.len()).collect();
         let total = |column: usize| c.counts.iter().map(|row| row[column]).sum::<usize>();
@@ -38,7 +43,8 @@ impl<'a> Shown<'a> {
             cells.push(rare.iter().map(|&column| row[column]).sum());
             cells
         };
-        Self { planted: &c.planted, named, counts: c.counts.iter().map(row).collect() }
+        let rows = |cells: &[Vec<usize>]| cells.iter().map(row).collect();
+        Self { planted: &c.planted, named, counts: rows(&c.counts), tied: rows(&tied) }
     }
 
     /// Whether a column is the right answer to a row.
@@ -77,6 +83,7 @@ impl<'a> Shown<'a> {
             }
             for (index, name) in self.planted.iter().enumerate() {
                 let y = top + ROW * (index as f64 + 0.5) + 0.36 * SIZE;
+                let name = if name == "none" { "nothing" } else { name };
                 canvas.text((left - 8.0, y), name, Type { size: SIZE, ..Type::at(Anchor::End) });
                 self.row(canvas, index, (left, top + ROW * index as f64), column);
             }
@@ -91,7 +98,11 @@ impl<'a> Shown<'a> {
                 continue;
             }
             let x = left + width * column as f64;
-            let hue = if right { ROLLER } else { SLIP };
+            let hue = match right {
+                true => ROLLER,
+                false if self.tied[row][column] == number => TIED,
+                false => SLIP,
+            };
             let color = if number == 0 { WHITE } else { WHITE.mix(hue, 0.2 + 0.7 * number as f64 / total) };
             let frame = if right { Stroke::solid(GREY, 1.2) } else { Stroke::solid(GRID, 1.0) };
             canvas.rectangle((x, top), width, ROW, color, Some(frame));
@@ -116,10 +127,10 @@ impl Figure<Summary> for ConfusionMatrix {
 
     fn reading(&self) -> [&'static str; 3] {
         [
-            "Green only.",
+            "Green, and orange where two causes act alike.",
             "Red cells that repeat in one column: an answer that the search prefers without grounds.",
-            "See in the trial's JSON whether the two stand in one group of “indistinguishable”: then the table cannot tell, and \
-             other conditions are needed.",
+            "Where a cell is orange the tables cannot tell the two apart, and other conditions are needed; where it is red, compare \
+             the two in the atlas.",
         ]
     }
 
@@ -137,7 +148,8 @@ impl Figure<Summary> for ConfusionMatrix {
         );
         let caption = format!(
             "{}: one row per planted cause, one column per answer; numbers are trials. Green: the right answer, with a grey frame \
-             where it was not given; red: another. For causes outside the catalogue the right answer is “unexplained”.",
+             where it was not given; orange: another, which all these trials say not to be told apart from the right one (it counts \
+             as right); red: another. For causes outside the catalogue the right answer is “unexplained”.",
             count(trials, "blind trial")
         );
         let mut header = vec!["planted"];

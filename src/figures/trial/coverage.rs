@@ -21,7 +21,9 @@ fn draw(rows: &[(String, Proportion)], title: &str, alt: &str) -> Result<String,
     let right = widest(&mut numbers.iter().map(String::as_str)) + 24.0;
     let (width, height) = (WIDTH - left - right, ROW * rows.len() as f64);
     document((WIDTH, TOP + height + 62.0), (title, alt), |canvas| {
-        let x = Axis::linear("share of the 95 % intervals that hold the truth [%]", 0.0, 100.0).step(10.0);
+        // Dots, not bars from zero: the axis begins where there is something to see.
+        let lowest = rows.iter().map(|(_, p)| 10.0 * (10.0 * p.low).floor()).fold(80.0, f64::min);
+        let x = Axis::linear("share of the 95 % intervals that hold the truth [%]", lowest, 100.0).step(10.0);
         let y = Axis::linear("", 0.2, 0.8).step(2.0);
         let panel = Panel { left, top: TOP, width, height, x, y };
         panel.frame(canvas, true, false);

@@ -14,6 +14,9 @@ const LEFT: f64 = 92.0;
 /// Shift of a series beside its neighbour, so that bars do not lie on one another \[px\].
 const ASIDE: f64 = 7.0;
 
+/// Shares of fewer are not joined: a line would promise a course.
+const FEW: usize = 10;
+
 /// The figure.
 pub struct Power;
 
@@ -34,10 +37,15 @@ const SERIES: [Series; 5] = [
 ];
 
 fn draw(levels: &[(f64, &Scores)], title: &str, alt: &str) -> Result<String, FigureError> {
-    let keys: Vec<_> = SERIES.iter().map(|s| (Key::Mark(s.look.0, s.look.1, s.filled), s.name.to_string())).collect();
+    let most = |s: &Series| levels.iter().map(|(_, scores)| (s.of)(scores).of).max().unwrap_or(0);
+    let keys: Vec<_> = SERIES
+        .iter()
+        .map(|s| (Key::Mark(s.look.0, s.look.1, s.filled), format!("{} (of {})", s.name, most(s))))
+        .collect();
     let width = WIDTH - LEFT - legend_width(&keys) - 40.0;
+    let noises: Vec<f64> = levels.iter().map(|(noise, _)| 100.0 * noise).collect();
     document((WIDTH, TOP + HEIGHT + 62.0), (title, alt), |canvas| {
-        let x = Axis::logarithmic("noise of the readings [%]", levels.iter().map(|(noise, _)| 100.0 * noise), 0.08);
+        let x = Axis::logarithmic("noise of the readings [%]", noises.iter().copied(), 0.08).at(&noises);
         let y = Axis::linear("share [%]", 0.0, 100.0).step(20.0);
         let panel = Panel { left: LEFT, top: TOP, width, height: HEIGHT, x, y };
         panel.frame(canvas, true, true);
@@ -48,7 +56,7 @@ fn draw(levels: &[(f64, &Scores)], title: &str, alt: &str) -> Result<String, Fig
                 let p = of(scores);
                 let Some(share) = p.share else { continue };
                 let at = (panel.px(100.0 * noise) + aside, panel.py(100.0 * share));
-                if let Some(last) = last.replace(at) {
+                if let Some(last) = last.replace(at).filter(|_| p.of >= FEW) {
                     canvas.line(last, at, Stroke::solid(*color, 1.2));
                 }
                 let ends = [p.low, p.high].map(|share| (at.0, panel.py(100.0 * share)));
@@ -90,7 +98,8 @@ impl Figure<Summary> for Power {
         let caption = format!(
             "{} at {} levels of noise: share of the draws that the data could show (each trial draws until one is), and of the trials the \
              shares of right verdicts, of planted effects that were named, of causes outside the catalogue that were flagged, and of false \
-             alarms where nothing was planted. Bars are Wilson's 95 % intervals; the marks of one level stand side by side.",
+             alarms where nothing was planted. Bars are Wilson's 95 % intervals; the marks of one level stand side by side; of how many at most a share is, \
+             stands in brackets, and those of fewer than {FEW} are not joined.",
             count(trials, "trial"),
             levels.len()
         );
