@@ -10,6 +10,10 @@ use crate::error::{Error, Result};
 /// # Errors
 /// [`Error::Io`] where the operating system refuses.
 pub fn prepare(folder: &Path) -> Result<()> {
+    if folder.exists() && !folder.is_dir() {
+        let help = "name a folder, or a path where there is nothing yet";
+        return Err(Error::Input(format!("error: {} is not a folder\n  = help: {help}", folder.display())));
+    }
     std::fs::create_dir_all(folder).map_err(Error::io("create the folder", folder))?;
     tempfile::tempfile_in(folder).map_err(Error::io("write in", folder))?;
     Ok(())

@@ -54,6 +54,8 @@ const UNITS: &[(&str, Size, Dimension, bool)] = &[
     ("s", (1.0, 0), [0, 0, 1], true),
     ("N", (1.0, 0), [1, 1, -2], true),
     ("J", (1.0, 0), [1, 2, -2], true),
+    // As torques are often written.
+    ("Nm", (1.0, 0), [1, 2, -2], false),
     ("W", (1.0, 0), [1, 2, -3], true),
     ("Pa", (1.0, 0), [1, -1, -2], true),
     ("Hz", (1.0, 0), [0, 0, -1], true),
@@ -293,6 +295,24 @@ pub fn format(value: f64, si_unit: &str) -> String {
     format!("{} {prefix}{si_unit}", digits(value / scale))
 }
 
+/// Significant digits of the estimate and the ends of an interval: up to the second digit of the shorter half; three where the
+/// interval is as wide as the estimate is large.
+pub fn interval_digits([value, low, high]: [f64; 3]) -> [usize; 3] {
+    let width = (high - value).abs().min((value - low).abs());
+    if !(width.is_finite() && width > 0.0 && (high - low).abs() < value.abs()) {
+        return [3; 3];
+    }
+    let order = |x: f64| format!("{x:e}").split_once('e').and_then(|(_, power)| power.parse::<i32>().ok()).unwrap_or(0);
+    [value, low, high].map(|x| (order(x) - order(width) + 2).clamp(2, 8) as usize)
+}
+
+/// Estimate and ends of an interval as [`format`] shows them, with digits that suit it.
+pub fn format_interval(values: [f64; 3], si_unit: &str) -> [String; 3] {
+    let digits = interval_digits(values);
+    let rounded = |i: usize| format!("{:.*e}", digits[i] - 1, values[i]).parse().unwrap_or(values[i]);
+    [0, 1, 2].map(|i| format(rounded(i), si_unit))
+}
+
 /// Six significant digits without trailing zeros; powers of ten only where the plain form is long.
 fn digits(value: f64) -> String {
     let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value) + 0.0;
@@ -334,6 +354,19 @@ mod tests {
     fn close(text: &str, si_unit: &str, expected: f64) {
         let value = parse(text, si_unit).unwrap_or_else(|error| panic!("{text}: {error}"));
         assert!((value - expected).abs() <= 1e-14 * expected.abs(), "{text}: {value} is not {expected}");
+    }
+
+    #[test]
+    fn intervals_have_the_digits_that_they_resolve() {
+        let shown = |values, unit| format_interval(values, unit).join(" ");
+        assert_eq!(shown([79209.6, 78959.4, 79460.5], "N/m"), "79210 N/m 78960 N/m 79460 N/m");
+        assert_eq!(shown([0.999_712, 0.9981, 1.0013], "1"), "0.9997 0.9981 1.0013");
+        assert_eq!(shown([2.27904e-3, 1.92521e-3, 2.71552e-3], "s"), "2.28 ms 1.93 ms 2.72 ms");
+        assert_eq!(shown([-5.2, -9.1, -1.3], "N"), "-5.2 N -9.1 N -1.3 N");
+        // As wide as the value, one end at infinity, no width.
+        assert_eq!(shown([1.0, 1e-9, 12345.6], "N"), "1 N 1 nN 12.3 kN");
+        assert_eq!(shown([1.0, 0.123_456, f64::INFINITY], "1"), "1 0.123 inf");
+        assert_eq!(shown([2.345_67; 3], "1"), "2.35 2.35 2.35");
     }
 
     #[test]

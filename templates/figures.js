@@ -369,12 +369,11 @@
       }
       this.reset = element("button", { type: "button", class: "reset", hidden: "" }, "Whole view");
       this.reset.addEventListener("click", () => { this.unzoom(); this.frame.focus(); });
-      this.fit = element("button", { type: "button", "aria-pressed": "false", hidden: "" }, "Fit to width");
-      this.fit.addEventListener("click", () => {
-        const whole = this.drawing.classList.toggle("whole");
-        this.fit.setAttribute("aria-pressed", String(whole));
-        this.fit.textContent = whole ? "Readable size" : "Fit to width";
-      });
+      // A phone shows the whole figure first; without this script it scrolls.
+      this.fit = element("button", { type: "button", hidden: "" }, "Fit to width");
+      const turn = () => { this.fit.textContent = this.drawing.classList.toggle("whole") ? "Readable size" : "Fit to width"; };
+      this.fit.addEventListener("click", turn);
+      if (this.frame.scrollWidth > this.frame.clientWidth + 1) turn();
       new ResizeObserver(() => {
         const wider = this.frame.scrollWidth > this.frame.clientWidth + 1;
         this.fit.hidden = !wider && !this.drawing.classList.contains("whole");

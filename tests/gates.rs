@@ -50,7 +50,7 @@ fn compare_holds_to_the_gates_of_the_scenario_and_the_command_line() {
         "[gate]\nmax_rms_error = \"30 %\"\namplitude_tolerance = \"0 %\"\namplitude_floor = \"1 mrad\"",
     );
     stickslip(dir.path()).args(["compare", "rig.toml"]).assert().success();
-    let limits = ["compare", "rig.toml", "--max-rms-error", "1e-6 %", "--max-chi2", "0", "--json", "-"];
+    let limits = ["compare", "rig.toml", "--max-rms-error", "1e-6 %", "--max-chi2", "0.001", "--json", "-"];
     let failed = stickslip(dir.path()).args(limits).assert().code(1).stderr(contains("2 of 3 gates failed"));
     let text = &failed.get_output().stdout;
     assert!(serde_json::from_slice::<Value>(text).is_ok(), "nothing but JSON on standard output");

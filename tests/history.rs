@@ -77,7 +77,7 @@ fn what_improved_and_what_regressed_is_told() {
             contains("regressed: rig: χ² per reading, calibrated")
                 .and(contains("improved: rig: discovery: unexplained")),
         )
-        .stderr(contains("base: no_regression: 1 regressed; demanded: none"));
+        .stderr(contains("base: no_regression: 1 regressed, 1 gone; demanded: none"));
     let changes = parsed(dir, "output/report.json")["baseline"]["changes"].clone();
     let verdicts: Vec<_> =
         changes.as_array().unwrap().iter().map(|change| change["verdict"].as_str().unwrap()).collect();

@@ -4,6 +4,7 @@ use super::baseline::{self, Baseline};
 use super::{Global, again, say, simulate};
 use crate::error::{Error, Result};
 use crate::files;
+use crate::report::Passed;
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -40,6 +41,10 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
         baseline::words(&earlier.numbers(&now.view)).iter().for_each(|line| say(global, line));
     } else {
         say(global, &format!("{} holds no baseline yet", folder.display()));
+    }
+    let failed = now.view.gates.iter().filter(|gate| gate.verdict == Passed::No).count();
+    if failed > 0 {
+        say(global, &format!("note: {failed} of {} gates failed in this run", now.view.gates.len()));
     }
     let json = if report.is_dir() { report.join("report.json") } else { report.clone() };
     let text = again::text(&json)?;

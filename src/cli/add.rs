@@ -60,6 +60,7 @@ pub fn execute(job: &Job<'_>, global: &Global) -> Result<()> {
     target.unchanged(job.path, file.text())?;
     files::update(&target.path, format!("{}{text}", target.mark).as_bytes())?;
     say(global, &format!("wrote {}", target.path.display()));
+    say(global, &format!("next: stickslip discover {}", target.path.display()));
     Ok(())
 }
 
@@ -146,15 +147,24 @@ fn chi2(metrics: &Metrics) -> f64 {
 }
 
 fn became(before: &Metrics, after: &Metrics) -> String {
-    format!(
-        "{:.2} -> {:.2}; {:.2} % -> {:.2} %",
-        before.chi2_per_point, after.chi2_per_point, before.rms_error_percent, after.rms_error_percent
-    )
+    let percent = |m: &Metrics| match m.rms_error_percent {
+        error if error.is_nan() => "no steady state".into(),
+        error => format!("{error:.2} %"),
+    };
+    format!("{:.2} -> {:.2}; {} -> {}", before.chi2_per_point, after.chi2_per_point, percent(before), percent(after))
 }
 
 /// Whether the data are for the change.
 fn judgement(job: &Job<'_>, change: &Change) -> String {
     let gain = change.gain;
+    let (before, after) = (change.before.unsolved(), change.after.unsolved());
+    if before != after && change.decided().is_none() {
+        let (with, without) = if job.remove { (before, after) } else { (after, before) };
+        return format!(
+            "the data do not decide: with this effect the model has no steady state at {with} of {} points, without it at {without}",
+            change.after.points.len()
+        );
+    }
     match (change.decided(), job.remove) {
         (None, _) => format!("the data do not decide whether this effect is needed (BIC changes by {gain:+.1})"),
         (Some(true), false) => format!("the data are for this effect (BIC falls by {gain:.1})"),

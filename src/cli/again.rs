@@ -59,7 +59,9 @@ pub fn load(path: &Path) -> Result<ReportView> {
 pub fn text(path: &Path) -> Result<String> {
     let refuse =
         |why: &str, help: &str| Err(Error::Input(format!("error: {} {why}\n  = help: {help}", path.display())));
-    let metadata = std::fs::metadata(path).map_err(Error::io("read", path))?;
+    let Ok(metadata) = std::fs::metadata(path) else {
+        return refuse("is not there", "`stickslip report` makes a report, `stickslip accept` a baseline of it");
+    };
     if !metadata.is_file() {
         return refuse("is not an ordinary file", "name the report.json of an earlier run");
     }

@@ -103,15 +103,17 @@ impl Baseline {
 
 /// The gate that nothing is worse than before.
 pub fn no_regression(view: &BaselineView) -> Judged {
-    let worse = view.changes.iter().filter(|change| change.verdict == Change::Regressed).count();
+    let of = |verdict| view.changes.iter().filter(|change| change.verdict == verdict).count();
+    // What is no longer judged may hide anything.
+    let (worse, gone) = (of(Change::Regressed), of(Change::Gone));
     Judged {
         scenario: view.path.clone(),
         gate: "no_regression".into(),
-        found: format!("{worse} regressed"),
+        found: format!("{worse} regressed, {gone} gone"),
         demanded: "none".into(),
-        value: Some(worse as f64),
+        value: Some((worse + gone) as f64),
         limit: Some(0.0),
-        holds: worse == 0,
+        holds: worse + gone == 0,
     }
 }
 

@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 use crate::measurement::{self, Table};
 use crate::scenario::Scenario;
 
+use super::compare::uncalibrated;
 use super::ledger::Ledger;
 use super::select::outcomes;
 
@@ -32,7 +33,11 @@ fn print(scenario: &Scenario, table: Option<&Table>) -> Result<()> {
     let measured = table.map(|table| format!("measured: {}", table.summary()));
     let what: Vec<String> = swept.into_iter().chain(measured).collect();
     let mut text = format!("ok  {}  {}  ({})\n", scenario.id, scenario.title, what.join("; "));
-    for note in table.iter().flat_map(|table| &table.notes) {
+    if let Some(table) = table {
+        text += &format!("    {}\n", table.ranges());
+    }
+    let told = table.and_then(|_| uncalibrated(scenario));
+    for note in table.iter().flat_map(|table| &table.notes).map(String::as_str).chain(told) {
         text += &format!("    note: {note}\n");
     }
     match std::io::stdout().lock().write_all(text.as_bytes()) {

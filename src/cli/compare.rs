@@ -5,7 +5,7 @@ use super::gates::{self, GateLimits};
 use super::{Global, Json, Stamped, say, simulate};
 use crate::compare::{self, Comparison, Options, Outlier};
 use crate::error::{Error, Result};
-use crate::figures::style::count;
+use crate::figures::style::{budget_percent, count};
 use crate::files;
 use crate::fit::{Identified, Interval, Parameter};
 use crate::gate;
@@ -55,6 +55,7 @@ pub fn execute(job: &Job<'_>, global: &Global) -> Result<()> {
             say(global, &format!("  {}", out.map_or_else(|| name.into(), |out| out.path().join(name)).display()));
         }
         gates::told(&judged, global);
+        gates::claims_elsewhere(&scenario.gate, global);
         let open = scenario.gate.needs_discovery();
         if !open.is_empty() {
             say(
@@ -96,6 +97,13 @@ pub(super) fn compare(scenario: &Scenario, table: &Table) -> Comparison {
     compare::compare(scenario, table, &Options { seed: 0 })
 }
 
+/// Said where a scenario with measurements leaves everything as stated.
+pub(super) fn uncalibrated(scenario: &Scenario) -> Option<&'static str> {
+    scenario.free.is_empty().then_some(
+        "nothing is calibrated: [fit] free names no parameter; contact.stiffness and contact.damping are the usual ones",
+    )
+}
+
 /// Where a reading that stands out is, and by how much.
 pub(super) fn stands_out(c: &Comparison, outlier: &Outlier) -> String {
     let line = c.table.points.iter().find(|p| p.row == outlier.row).map_or(0, |p| p.line);
@@ -108,7 +116,8 @@ pub(super) fn words(c: &Comparison) -> Vec<String> {
     let m = &c.overall;
     let (points, conditions) = (count(m.points, "point"), count(c.conditions.len(), "condition"));
     let mut lines = vec![format!("{}: {points}, {conditions}", c.scenario.title)];
-    lines.extend(c.table.notes.iter().map(|note| format!("  note: {note}")));
+    let notes = c.table.notes.iter().map(String::as_str).chain(uncalibrated(&c.scenario));
+    lines.extend(notes.map(|note| format!("  note: {note}")));
     if !c.fit.parameters.is_empty() {
         lines.push("calibrated (95 % interval):".into());
         lines.extend(c.fit.parameters.iter().zip(&c.intervals).map(|(p, i)| format!("  {}", parameter(p, i))));
@@ -123,8 +132,10 @@ pub(super) fn words(c: &Comparison) -> Vec<String> {
     ));
     let b = &c.error_budget;
     lines.push(format!(
-        "error budget (squares add up): model {:.2} %, noise {:.2} %, numerics {:.1e} %",
-        b.model_percent, b.noise_percent, b.numerical_percent
+        "error budget (squares add up): model {:.2} %, noise {:.2} %, numerics {}",
+        b.model_percent,
+        b.noise_percent,
+        budget_percent(b.numerical_percent)
     ));
     lines.push(verdict(c));
     if !c.regions.is_empty() {
@@ -159,13 +170,13 @@ pub(super) fn verdict(c: &Comparison) -> String {
 
 /// A parameter with its interval.
 pub(super) fn parameter(parameter: &Parameter, interval: &Interval) -> String {
-    let show = |value: f64| units::format(value, parameter.unit);
-    let range = format!("{} to {}", show(interval.low), show(interval.high));
+    let [value, low, high] = units::format_interval([interval.value, interval.low, interval.high], parameter.unit);
+    let range = format!("{low} to {high}");
     match interval.identified {
-        Identified::Yes => format!("{} = {} ({range})", parameter.key, show(interval.value)),
+        Identified::Yes => format!("{} = {value} ({range})", parameter.key),
         Identified::OneSided => {
-            format!("{} = {} ({range}; one end is only the bound of the search)", parameter.key, show(interval.value))
+            format!("{} = {value} ({range}; one end is only the bound of the search)", parameter.key)
         }
-        Identified::No => format!("{}: not determined by these data ({} used)", parameter.key, show(interval.value)),
+        Identified::No => format!("{}: not determined by these data ({value} used)", parameter.key),
     }
 }

@@ -1,6 +1,6 @@
 //! `stickslip discover`: which effect is missing.
 
-use super::compare::{parameter, stands_out, verdict, with_measurements};
+use super::compare::{parameter, stands_out, uncalibrated, verdict, with_measurements};
 use super::gates::{self, GateLimits, Verdicts};
 use super::{Global, Json, Stamped, say};
 use crate::compare::{self, Setting};
@@ -35,6 +35,7 @@ pub fn execute(
             say(global, &line);
         }
         gates::told(&judged, global);
+        gates::claims_elsewhere(&scenario.gate, global);
     }
     gates::passed(&judged)
 }
@@ -45,12 +46,13 @@ pub(super) fn words(d: &Discovery) -> Vec<String> {
     let scenario = &end.comparison.scenario;
     let mut lines = vec![format!("{}: {}", scenario.title, discover::sentence(d))];
     let notes = end.comparison.table.notes.iter().chain(&d.notes);
-    lines.extend(notes.map(|note| format!("note: {note}")));
+    lines.extend(notes.map(String::as_str).chain(uncalibrated(scenario)).map(|note| format!("note: {note}")));
+    let base = if scenario.free.is_empty() { "base, as stated" } else { "base, calibrated" };
     lines.push("ladder:                                chi2   rms error  left-out".into());
     for step in &d.steps {
         let c = &step.comparison.overall;
         let held_out = step.held_out.map_or("-".into(), |h| format!("{:.2} %", h.rms_percent));
-        let name = step.added.as_ref().map_or("base, calibrated".into(), |name| format!("+ {name}"));
+        let name = step.added.as_ref().map_or(base.into(), |name| format!("+ {name}"));
         lines.push(format!("  {name:<32} {:>9.2} {:>9.2} % {held_out:>9}", c.chi2_per_point, c.rms_error_percent));
     }
     lines.push("parameters (95 % interval):".into());

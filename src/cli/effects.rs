@@ -55,7 +55,7 @@ pub fn table() -> String {
         }
     }
     aligned(&rows, "")
-        + "\nA fit begins within the range of its search, and may go beyond it by a factor of 3 where the parameter's domain allows.\n\
+        + "\nA fit begins within the range of its search, and may go beyond it by a factor of 3.\n\
         stickslip effects NAME   equation, meaning, source, fingerprint and an example\n"
 }
 

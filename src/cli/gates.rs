@@ -13,7 +13,7 @@ use clap::builder::PossibleValuesParser;
 #[derive(Debug, Clone, Default, Args)]
 pub struct GateLimits {
     /// Gate: largest rms error of the amplitude, e.g. '5 %' [default: the scenario's]
-    #[arg(long, value_name = "SHARE", value_parser = share)]
+    #[arg(long, value_name = "SHARE", value_parser = share, allow_hyphen_values = true)]
     pub max_rms_error: Option<f64>,
     /// Gate: largest chi2 per reading, e.g. 1.5 [default: the scenario's]
     #[arg(long, value_name = "N", value_parser = chi2)]
@@ -73,6 +73,13 @@ pub fn told(judged: &[Judged], global: &Global) {
     }
 }
 
+/// Says that claims are for the report.
+pub fn claims_elsewhere(gate: &Gate, global: &Global) {
+    if !gate.claims.is_empty() {
+        say(global, "not judged here: claims of [gate]; `stickslip report` does");
+    }
+}
+
 /// An error with every gate that failed.
 ///
 /// # Errors
@@ -82,7 +89,7 @@ pub fn passed(judged: &[Judged]) -> Result<()> {
     if failed.is_empty() {
         return Ok(());
     }
-    let title = format!("error: {} of {} gates failed; everything was written", failed.len(), judged.len());
+    let title = format!("error: {} of {} gates failed", failed.len(), judged.len());
     Err(Error::Gate(format!("{title}\n{}", failed.join("\n"))))
 }
 

@@ -15,8 +15,11 @@ const STARTS: usize = 12;
 const FOLLOWED: usize = 2;
 /// Evaluations of one fit at most.
 const EVALUATIONS: usize = 60;
-/// A residual this many times the scatter of its neighbours about a line away from that line stands out.
+/// A residual this many times the scatter of its neighbours about a line, or the step from one to the next, away from that line
+/// stands out.
 const OUTLYING: f64 = 5.0;
+/// Share of such a step that counts as scatter.
+const STEP: f64 = 0.6;
 /// Neighbours on either side.
 const NEIGHBOURS: usize = 3;
 
@@ -125,7 +128,9 @@ pub(crate) fn outliers(column: &'static str, residuals: &[(usize, f64)]) -> Vec<
         let level: Vec<f64> = near.iter().map(|(step, residual)| residual - slope * step).collect();
         let middle = median(level.iter().copied());
         let scatter = spread(level, middle);
-        if (residual - middle).abs() > OUTLYING * scatter.max(1.0) {
+        // Where a model fails, its residuals run steeply and bend: a step from one neighbour to the next is no surprise.
+        let step = median(near.windows(2).map(|pair| (pair[1].1 - pair[0].1).abs()));
+        if (residual - middle).abs() > OUTLYING * scatter.max(STEP * step).max(1.0) {
             found.push(Outlier { row, column, sigma: residual });
         }
     }

@@ -27,6 +27,7 @@ use crate::fit::{
 use crate::measurement::{Point, Table};
 use crate::model::Model;
 use crate::scenario::Scenario;
+use crate::solver::Status;
 use crate::solver::analytic::wrap;
 use crate::solver::cycle::Tolerance;
 
@@ -117,6 +118,13 @@ impl Compared {
     /// Model minus measured phase \[rad\], where measured.
     pub fn phase_error(&self) -> Option<f64> {
         self.point.phase.map(|phase| wrap(self.model.phase - phase))
+    }
+}
+
+impl Comparison {
+    /// Number of points at which the model has no steady state.
+    pub fn unsolved(&self) -> usize {
+        self.points.iter().filter(|p| p.model.status != Status::Steady).count()
     }
 }
 

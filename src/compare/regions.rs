@@ -154,11 +154,16 @@ fn sentence(region: &Region, condition: &ConditionMetrics, part: &[&Compared]) -
     )
 }
 
+/// A model that errs to both sides is said to be on one of them where the errors to the other are below this share.
+const OTHER_SIDE: f64 = 0.2;
+
 fn amplitude_words(region: &Region, part: &[&Compared]) -> String {
     let side = |percent: f64| if percent > 0.0 { "high" } else { "low" };
     let mean = region.mean_residual_percent;
     let square = part.iter().map(|p| p.error_percent().powi(2)).sum::<f64>() / part.len() as f64;
-    if mean.abs() >= 0.5 * square.sqrt() {
+    let reach = |sign: f64| part.iter().map(|p| sign * p.error_percent()).fold(0.0, f64::max);
+    let one_sided = reach(-mean.signum()) < OTHER_SIDE * reach(mean.signum());
+    if one_sided && mean.abs() >= 0.5 * square.sqrt() {
         return format!("is {} % too {}", rounded(mean.abs()), side(mean));
     }
     let by = |a: &&&Compared, b: &&&Compared| a.error_percent().total_cmp(&b.error_percent());

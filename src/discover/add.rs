@@ -23,9 +23,15 @@ pub struct Change {
 }
 
 impl Change {
-    /// Whether the data decide for the change, or against it.
+    /// Whether the data decide for the change, or against it; a model without a steady state at measured points where the other
+    /// has one is none to decide for, whatever its sum of squares.
     pub fn decided(&self) -> Option<bool> {
-        (self.gain.abs() > MARGIN).then_some(self.gain > 0.0)
+        let (before, after) = (self.before.unsolved(), self.after.unsolved());
+        match after.cmp(&before) {
+            std::cmp::Ordering::Greater if self.gain > -MARGIN => None,
+            std::cmp::Ordering::Less if self.gain < MARGIN => None,
+            _ => (self.gain.abs() > MARGIN).then_some(self.gain > 0.0),
+        }
     }
 }
 

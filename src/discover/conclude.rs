@@ -218,6 +218,7 @@ impl Search<'_> {
         noise: f64,
     ) -> Option<next::NextMeasurement> {
         let mut survivors: Vec<&Hypothesis> = rivals.iter().collect();
+        let mut behind = None;
         if survivors.len() < 2 {
             // The explanation and its closest rival with as many additions; calibration alone has one only where the data
             // favour it, if too little to decide.
@@ -229,8 +230,10 @@ impl Search<'_> {
                     && h.additions.len() == chosen.additions.len().max(1)
                     && h.estimate.is_none()
             })?;
+            behind = Some(self.bic(rival, noise) - self.bic(chosen, noise)).filter(|behind| *behind > MARGIN);
             survivors = vec![chosen, rival];
         }
-        next::next(&survivors, self.table, &self.options.bounds, noise)
+        let next = next::next(&survivors, self.table, &self.options.bounds, noise)?;
+        Some(next::NextMeasurement { ruled_out_by: behind, ..next })
     }
 }

@@ -47,6 +47,9 @@ pub struct NextMeasurement {
     pub separates: [String; 2],
     /// Expected distance of the two readings in standard deviations of one.
     pub sigma: f64,
+    /// How far the second is behind the first by Schwarz's criterion, where that rules it out already: then a reading would
+    /// only confirm. Absent where the data leave the two open.
+    pub ruled_out_by: Option<f64>,
 }
 
 impl NextMeasurement {
@@ -56,11 +59,13 @@ impl NextMeasurement {
     }
 
     /// What one reading there is worth, in words.
-    pub fn meaning(&self) -> &'static str {
-        if self.decides() {
-            "one reading there decides"
-        } else {
-            "too little for one reading within these ranges: repeat it, or go beyond them"
+    pub fn meaning(&self) -> String {
+        match self.ruled_out_by {
+            Some(behind) => format!(
+                "only to confirm: these data rule the second out already, by {behind:.0} in Schwarz's criterion"
+            ),
+            None if self.decides() => "one reading there decides".into(),
+            None => "too little for one reading within these ranges: repeat it, or go beyond them".into(),
         }
     }
 }
@@ -83,6 +88,7 @@ pub(super) fn next(survivors: &[&Hypothesis], table: &Table, bounds: &Bounds, no
         frequency_hz: at.frequency,
         separates: [one.label(), other.label()],
         sigma: sigma / noise,
+        ruled_out_by: None,
     })
 }
 

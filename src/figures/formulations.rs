@@ -213,7 +213,7 @@ impl Figure for Formulations {
 
     fn reading(&self) -> [&'static str; 3] {
         [
-            "Squares on the dotted slope, and a small difference of the formulations themselves.",
+            "Squares that fall parallel to the dotted line, and a small difference of the formulations themselves.",
             "A difference of the formulations themselves above the noise of the readings: they are then different models.",
             "Take the series formulation; use the published procedure only to reproduce its numbers, with at least the steps shown.",
         ]
@@ -233,7 +233,7 @@ impl Figure for Formulations {
             let text = format!("{} % at {n} steps", significant(100.0 * error, 2));
             caption += &format!(
                 " Right: largest difference over frequency against steps per cycle. The error of the step size (squares, \
-                 {text}) should fall along the dotted slope −1 of a first-order procedure; it is taken from the extrapolation of \
+                 {text}) should fall parallel to the dotted line of slope −1, as that of a first-order procedure does; it is taken from the extrapolation of \
                  the two finest step sizes to none, which therefore have no squares. The difference from the series formulation \
                  (circles) is that error and the difference of the formulations themselves together."
             );

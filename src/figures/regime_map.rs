@@ -189,7 +189,7 @@ impl Figure for RegimeMap {
         [
             "Colour begins at the line and grows inwards.",
             "Stick outside the line, or grey points, without an effect in the scenario.",
-            "Choose conditions to measure from all three regions: full stick, partial stick, full slip.",
+            "Choose conditions to measure from both sides of the line, and V = 0, which is not on this map: there the contact sticks all the time.",
         ]
     }
 

@@ -182,8 +182,8 @@ impl Figure for Resonance {
 
     fn reading(&self) -> [&'static str; 3] {
         [
-            "Curves between the two limiting cases: slow rollers near static contact, fast ones near full slip.",
-            "A curve outside both limits without an effect in the scenario, open marks (self-excited states), or gaps (no state found).",
+            "Slow rollers near static contact, fast ones on full slip; between them peaks that may lie lower than both, since a contact that sticks and slips takes most energy.",
+            "A peak higher than both limits without an effect in the scenario, open marks (self-excited states), or gaps (no state found).",
             "Compare peak frequencies with measured ones first: they tell the contact's stiffness better than heights do.",
         ]
     }

@@ -195,7 +195,7 @@ impl Figure for Ridge {
 
     fn reading(&self) -> [&'static str; 3] {
         [
-            "Frequency falls from static contact to full slip as V grows; height passes through a minimum, where slip takes most energy.",
+            "Frequency falls from static contact to full slip as V grows, and may dip a little below it at the end; height passes through a minimum, where slip takes most energy.",
             "Jumps between neighbouring speeds: too coarse a grid of frequencies, or states that are not steady.",
             "Measure near the minimum: a small change of the contact shows there most.",
         ]

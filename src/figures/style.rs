@@ -187,6 +187,11 @@ pub fn power_of_ten(exponent: i32) -> String {
     format!("10{}{}", if exponent < 0 { "⁻" } else { "" }, raised.collect::<String>())
 }
 
+/// A part of an error budget in percent; what the solvers cannot resolve is said to be below that.
+pub fn budget_percent(percent: f64) -> String {
+    if percent < 1e-3 { "< 0.001 %".into() } else { format!("{} %", significant(percent, 3)) }
+}
+
 /// `1 point`, `2 points`.
 pub fn count(number: usize, word: &str) -> String {
     if number == 1 { format!("1 {word}") } else { format!("{number} {word}s") }

@@ -9,6 +9,9 @@ use crate::scenario::Gate;
 use crate::units;
 use serde::{Deserialize, Serialize};
 
+/// Share of the points without a steady state up to which an error over the others may pass.
+const UNSOLVED: f64 = 0.01;
+
 /// One demand and what came of it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Judged {
@@ -71,6 +74,12 @@ pub fn of_comparison(gate: &Gate, c: &Comparison) -> Vec<Judged> {
     }
     if let Some(limit) = gate.max_chi2_per_point {
         list.push(largest(id, "max_chi2_per_point", c.overall.chi2_per_point, limit, digits));
+    }
+    // These two say nothing of the points that have no steady state.
+    let (unsolved, all) = (c.unsolved(), c.points.len());
+    for judged in list.iter_mut().filter(|_| unsolved > 0) {
+        judged.found += &format!(" (no steady state at {unsolved} of {all} points)");
+        judged.holds &= unsolved as f64 <= UNSOLVED * all as f64;
     }
     list.extend(amplitudes(gate, c));
     list.extend(phases(gate, c));

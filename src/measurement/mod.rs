@@ -127,6 +127,27 @@ impl Table {
         let (points, conditions) = (count(self.points.len(), "point"), count(conditions, "condition"));
         format!("{points}, {conditions}, {span}, {kinds}, {noise}")
     }
+
+    /// Ranges of what was set and of what was read, in a line: a wrong unit shows there.
+    pub fn ranges(&self) -> String {
+        let one = |name: &str, unit: &str, of: &dyn Fn(&Point) -> f64| {
+            let (low, high) =
+                self.points.iter().map(of).fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x), b.max(x)));
+            let show = |value: f64| crate::units::format(format!("{value:.2e}").parse().unwrap_or(value), unit);
+            if low == high {
+                format!("{name} {}", show(low))
+            } else {
+                format!("{name} {} to {}", show(low), show(high))
+            }
+        };
+        [
+            one("speed", "m/s", &|p| p.speed),
+            one("load", "N", &|p| p.load),
+            one("drive", "m", &|p| p.drive),
+            one("amplitude", "rad", &|p| p.amplitude),
+        ]
+        .join(", ")
+    }
 }
 
 /// Reads the table that a scenario names under `[measurement]`; `None` where it names none.

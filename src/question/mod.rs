@@ -101,6 +101,9 @@ pub struct Answer {
     pub static_contact: Vec<f64>,
     /// The peak of full slip.
     pub slip_peak: Peak,
+    /// Root mean square of the relative differences of full slip, which is what the model gives without any effect at high
+    /// speeds, from the curve to be resembled \[-\].
+    pub rms_of_full_slip: f64,
     /// The features of the curve to be resembled itself.
     pub described: Features,
     /// Every effect: those that can by strain, then those that cannot by their error.
@@ -167,7 +170,7 @@ pub fn answer(scenario: &Scenario) -> Option<Answer> {
     });
     let deciding = deciding::deciding(&base, &condition, &sweep.frequency, &hypotheses);
     let static_contact = limit(LimitingCase::StaticContact);
-    let slip_peak = judge.slip_peak;
+    let (slip_peak, rms_of_full_slip) = (judge.slip_peak, judge.rms_of_full_slip());
     let scenario = scenario.clone();
     let answer = Answer {
         scenario,
@@ -177,6 +180,7 @@ pub fn answer(scenario: &Scenario) -> Option<Answer> {
         full_slip,
         static_contact,
         slip_peak,
+        rms_of_full_slip,
         described,
         hypotheses,
         otherwise,

@@ -1,13 +1,14 @@
 //! Model against measurements: the part of a scenario's section that a comparison fills.
 
 use super::anchor;
-use super::format::{NONE, computed, quantity};
+use super::format::{self, NONE, computed, quantity};
 use super::scenario::{FigureInput, figure};
 use super::verdict::{Completeness, Match};
 use super::view::{
     ComparisonView, FigureView, FittedView, MatchView, NoteView, OutlierView, PeakView, Quantity, ScenarioView,
 };
 use crate::compare::{Comparison, ConditionMetrics, Peak};
+use crate::figures::style::budget_percent;
 use crate::fit::{Identified, Interval, Parameter};
 use crate::solver::Status;
 
@@ -150,11 +151,12 @@ pub(super) fn fitted(parameter: &Parameter, interval: &Interval) -> FittedView {
         Identified::OneSided => "bounded on one side; the other end is that of the search",
         Identified::No => "not determined by these data",
     };
+    let [value, low, high] = format::interval([interval.value, interval.low, interval.high], parameter.unit);
     FittedView {
         key: parameter.key.clone(),
-        value: computed(interval.value, parameter.unit),
-        low: computed(interval.low, parameter.unit),
-        high: computed(interval.high, parameter.unit),
+        value,
+        low,
+        high,
         identified: interval.identified.word().into(),
         meaning: meaning.into(),
     }
@@ -178,7 +180,7 @@ fn budget(c: &Comparison) -> Vec<NoteView> {
         ("numerics", b.numerical_percent),
         ("total", b.total_percent),
     ];
-    parts.iter().map(|(label, value)| NoteView { label: (*label).into(), text: quantity(*value, "%", 3) }).collect()
+    parts.iter().map(|(label, value)| NoteView { label: (*label).into(), text: budget_percent(*value) }).collect()
 }
 
 pub(super) fn shown(value: f64, unit: &str, digits: usize) -> Quantity {

@@ -158,7 +158,7 @@ fn next(n: &NextMeasurement) -> NextView {
         frequency: rounded(n.frequency_hz, "Hz"),
         separates: n.separates.to_vec(),
         sigma: shown(n.sigma, "σ", 2),
-        meaning: meaning.into(),
+        meaning,
     }
 }
 

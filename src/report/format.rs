@@ -22,6 +22,12 @@ pub fn quantity(value: f64, unit: &str, digits: usize) -> String {
     join(&plain(scaled, digits), &unit)
 }
 
+/// Estimate and ends of an interval with digits that suit it.
+pub fn interval(values: [f64; 3], unit: &str) -> [Quantity; 3] {
+    let digits = crate::units::interval_digits(values);
+    [0, 1, 2].map(|i| Quantity { value: finite(values[i]), text: quantity(values[i], unit, digits[i]) })
+}
+
 /// Value and standard deviation in the same unit, the deviation with two digits: `6.240 ± 0.012 µrad`.
 pub fn uncertain(value: f64, deviation: f64, unit: &str) -> String {
     if !(value.is_finite() && deviation.is_finite() && deviation > 0.0) {
@@ -44,6 +50,10 @@ pub fn percent(share: f64, digits: usize) -> String {
 
 /// A wall time.
 pub fn duration(seconds: f64) -> String {
+    // What was kept from an earlier run.
+    if (0.0..1e-3).contains(&seconds) {
+        return "< 1 ms".into();
+    }
     if seconds.is_finite() && seconds >= 120.0 {
         let whole = seconds.round() as u64;
         return format!("{} min {:02} s", whole / 60, whole % 60);

@@ -64,6 +64,9 @@ fn story(answer: &Answer) -> Vec<String> {
             answer.hypotheses.len()
         ),
     ];
+    if let Some(line) = narrowly(answer) {
+        story.push(line);
+    }
     if !answer.otherwise.is_empty() {
         story.push(format!(
             "How many can hangs on the tolerance, which also says how much lower is clearly lower. Those that can with another \
@@ -72,6 +75,21 @@ fn story(answer: &Answer) -> Vec<String> {
         ));
     }
     story
+}
+
+/// What is to be said where those that can only just can.
+fn narrowly(answer: &Answer) -> Option<String> {
+    let tightest = answer.otherwise.iter().map(|other| other.tolerance).filter(|t| *t < answer.question.tolerance);
+    let tightest = tightest.fold(f64::NEG_INFINITY, f64::max);
+    let none = |t: f64| answer.otherwise.iter().any(|other| other.tolerance == t && other.able.is_empty());
+    (answer.able().next().is_some() && none(tightest)).then(|| {
+        format!(
+            "They can only narrowly: with a tolerance of {} none can. Full slip itself, without any effect, differs from the curve \
+             asked for by {} (rms).",
+            percent(tightest, 2),
+            percent(answer.rms_of_full_slip, 2)
+        )
+    })
 }
 
 fn able(h: &Hypothesis) -> AbleView {

@@ -98,7 +98,10 @@ fn view(main: &Series, others: &[Series], figures: &[FigureInput]) -> TrustView 
     let all = &s.scores[0];
     let noise: Vec<String> = noise_levels(s).iter().map(|n| quantity(100.0 * n, "%", 2)).collect();
     let right = |p: &Proportion| format!("{} of {}", p.successes, p.of);
-    let mut sentence = format!("In blind trials the verdict was right in {}", right(&all.verdict));
+    let mut sentence = format!(
+        "In blind trials the kind of the answer (nothing missing, recalibrate, an effect, unexplained) was right in {}",
+        right(&all.verdict)
+    );
     if all.named.of > 0 {
         sentence += &format!("; planted effects were named, or in a declared tie, in {}", right(&all.named));
     }
@@ -152,7 +155,7 @@ fn noise_levels(s: &Summary) -> Vec<f64> {
 
 fn scores(all: &Scores) -> Vec<ScoreView> {
     let rows = [
-        ("right verdict", &all.verdict),
+        ("right kind of answer (verdict)", &all.verdict),
         ("right effect named first", &all.first),
         ("planted effects named, or in a declared tie", &all.named),
         ("exactly what was planted named", &all.exact),
@@ -212,9 +215,14 @@ fn cause_view(s: &Summary, cause: &ByCause) -> CauseView {
     };
     let mut others: Vec<(String, usize)> = Vec::new();
     let missed = |score: &Score| !score.verdict || score.named == Some(false) || score.recalibration == Some(false);
-    for record in mine.iter().filter(|record| record.score.as_ref().is_some_and(missed)) {
-        let Some(found) = &record.found else { continue };
-        let label = found.label();
+    let own = if cause.cause == "none" { "nothing".to_string() } else { crate::trial::sorted(&cause.cause) };
+    for record in &mine {
+        let (Some(found), Some(score)) = (&record.found, &record.score) else { continue };
+        if found.label() == own || (kind == Some(Kind::Outside) && score.verdict) {
+            continue;
+        }
+        let tied = if missed(score) { "" } else { ", in a tie with what was planted" };
+        let label = format!("{}{tied}", found.label());
         match others.iter_mut().find(|(name, _)| *name == label) {
             Some((_, count)) => *count += 1,
             None => others.push((label, 1)),

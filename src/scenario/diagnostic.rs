@@ -76,9 +76,19 @@ pub(crate) fn whole_file(title: &str, help: &str) -> String {
     format!("error: {title}\n  = help: {help}")
 }
 
+/// Letters from which on a beginning tells a name.
+const BEGINNING: usize = 6;
+
 /// The name nearest to what was written, where one is near enough to be meant.
 pub(crate) fn nearest<'a>(written: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let written: String = written.chars().take(80).collect::<String>().to_lowercase().replace('-', "_");
+    let names: Vec<&str> = names.into_iter().collect();
+    // The only one that begins like this, or is the beginning of it.
+    let same = |a: &str, b: &str| a.len() >= BEGINNING && b.starts_with(a);
+    let begins = |name: &&&str| same(&written, &name.to_lowercase()) || same(&name.to_lowercase(), &written);
+    if let [one] = names.iter().filter(begins).collect::<Vec<_>>()[..] {
+        return Some(one);
+    }
     names
         .into_iter()
         .map(|name| (edit_distance(&written, &name.to_lowercase().replace('-', "_")), name))

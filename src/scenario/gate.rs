@@ -74,6 +74,13 @@ fn claims(reader: &mut Reader<'_>, table: &Table<'_>) -> Vec<String> {
 
 /// Whether the keys go together with each other and with the rest of the scenario.
 fn sound(reader: &mut Reader<'_>, table: &Table<'_>, entries: &[Entry], gate: &Gate) {
+    for key in ["phase_tolerance", "amplitude_floor"] {
+        let Some(node) = table.get(key) else { continue };
+        if matches!(&node.value, Value::Text(text) if text.contains('%')) {
+            let help = "write e.g. \"5 deg\" for a phase, \"1 urad\" for an amplitude";
+            reader.fail(&node.place, &format!("`{key}` is an angle, not a share"), "a percentage of what?", help);
+        }
+    }
     let place = |key: &str| {
         table.entries.iter().find(|entry| entry.key == key).map_or(table.place.clone(), |entry| entry.place.clone())
     };

@@ -48,7 +48,7 @@ pub const SWEEP: &[ParameterInfo] = &[
 /// The numbers of the table `[gate]`.
 pub const GATE: &[ParameterInfo] = &[
     info(("max_rms_error", "", "1"), (0.0, 1.0), "largest root mean square error of the amplitude, relative"),
-    info(("max_chi2_per_point", "", "1"), (0.0, 1e9), "largest mean square of the residuals in standard deviations"),
+    info(("max_chi2_per_point", "", "1"), (1e-3, 1e9), "largest mean square of the residuals in standard deviations"),
     info(("amplitude_tolerance", "", "1"), (0.0, 1.0), "largest error of any amplitude, relative to its reading"),
     info(("amplitude_floor", "", "rad"), (0.0, 1.0), "error of an amplitude that always passes"),
     info(("phase_tolerance", "", "rad"), (0.0, 3.2), "largest error of any phase"),

@@ -237,7 +237,7 @@ fn confusion(records: &[Record], planted: Vec<String>) -> Confusion {
 }
 
 /// A planted name as a search would write it.
-fn sorted(name: &str) -> String {
+pub(crate) fn sorted(name: &str) -> String {
     let mut names: Vec<&str> = name.split('+').collect();
     names.sort_unstable();
     names.join(" + ")

@@ -3,7 +3,7 @@
 use crate::compare::Comparison;
 use crate::figures::canvas::{Stroke, Type, document};
 use crate::figures::legend::{Key, legend};
-use crate::figures::style::{Color, GREY, SLIP_BAND, STATIC, Table, WHITE, WIDTH, cell, significant};
+use crate::figures::style::{Color, GREY, SLIP_BAND, STATIC, Table, WHITE, WIDTH, budget_percent, cell, significant};
 use crate::figures::{Drawing, Figure, FigureError};
 
 const LEFT: f64 = 40.0;
@@ -40,7 +40,7 @@ impl Figure<Comparison> for Budget {
         ];
         let squares: f64 = parts.iter().map(|(_, value, _)| value * value).sum();
         let share = |value: f64| if squares > 0.0 { value * value / squares } else { 0.0 };
-        let number = |value: f64| format!("{} %", significant(value, 3));
+        let number = budget_percent;
         let alt = format!(
             "One horizontal bar in three parts: model {}, noise {}, numerics {}, root mean square.",
             number(b.model_percent),

@@ -288,7 +288,7 @@ impl Figure<Comparison> for Contact {
                 "k that rises or falls with frequency everywhere, at rest too: mass or stiffness is missing in the rig or the \
                  contact. k above zero in slip: friction that is not Coulomb's.",
                 "Find the conditions in which marks and lines part. At rest: the material or the rig. In slip: the law of \
-                 friction. Then compare with the fingerprints in the atlas.",
+                 friction. Then compare with the fingerprints in the atlas, or with what `stickslip effects NAME` tells.",
             ]
         }
     }

@@ -151,7 +151,7 @@ impl<'a> Data<'a> {
             let y = TOP + 0.5 * height * (1.0 - self.scale.place(tick));
             canvas.line((left + 18.0, y), (left + 23.0, y), Stroke::solid(INK, 1.0));
             // The ends are named, and of the others those whose names touch no other.
-            let end = ends.contains(&tick);
+            let end = ends.contains(&tick) && last != y;
             if !end && (last - y < 15.0 || y - TOP < 15.0) {
                 continue;
             }

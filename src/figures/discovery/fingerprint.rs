@@ -176,7 +176,7 @@ impl Figure<Discovery> for Fingerprint {
         [
             "The solid line follows the measured points where the dashed one does not, in stiffness and in damping.",
             "A solid line that follows one of the two only, or runs between the points: the law has the wrong form.",
-            "Where it fails, compare the measured shape with the fingerprints in the atlas.",
+            "Where it fails, compare the measured shape with the fingerprints in the atlas, or with what `stickslip effects NAME` tells.",
         ]
     }
 
