@@ -1,7 +1,7 @@
-//! The report as JUnit XML: one test case per gate, claim and check of the solvers.
+//! The report as JUnit XML: one test case per gate, table of measurements, claim and check of the solvers.
 
-use super::verdict::{Agreement, Passed, Verdict};
-use super::view::{CheckView, ClaimView, GateView, ReportView};
+use super::verdict::{Agreement, Match, Passed, Verdict};
+use super::view::{CheckView, ClaimView, GateView, ReportView, ScenarioView};
 
 /// What became of a test case, with the message of what did not pass.
 enum Outcome {
@@ -17,10 +17,12 @@ struct Case {
     outcome: Outcome,
 }
 
-/// The report for programs that show test results. A claim that cannot be decided counts as skipped.
+/// The report for programs that show test results. A claim that cannot be decided counts as skipped, and so does a table of
+/// measurements that the model misses where no gate says whether that matters.
 pub fn junit(view: &ReportView) -> String {
-    let suites: [(&str, Vec<Case>); 3] = [
+    let suites: [(&str, Vec<Case>); 4] = [
         ("gates", view.gates.iter().map(gate).collect()),
+        ("measurements", view.scenarios.iter().filter_map(|scenario| measured(scenario, &view.gates)).collect()),
         ("claims", view.claims.iter().map(claim).collect()),
         ("verification", view.verification.iter().map(check).collect()),
     ];
@@ -65,6 +67,17 @@ fn gate(gate: &GateView) -> Case {
     // Several claims may be demanded under one key.
     let what = if gate.gate == "claims" { format!("claims: {}", gate.found.text) } else { gate.gate.clone() };
     Case { class: format!("gates.{}", gate.scenario), name: what, outcome }
+}
+
+fn measured(scenario: &ScenarioView, gates: &[GateView]) -> Option<Case> {
+    let comparison = scenario.comparison.as_ref()?;
+    let gated = gates.iter().any(|gate| gate.scenario == scenario.id);
+    let outcome = match comparison.verdict {
+        Match::Noise => Outcome::Passed,
+        _ if gated => Outcome::Passed,
+        _ => Outcome::Skipped(format!("no gate: {}", comparison.sentence)),
+    };
+    Some(Case { class: format!("measurements.{}", scenario.id), name: "model against measurements".into(), outcome })
 }
 
 fn claim(claim: &ClaimView) -> Case {

@@ -20,8 +20,16 @@ pub fn markdown(view: &ReportView) -> String {
     }
     if let Some(baseline) = &view.baseline {
         text += &format!("\n## Against an earlier run: {}\n\n{}\n", escape(&baseline.path), escape(&baseline.sentence));
-        let judged = |change: &&ChangeView| [Change::Regressed, Change::Improved].contains(&change.verdict);
-        let told: Vec<&ChangeView> = baseline.changes.iter().filter(judged).collect();
+        text += &baseline.notes.iter().map(|note| format!("\n- {}", escape(note))).collect::<String>();
+        for input in &baseline.inputs {
+            let keys =
+                if input.keys.is_empty() { String::new() } else { format!(": {}", escape(&input.keys.join("; "))) };
+            text += &format!("\n- another input: {}{keys}", escape(&input.id));
+        }
+        if !baseline.notes.is_empty() || !baseline.inputs.is_empty() {
+            text.push('\n');
+        }
+        let told: Vec<&ChangeView> = baseline.changes.iter().filter(|change| change.verdict != Change::New).collect();
         if !told.is_empty() {
             text += "\n| | where | value | before | now |\n|---|---|---|---|---|\n";
         }

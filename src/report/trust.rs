@@ -195,7 +195,10 @@ fn otherwise(main: &Series, others: &[Series]) -> Vec<OtherwiseView> {
     for series in others {
         let levels: Vec<&Scores> = series.summary.scores.iter().filter(|s| s.noise.is_some()).collect();
         if levels.is_empty() {
-            rows.extend(series.summary.scores.first().map(|s| row(series.otherwise.into(), s)));
+            let noise: Vec<String> =
+                noise_levels(&series.summary).iter().map(|n| quantity(100.0 * n, "%", 2)).collect();
+            let conditions = format!("{}, noise of {}", series.otherwise, noise.join(", "));
+            rows.extend(series.summary.scores.first().map(|s| row(conditions, s)));
         }
         let noise = |s: &&Scores| quantity(100.0 * s.noise.unwrap_or(f64::NAN), "%", 2);
         rows.extend(levels.iter().map(|s| row(format!("{}, noise of {}", series.otherwise, noise(s)), s)));

@@ -323,6 +323,9 @@ try {
     check((await page.locator("#baseline .changes tbody tr").count()) > 0, "no change is told");
     check((await page.locator("#history figure svg").count()) === 1, "the history is not drawn");
     const swap = page.locator(".swap").first();
+    // Figures that come into view get their buttons, which moves what is below them.
+    await swap.scrollIntoViewIfNeeded();
+    await page.waitForTimeout(400);
     await swap.locator("summary").click();
     const before = swap.locator(".stack img").nth(1);
     await before.waitFor();

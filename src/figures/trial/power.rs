@@ -1,6 +1,6 @@
 //! What a search finds against the noise of the readings.
 
-use crate::figures::axes::{Axis, Panel};
+use crate::figures::axes::{Axis, Panel, range};
 use crate::figures::canvas::{Stroke, document};
 use crate::figures::legend::{Key, legend, legend_width};
 use crate::figures::marks::Mark;
@@ -37,10 +37,13 @@ const SERIES: [Series; 5] = [
 ];
 
 fn draw(levels: &[(f64, &Scores)], title: &str, alt: &str) -> Result<String, FigureError> {
-    let most = |s: &Series| levels.iter().map(|(_, scores)| (s.of)(scores).of).max().unwrap_or(0);
+    let of = |s: &Series| {
+        let (least, most) = range(levels.iter().map(|(_, scores)| (s.of)(scores).of as f64));
+        if least == most { format!("{most}") } else { format!("{least} to {most}") }
+    };
     let keys: Vec<_> = SERIES
         .iter()
-        .map(|s| (Key::Mark(s.look.0, s.look.1, s.filled), format!("{} (of {})", s.name, most(s))))
+        .map(|s| (Key::Mark(s.look.0, s.look.1, s.filled), format!("{} (of {})", s.name, of(s))))
         .collect();
     let width = WIDTH - LEFT - legend_width(&keys) - 40.0;
     let noises: Vec<f64> = levels.iter().map(|(noise, _)| 100.0 * noise).collect();
@@ -98,7 +101,7 @@ impl Figure<Summary> for Power {
         let caption = format!(
             "{} at {} levels of noise: share of the draws that the data could show (each trial draws until one is), and of the trials the \
              shares of right verdicts, of planted effects that were named, of causes outside the catalogue that were flagged, and of false \
-             alarms where nothing was planted. Bars are Wilson's 95 % intervals; the marks of one level stand side by side; of how many at most a share is, \
+             alarms where nothing was planted. Bars are Wilson's 95 % intervals; the marks of one level stand side by side; of how many a share is, \
              stands in brackets, and those of fewer than {FEW} are not joined.",
             count(trials, "trial"),
             levels.len()
