@@ -306,7 +306,7 @@ pub fn interval_digits([value, low, high]: [f64; 3]) -> [usize; 3] {
     [value, low, high].map(|x| (order(x) - order(width) + 2).clamp(2, 8) as usize)
 }
 
-/// Estimate and ends of an interval as [`format`] shows them, with digits that suit it.
+/// Estimate and ends of an interval as [`format()`] shows them, with digits that suit it.
 pub fn format_interval(values: [f64; 3], si_unit: &str) -> [String; 3] {
     let digits = interval_digits(values);
     let rounded = |i: usize| format!("{:.*e}", digits[i] - 1, values[i]).parse().unwrap_or(values[i]);
