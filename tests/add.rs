@@ -156,11 +156,25 @@ fn elsewhere_the_paths_still_lead_to_the_files() {
     }
     std::fs::write(root.join("notes.txt"), "mine").unwrap();
     stickslip(&root).args(add).arg("notes.txt").assert().code(2).stderr(contains("not a scenario"));
+    // Nor is a scenario of other measurements.
+    std::fs::write(root.join("theirs.csv"), table()).unwrap();
+    std::fs::write(root.join("theirs.toml"), MINE.replace("table.csv", "theirs.csv")).unwrap();
+    stickslip(&root).args(add).arg("theirs.toml").assert().code(2).stderr(contains("of other measurements"));
+    assert!(read(&root, "theirs.toml").contains("theirs.csv"));
     stickslip(&root).args(add).arg("none/new.toml").assert().code(2).stderr(contains("no folder"));
     std::fs::create_dir(dir.path().join("away")).unwrap();
     stickslip(&root).args(add).arg("../away/new.toml").assert().code(2).stderr(contains("`extends` leaves"));
     assert!(!dir.path().join("away/new.toml").exists() && read(&root, "notes.txt") == "mine");
     assert_eq!(["parent.toml", "mine.toml", "table.csv"].map(inputs), before);
+}
+
+#[test]
+fn an_effect_that_leaves_points_without_a_state_is_not_what_the_data_are_for() {
+    let dir = folder();
+    // In slip at these speeds a falling friction shakes the arm by itself.
+    let output = stickslip(dir.path()).args(["add", "stribeck", "mine.toml", "--dry-run"]).output().unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(!text.contains("NaN") && !text.contains("the data are for this effect"), "{text}");
 }
 
 #[test]

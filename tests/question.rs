@@ -82,6 +82,11 @@ fn within_five_percent_no_single_effect_can() {
     let strict = Scenario { question: Some(Question { resembles: 2e-4, tolerance: 0.05 }), ..scenario() };
     let answer = question::answer(&strict).expect("a question");
     assert_eq!(answer.able().count(), 0);
+    // What the answer to the looser question says of this one.
+    let told: Vec<(f64, usize)> = self::answer().otherwise.iter().map(|o| (o.tolerance, o.able.len())).collect();
+    let [(tolerance, able), .., (loosest, most)] = told[..] else { panic!("{told:?}") };
+    assert_eq!((tolerance, able), (0.05, 0));
+    assert!(loosest > 0.1 && most >= self::answer().able().count(), "{told:?}");
     assert!(answer.deciding.is_none());
     assert_eq!(answer.hypotheses.len(), stickslip::effects::REGISTRY.len());
 }

@@ -5,7 +5,9 @@ use super::canvas::{Anchor, Canvas, Dash, Point, Stroke, Type, document};
 use super::comparison::grid::{Cell, Grid, LEFT, Rows, heading};
 use super::data;
 use super::legend::{Entry, Key};
-use super::style::{DASH_SLIP, DASH_STATIC, INK, LABEL_SIZE, SLIP, STATIC, Table, Unit, WIDTH, cell, significant};
+use super::style::{
+    DASH_SLIP, DASH_STATIC, INK, LABEL_SIZE, SLIP, STATIC, Table, Unit, WIDTH, budget_percent, cell, significant,
+};
 use super::{Drawing, FigureError};
 use crate::question::{Answer, Hypothesis, Setting, condition, criteria, otherwise, why_not};
 use crate::sweep::Curve;
@@ -193,7 +195,7 @@ fn notes(answer: &Answer) -> Vec<(String, String)> {
                 "simulated; peak {} lower than full slip and {} Hz further right, ends differ by {} at most",
                 percent(d.lower),
                 significant(d.shift_hz, 2),
-                percent(d.ends[0].abs().max(d.ends[1].abs()))
+                budget_percent(100.0 * d.ends[0].abs().max(d.ends[1].abs()))
             ),
         ),
     ];

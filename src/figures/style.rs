@@ -187,7 +187,7 @@ pub fn power_of_ten(exponent: i32) -> String {
     format!("10{}{}", if exponent < 0 { "⁻" } else { "" }, raised.collect::<String>())
 }
 
-/// A part of an error budget in percent; what the solvers cannot resolve is said to be below that.
+/// A difference in percent, of an error budget say; what the solvers cannot resolve is said to be below that.
 pub fn budget_percent(percent: f64) -> String {
     if percent < 1e-3 { "< 0.001 %".into() } else { format!("{} %", significant(percent, 3)) }
 }
