@@ -42,6 +42,12 @@ pub fn execute(job: &Job<'_>, global: &Global) -> Result<()> {
     fits(job, &scenario, &file)?;
     let target = target::find(job, &file, &table.file)?;
     extension::trial(job, effect, &scenario, &file, &target)?;
+    if !global.quiet {
+        let points = table.points.len();
+        eprintln!(
+            "fitting to {points} points: seconds, or minutes where the model has no steady state at many of them"
+        );
+    }
     let change = if job.remove {
         fit_removal(&scenario, &table, effect.name(), job.seed)
     } else {
