@@ -232,7 +232,8 @@ fn confusion(records: &[Record], planted: Vec<String>) -> Confusion {
         planted.iter().map(|row| named.iter().map(|column| cell(row, column)).collect()).collect()
     };
     let counts = count(&|_, _, _| true);
-    let tied = count(&|row, column, tied| tied && own(row) != *column);
+    // Where structure is left nothing is claimed, not even a tie.
+    let tied = count(&|row, column, tied| tied && column != "unexplained" && own(row) != *column);
     Confusion { planted, named, counts, tied }
 }
 
