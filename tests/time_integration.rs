@@ -132,6 +132,31 @@ fn slip_that_dies_out_gently_ends_at_every_accuracy() {
     });
 }
 
+/// Over a roller at rest the slip rate falls to zero with a kink: no polynomial through a step leads to where it ends.
+#[test]
+fn slip_that_ends_with_a_kink_ends_at_every_accuracy() {
+    let grosch = ("grosch", "delta_mu=0.09177494663840596 v_m=0.0013982918826646188 h=2.685519453471437");
+    let cases = [
+        (grosch, 88_989.322_291_124_55, 33.609_016_934_657_68, 78.0),
+        (("quadratic-damping", "D_2=4006.799864942097"), 109_411.111_686_135_55, 18.622_508_784_963_625, 72.0),
+        (("quadratic-damping", "D_2=3995.1653078877443"), 109_386.386_788_604_22, 24.722_062_536_713_437, 74.0),
+    ];
+    cases.into_par_iter().for_each(|((effect, values), stiffness, damping, frequency)| {
+        let mut model = model_of(effect, values);
+        (model.contact.stiffness, model.contact.damping) = (stiffness, damping);
+        let at = Operation { speed: 0.0, load: 0.1, drive: 7.5e-6, frequency };
+        let found = difference(&model, &at, &Plan { steps: 8000, ..Plan::default() });
+        assert!(found < 5e-5, "{at:?}: {found:e}");
+        let fine = steady(&model, &at);
+        for (tolerance, most) in [(Tolerance::COARSE, 5e-4), (Tolerance::FIT, 2e-4)] {
+            let state = solve_steady(&model, &at, &tolerance, true, &mut Warm::default()).state;
+            assert_eq!(state.status, Status::Steady, "{at:?} {tolerance:?}");
+            let change = (state.amplitude / fine.amplitude - 1.0).abs().max((state.phase - fine.phase).abs());
+            assert!(change < most, "{at:?} {tolerance:?}: {change:e}");
+        }
+    });
+}
+
 #[test]
 fn time_integration_converges_with_order_two() {
     let model = paper_model(Series);

@@ -33,7 +33,7 @@ use crate::solver::cycle::Tolerance;
 
 /// Version of the comparison: raised whenever the same input may give other numbers, so that a limit that is suddenly
 /// crossed can be told from a change of the program.
-pub const COMPARATOR: &str = "3";
+pub const COMPARATOR: &str = "4";
 
 /// Load, speed and drive of a measured curve.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]

@@ -1,5 +1,6 @@
 //! All additions to one hypothesis in a race: each is looked at, the promising ones are fitted, the best to all points.
 
+use super::MARGIN;
 use super::forward::Search;
 use super::hypothesis::{Addition, Basis, Hypothesis, compatible};
 use super::sampling::{Base, Hint, at_stated_values};
@@ -39,10 +40,13 @@ pub(super) const CONTESTED: f64 = 40.0;
 const NEAR: f64 = 10.0;
 /// ... by so many continuations at most, ...
 const SETTLED: usize = 8;
-/// ... as long as one lowers the sum of squares by more than this.
-const PAYS: f64 = 0.1;
-/// At least so many of those to the calibrated base are followed.
+/// ... as long as one lowers the sum of squares by more than this share of it.
+const PAYS: f64 = 1.5e-4;
+/// At least so many of those to the calibrated base are followed, ...
 const FOLLOWED: usize = 2;
+/// ... and of those to something more at most so many where the best leaves more than so much of every reading, on average.
+const FOLLOWED_FAR: usize = 4;
+const FAR: f64 = 3.0;
 
 /// How much is done for a round.
 #[derive(Clone, Copy)]
@@ -160,7 +164,7 @@ impl Search<'_> {
         if matches!(pace, Pace::Thorough) {
             return self.looked_again(from, explored, attempts);
         }
-        self.followed(from, explored, attempts, goal.map(|goal| (goal_on_part, goal.fit.objective)))
+        self.followed(from, explored, attempts, goal.map(|goal| (goal_on_part, goal)))
     }
 
     /// Who is left of the race at a stage, given the sums of squares that were `reached` and the one to beat.
@@ -215,7 +219,7 @@ impl Search<'_> {
     /// A round in which everything is done that may be needed where nothing explains the data.
     fn looked_again(&self, from: &Hypothesis, explored: Vec<Explored>, mut attempts: Vec<Option<Attempt>>) -> Round {
         let data = &self.data;
-        let readings = explored.first().map_or(0.0, |e| e.readings as f64);
+        let readings = data.part_readings() as f64;
         // Beside two other additions a longer search takes too long.
         let thorough = from.additions.len() < 2;
         let least = |attempts: &[Option<Attempt>]| reached(attempts).into_iter().fold(f64::INFINITY, f64::min);
@@ -244,14 +248,13 @@ impl Search<'_> {
         Round { thorough: true, ..self.followed(from, explored, attempts, None) }
     }
 
-    /// The leading ones followed on all points; only what comes near the `goal`, its sums of squares on the part and on all
-    /// points.
+    /// The leading ones followed on all points; only what comes near the `goal`, given with its sum of squares on the part.
     fn followed(
         &self,
         from: &Hypothesis,
         explored: Vec<Explored>,
         attempts: Vec<Option<Attempt>>,
-        goal: Option<(f64, f64)>,
+        goal: Option<(f64, &Hypothesis)>,
     ) -> Round {
         let found = explored.par_iter().zip(&attempts).map(|(e, best)| e.found(&self.data, from, best.clone()));
         let found: Vec<Found> = found.collect();
@@ -274,6 +277,10 @@ impl Search<'_> {
         let mut order: Vec<usize> = (0..found.len()).filter(|&i| gaining(&&found[i]) && !explored[i].costly).collect();
         order.sort_by(|&i, &j| criterion(&found[i]).total_cmp(&criterion(&found[j])));
         order.iter().take(at_least).for_each(|&i| full[i] = true);
+        let far = goal.is_none() && least > FAR * self.data.part_readings() as f64;
+        if far && !from.additions.is_empty() {
+            order.iter().skip(FOLLOWED_FAR).for_each(|&i| full[i] = false);
+        }
         let entry = |(mut found, full): (Found, bool)| {
             if full {
                 found.hypothesis.estimate = None;
@@ -284,19 +291,30 @@ impl Search<'_> {
         let mut found: Vec<Entry> = found.into_par_iter().zip(full).map(entry).collect();
         let objective = |e: &Entry| e.found.hypothesis.fit.objective;
         let full = |e: &&Entry| e.full;
-        let least = goal.map_or(f64::INFINITY, |(_, on_all)| on_all);
+        let least = goal.map_or(f64::INFINITY, |(_, goal)| goal.fit.objective);
         let least = found.iter().filter(full).map(objective).fold(least, f64::min);
         let noises = found.iter().filter(full).map(|e| self.noise(&e.found.hypothesis));
         let noise = noises.fold(1.0, f64::max);
         let least = least.min(NEAR * noise.powi(2) * self.readings() as f64);
         let close = |e: &&mut Entry| e.full && objective(e) <= least + CONTESTED;
-        found.par_iter_mut().filter(close).for_each(|e| self.settle(&mut e.found.hypothesis));
+        let bic = |h: &Hypothesis| self.bic(h, noise);
+        let best = goal.map_or(f64::INFINITY, |(_, goal)| bic(goal));
+        let best = found.iter().filter(full).map(|e| bic(&e.found.hypothesis)).fold(best, f64::min);
+        // What at the pace of its last continuation does not come level any more is left where it is.
+        let level = |h: &Hypothesis, gain: f64| bic(h) - gain / noise.powi(2) < best + MARGIN;
+        found.par_iter_mut().filter(close).for_each(|e| self.settle_while(&mut e.found.hypothesis, level));
         Round { found, explored, attempts, thorough: false }
     }
 
     /// Follows a fit that ended for want of evaluations, in a curved valley say, to its minimum.
     pub(super) fn settle(&self, hypothesis: &mut Hypothesis) {
-        for _ in 0..SETTLED {
+        self.settle_while(hypothesis, |_, _| true);
+    }
+
+    /// The same while that may matter, given the hypothesis and what the continuations that are left would gain in its sum of
+    /// squares, each as much as the last.
+    fn settle_while(&self, hypothesis: &mut Hypothesis, matters: impl Fn(&Hypothesis, f64) -> bool) {
+        for left in (0..SETTLED).rev() {
             if !hypothesis.fit.is_exhausted() {
                 break;
             }
@@ -305,7 +323,7 @@ impl Search<'_> {
             if gain > 0.0 {
                 hypothesis.fit = fit;
             }
-            if gain < PAYS {
+            if gain < PAYS * hypothesis.fit.objective || !matters(hypothesis, left as f64 * gain) {
                 break;
             }
         }

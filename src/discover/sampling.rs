@@ -283,11 +283,6 @@ impl<'a> Base<'a> {
         self.without(&self.evaluation.residuals)
     }
 
-    /// Number of readings in the part.
-    pub fn readings(&self) -> usize {
-        self.evaluation.residuals.len()
-    }
-
     /// A change of the residuals less what the parameters could undo.
     fn without(&self, change: &DVector<f64>) -> DVector<f64> {
         if self.span.ncols() == 0 {

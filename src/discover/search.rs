@@ -81,6 +81,11 @@ impl<'a> Data<'a> {
         Self { base, points, part, threshold, stated, seed }
     }
 
+    /// Readings in the part.
+    pub fn part_readings(&self) -> usize {
+        self.part.iter().map(|p| 1 + usize::from(p.phase.is_some())).sum()
+    }
+
     /// Parameters of these keys: those of an effect with the signs that the model has, all others about the values that the
     /// scenario states, wherever fits have carried them since.
     pub fn movable(&self, model: &Model, keys: &[String]) -> Vec<Parameter> {
@@ -106,8 +111,6 @@ pub struct Explored {
     visibility: f64,
     strongest: Vec<Model>,
     touched: Vec<bool>,
-    /// Readings in the part.
-    pub readings: usize,
     /// Whether its points take long to solve: it makes the contact a continuum of sliders.
     pub costly: bool,
 }
@@ -149,7 +152,7 @@ pub fn explore(
     if let Some((from, base)) = other.filter(|_| !costly) {
         found = found.and(look(data, base, addition, &samples_of(from), hint));
     }
-    let readings = base.readings() as f64 * scale;
+    let readings = data.part_readings() as f64 * scale;
     Explored {
         addition,
         before: robust_chi2(&rest, data.threshold),
@@ -160,7 +163,6 @@ pub fn explore(
         visibility: found.visibility * scale,
         strongest: found.strongest,
         touched: found.touched,
-        readings: base.readings(),
         costly,
         starts: found.starts.into_iter().map(|(_, sample)| sample).collect(),
     }

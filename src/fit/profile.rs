@@ -9,7 +9,7 @@ const RISE: f64 = 3.841_458_820_694_124;
 /// Singular values below this share of the largest count as none.
 const SINGULAR: f64 = 1e-9;
 /// Refits on the way to one end of an interval.
-const TRIALS: usize = 5;
+const TRIALS: usize = 7;
 /// Relative accuracy of the rise at the end of an interval.
 const CLOSE: f64 = 0.06;
 /// A sum of squares lower than that of the estimate by this share of the rise at the ends shows that it is no minimum.
@@ -250,11 +250,13 @@ impl<'p, 'a> Side<'p, 'a> {
         let mut inside = (0.0, 0.0);
         let mut outside: Option<(f64, f64)> = None;
         let mut next = refit.step;
+        // From where the others are tied: a refit beyond the end may have gone astray.
+        let mut tie = (refit.step, refit.values.clone());
         for trial in 0..TRIALS {
             if trial > 0 {
                 let fit = self.of.fit;
                 for (slope, &j) in self.slopes.iter_mut().zip(&self.others) {
-                    *slope = fit.parameters[j].natural_step(fit.values[j], refit.values[j]) / refit.step;
+                    *slope = fit.parameters[j].natural_step(fit.values[j], tie.1[j]) / tie.0;
                 }
                 refit = self.refit(next);
             }
@@ -270,6 +272,9 @@ impl<'p, 'a> Side<'p, 'a> {
             } else {
                 outside = Some((step, rise));
             }
+            if rise < goal || tie.0 < 0.5 * step {
+                tie = (step, refit.values.clone());
+            }
             // The rise goes nearly as a power of the step, at first as its square.
             let power = match outside {
                 Some((far, much)) if inside.1 > 0.0 => (much / inside.1).ln() / (far / inside.0).ln(),
@@ -277,11 +282,12 @@ impl<'p, 'a> Side<'p, 'a> {
             };
             let scaled = step * (goal / rise.max(1e-3 * goal)).powf(1.0 / power);
             next = match outside {
+                Some((far, _)) if trial % 2 == 1 => 0.5 * (inside.0 + far),
                 Some((far, _)) => scaled.clamp(0.95 * inside.0 + 0.05 * far, 0.05 * inside.0 + 0.95 * far),
                 None => scaled.clamp(1.2 * step, 8.0 * step),
             };
         }
-        // A step along a flat valley: the last bracket.
-        if outside.is_some() { (self.at(next), true) } else { (self.bound, false) }
+        // Not found: rather too wide than too narrow.
+        outside.map_or((self.bound, false), |(far, _)| (self.at(far), true))
     }
 }

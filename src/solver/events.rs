@@ -23,6 +23,10 @@ const BEGUN: f64 = -1e-6;
 const BRIEF: f64 = 1e-6;
 /// Relative change of a step, in periods, at which its end is known to rounding.
 const ROUNDING: f64 = 1e-13;
+/// Steps tried to find the end of a mode, ...
+const TRIALS: usize = 80;
+/// ... and from which of them on every other one halves what is left: where friction has a kink no polynomial leads there.
+const SMOOTH_TRIALS: usize = 8;
 /// Fractions of a step at which the interpolated event function is looked at.
 const LOOKS: [f64; 12] = [0.02, 0.05, 0.1, C[0], 0.25, 0.35, 0.45, 0.55, C[1], 0.75, 0.88, 1.0];
 
@@ -137,9 +141,20 @@ impl Start<'_> {
         }
         let mut tau = first_root(self.event, e);
         let mut before: Option<(f64, f64)> = None;
-        for _ in 0..40 {
-            let trial = (size * tau).max(1e-14 * full);
+        // Sizes between which the place lies, as far as they are known.
+        let (mut low, mut high) = (0.0, f64::INFINITY);
+        for number in 0..TRIALS {
+            let mut trial = (size * tau).max(1e-14 * full);
+            let outside = trial <= low || trial >= high || (number >= SMOOTH_TRIALS && number % 2 == 0);
+            if high.is_finite() && outside {
+                trial = 0.5 * (low + high);
+            }
             e = self.step(stepper, trial)?;
+            if e.iter().all(|&e| e > 0.0) {
+                low = f64::max(low, trial);
+            } else {
+                high = f64::min(high, trial);
+            }
             let changed = (trial - size).abs();
             size = trial;
             if e[2].abs() < located || changed < ROUNDING * self.system.period() {
