@@ -4,6 +4,11 @@
 
 use std::fmt::Write as _;
 
+/// A number of things: `1 point`, `2 points`.
+pub fn count(number: usize, word: &str) -> String {
+    if number == 1 { format!("1 {word}") } else { format!("{number} {word}s") }
+}
+
 /// Exponents of kg, m and s.
 type Dimension = [i32; 3];
 

@@ -95,7 +95,8 @@
     const figure = link.closest("figure");
     const kind = link.dataset.save;
     const packed = link.dataset.packed;
-    if (kind === "CSV" ? !packed : !figure.asFile) return;
+    // What the page does not hold lies in the folder of the report, and is an ordinary link.
+    if (!{ CSV: packed, SVG: figure.asFile, PNG: figure.asFile }[kind]) return;
     event.preventDefault();
     const name = `${figure.id.replace(/^figure-/, "")}.${kind.toLowerCase()}`;
     if (kind === "CSV") save(await unpack(packed), name);

@@ -37,7 +37,15 @@ free = [\"contact.stiffness\", 'contact.damping']
 ";
 
 fn estimate(key: &str, value: f64, unit: &'static str) -> Estimate {
-    Estimate { key: key.into(), value, unit, low: Some(0.99 * value), high: Some(1.01 * value), felt: f64::INFINITY }
+    Estimate {
+        key: key.into(),
+        value,
+        unit,
+        low: Some(0.99 * value),
+        high: Some(1.01 * value),
+        felt: f64::INFINITY,
+        contradicted: false,
+    }
 }
 
 fn values() -> Vec<Estimate> {

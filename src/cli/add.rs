@@ -1,6 +1,6 @@
 //! `stickslip add`: one effect fitted and written into a scenario, or taken out of it.
 
-use super::compare::{parameter, with_measurements};
+use super::compare::{interval_words, parameter, with_measurements};
 use super::{Global, extension, say, target};
 use crate::compare::{Compared, Comparison, Metrics, words as condition};
 use crate::discover::{Change, fit_addition, fit_removal};
@@ -142,7 +142,7 @@ fn words(job: &Job<'_>, change: &Change) -> Vec<String> {
         lines.push(format!("  {}", region.sentence));
         lines.push(format!("    {}", became(&over(before), &over(after))));
     }
-    lines.push("fitted (95 % interval):".into());
+    lines.push(format!("fitted ({}):", interval_words(after)));
     lines.extend(after.fit.parameters.iter().zip(&after.intervals).map(|(p, i)| format!("  {}", parameter(p, i))));
     lines.push(judgement(job, change));
     lines

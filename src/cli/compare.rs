@@ -119,7 +119,7 @@ pub(super) fn words(c: &Comparison) -> Vec<String> {
     let notes = c.table.notes.iter().map(String::as_str).chain(uncalibrated(&c.scenario));
     lines.extend(notes.map(|note| format!("  note: {note}")));
     if !c.fit.parameters.is_empty() {
-        lines.push("calibrated (95 % interval):".into());
+        lines.push(format!("calibrated ({}):", interval_words(c)));
         lines.extend(c.fit.parameters.iter().zip(&c.intervals).map(|(p, i)| format!("  {}", parameter(p, i))));
     }
     let phase = match (m.rms_phase_deg, m.noise_phase_deg) {
@@ -152,6 +152,15 @@ pub(super) fn words(c: &Comparison) -> Vec<String> {
         lines.push(format!("next: stickslip discover {}", c.scenario.path.display()));
     }
     lines
+}
+
+/// What intervals are.
+pub(super) fn interval_words(c: &Comparison) -> &'static str {
+    if c.whiteness.structured {
+        "95 % interval, were the model right, which the data contradict"
+    } else {
+        "95 % interval"
+    }
 }
 
 /// What the residuals look like.

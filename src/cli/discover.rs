@@ -1,6 +1,6 @@
 //! `stickslip discover`: which effect is missing.
 
-use super::compare::{parameter, stands_out, uncalibrated, verdict, with_measurements};
+use super::compare::{interval_words, parameter, stands_out, uncalibrated, verdict, with_measurements};
 use super::gates::{self, GateLimits, Verdicts};
 use super::{Global, Json, Stamped, say};
 use crate::compare::{self, Setting};
@@ -47,16 +47,15 @@ pub(super) fn words(d: &Discovery) -> Vec<String> {
     let mut lines = vec![format!("{}: {}", scenario.title, discover::sentence(d))];
     let notes = end.comparison.table.notes.iter().chain(&d.notes);
     lines.extend(notes.map(String::as_str).chain(uncalibrated(scenario)).map(|note| format!("note: {note}")));
-    let base = if scenario.free.is_empty() { "base, as stated" } else { "base, calibrated" };
     lines.push("ladder:                                chi2   rms error  left-out".into());
     for step in &d.steps {
         let c = &step.comparison.overall;
         let held_out = step.held_out.map_or("-".into(), |h| format!("{:.2} %", h.rms_percent));
-        let name = step.added.as_ref().map_or(base.into(), |name| format!("+ {name}"));
+        let name = step.name();
         lines.push(format!("  {name:<32} {:>9.2} {:>9.2} % {held_out:>9}", c.chi2_per_point, c.rms_error_percent));
     }
-    lines.push("parameters (95 % interval):".into());
     let c = &end.comparison;
+    lines.push(format!("parameters ({}):", interval_words(c)));
     lines.extend(c.fit.parameters.iter().zip(&c.intervals).map(|(p, i)| format!("  {}", parameter(p, i))));
     for tie in &d.correlations {
         lines.push(format!(

@@ -32,6 +32,7 @@ pub fn trial(
         low: None,
         high: None,
         felt: f64::INFINITY,
+        contradicted: false,
     };
     let keys = Addition::Effect(effect).keys().into_iter();
     let values = keys.zip(effect.parameters().iter().zip(typical(effect))).map(one).filter(|_| !job.remove).collect();
@@ -51,7 +52,11 @@ pub fn fitted(
     let noise = c.overall.chi2_per_point.sqrt().max(1.0);
     let felt = |column: usize| ROUNDING * noise / c.fit.evaluation.jacobian.column(column).norm();
     let pairs = c.fit.parameters.iter().zip(&c.intervals).enumerate();
-    let values = pairs.map(|(column, (parameter, interval))| estimate(parameter, interval, felt(column))).collect();
+    let one = |(column, (parameter, interval)): (usize, (&Parameter, &Interval))| Estimate {
+        contradicted: c.whiteness.structured,
+        ..estimate(parameter, interval, felt(column))
+    };
+    let values = pairs.map(one).collect();
     write(job, effect, scenario, values, file, target)
 }
 
@@ -66,7 +71,15 @@ fn estimate(parameter: &Parameter, interval: &Interval, felt: f64) -> Estimate {
             (Some(interval.low).filter(|low| !open(*low)), Some(interval.high).filter(|high| !open(*high)))
         }
     };
-    Estimate { key: parameter.key.clone(), value: interval.value, unit: parameter.unit, low, high, felt }
+    Estimate {
+        key: parameter.key.clone(),
+        value: interval.value,
+        unit: parameter.unit,
+        low,
+        high,
+        felt,
+        contradicted: false,
+    }
 }
 
 /// The changed text, once it is known to be a scenario that differs from the one at hand in nothing else.

@@ -11,7 +11,16 @@ use crate::scenario::Scenario;
 /// Answers the question of a scenario, where it asks one, and writes figure, table and JSON below `out`.
 pub(super) fn answer(scenario: &Scenario, out: &Folder) -> Result<Option<(Answer, Vec<FigureInput>)>> {
     simulate::go_on()?;
-    let Some(answer) = question::answer(scenario) else { return Ok(None) };
+    if scenario.question.is_none() {
+        return Ok(None);
+    }
+    let Some(answer) = question::answer(scenario) else {
+        return Err(Error::Input(format!(
+            "error: {}: the question has no answer: in full slip, or as asked for, the curve has no peak within the frequencies of [sweep]\n  \
+             = help: extend the frequencies to both sides of the resonance",
+            scenario.path.display()
+        )));
+    };
     let drawing = figures::question::draw(&answer).map_err(|why| Error::Unfinished(why.to_string()))?;
     let mut figure = simulate::write(drawing, &scenario.id, out)?;
     let json =

@@ -68,7 +68,9 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     let mut scenarios = select::scenarios(paths, global.quiet)?;
     gates::apply(limits, verdict, &mut scenarios)?;
     // In the order of the figures, then of the names.
-    let place = |s: &Scenario| figures::names().iter().position(|name| s.figures.first().is_some_and(|f| f == name));
+    let place = |s: &Scenario| {
+        figures::names().iter().position(|name| s.figures.iter().flatten().next().is_some_and(|f| f == name))
+    };
     scenarios.sort_by_key(|s| place(s).unwrap_or(usize::MAX));
     if scenarios.is_empty() {
         return Err(Error::Input(
@@ -193,7 +195,7 @@ fn verified() -> Vec<CheckView> {
     verification::run().iter().map(check_view).collect()
 }
 
-/// The command that makes the report again, with everything that its contents depend on.
+/// The command that gives the same results again; what they are held against, baseline and history, is named beside it.
 fn command(paths: &[PathBuf], limits: &GateLimits, verdict: &Verdicts) -> String {
     let mut words = vec!["stickslip report".to_string()];
     words.extend(paths.iter().map(|path| path.display().to_string()));

@@ -50,10 +50,11 @@ pub fn outcome(scenario: &Scenario, quiet: bool) -> Result<Outcome> {
 }
 
 fn chosen(scenario: &Scenario) -> Vec<&'static dyn Figure> {
-    if scenario.figures.is_empty() {
-        return DEFAULT_FIGURES.iter().filter_map(|name| figures::find(figures::REGISTRY, name)).collect();
+    let find = |name: &str| figures::find(figures::REGISTRY, name);
+    match &scenario.figures {
+        Some(names) => names.iter().filter_map(|name| find(name)).collect(),
+        None => DEFAULT_FIGURES.iter().filter_map(|name| find(name)).collect(),
     }
-    scenario.figures.iter().filter_map(|name| figures::find(figures::REGISTRY, name)).collect()
 }
 
 /// Draws the figures of every outcome and writes them with the curves below `out`; what the report needs of them, per
@@ -68,7 +69,7 @@ pub fn figures(outcomes: &[Outcome], out: &Folder) -> Result<Vec<Vec<FigureInput
             match figure.draw(outcome) {
                 Ok(drawing) => write(drawing, &outcome.scenario.id, out).map(Some),
                 // A default figure that the sweep cannot fill is left out; one that was asked for is an error.
-                Err(FigureError::MissingData(_)) if outcome.scenario.figures.is_empty() => Ok(None),
+                Err(FigureError::MissingData(_)) if outcome.scenario.figures.is_none() => Ok(None),
                 Err(why) => Err(Error::Input(format!(
                     "error: {}: {why}\n  = help: extend the sweep, or take the name out of `figures`",
                     outcome.scenario.path.display()

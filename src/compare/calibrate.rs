@@ -22,6 +22,8 @@ const OUTLYING: f64 = 5.0;
 const STEP: f64 = 0.6;
 /// Neighbours on either side.
 const NEIGHBOURS: usize = 3;
+/// What is asked for, more, of the first and the last reading of a curve.
+const BEYOND: f64 = 2.0;
 
 /// A calibrated model.
 #[derive(Debug, Clone)]
@@ -110,8 +112,8 @@ pub(crate) fn scale(residuals: &DVector<f64>) -> f64 {
 }
 
 /// Readings that are far off where their neighbours along the frequency are not. `residuals` holds (row, residual) of one
-/// column of one curve, in the order of the frequency.
-pub(crate) fn outliers(column: &'static str, residuals: &[(usize, f64)]) -> Vec<Outlier> {
+/// column of one curve, in the order of the frequency; `noise` is that of the readings over the stated one.
+pub(crate) fn outliers(column: &'static str, residuals: &[(usize, f64)], noise: f64) -> Vec<Outlier> {
     let mut found = Vec::new();
     for (i, &(row, residual)) in residuals.iter().enumerate() {
         // As many on one side as are missing on the other.
@@ -130,7 +132,9 @@ pub(crate) fn outliers(column: &'static str, residuals: &[(usize, f64)]) -> Vec<
         let scatter = spread(level, middle);
         // Where a model fails, its residuals run steeply and bend: a step from one neighbour to the next is no surprise.
         let step = median(near.windows(2).map(|pair| (pair[1].1 - pair[0].1).abs()));
-        if (residual - middle).abs() > OUTLYING * scatter.max(STEP * step).max(1.0) {
+        // Beyond the last of the neighbours the line is less sure than between them.
+        let beyond = if i == 0 || i + 1 == residuals.len() { BEYOND } else { 1.0 };
+        if (residual - middle).abs() > beyond * OUTLYING * scatter.max(STEP * step).max(noise) {
             found.push(Outlier { row, column, sigma: residual });
         }
     }
@@ -149,10 +153,11 @@ mod tests {
     #[test]
     fn a_smooth_misfit_has_no_outliers_and_a_reading_far_off_is_one_wherever_it_stands() {
         for smooth in [|x: f64| 60.0 - 8.0 * x, |x: f64| 100.0 * (0.2 * x).sin(), |x: f64| 0.5 * x * x] {
-            assert_eq!(outliers("amplitude_rad", &rows(smooth)), []);
+            assert_eq!(outliers("amplitude_rad", &rows(smooth), 1.0), []);
         }
-        for far in [0, 1, 12, 23] {
-            let found = outliers("amplitude_rad", &rows(|x| 60.0 - 8.0 * x + if x == far as f64 { 30.0 } else { 0.0 }));
+        for (far, by) in [(0, 60.0), (1, 30.0), (12, 30.0), (23, 60.0)] {
+            let found =
+                outliers("amplitude_rad", &rows(|x| 60.0 - 8.0 * x + if x == far as f64 { by } else { 0.0 }), 1.0);
             assert_eq!(found.iter().map(|o| o.row).collect::<Vec<_>>(), [far]);
         }
     }

@@ -139,25 +139,24 @@ pub struct Options {
 pub fn compare(scenario: &Scenario, table: &Table, options: &Options) -> Comparison {
     let model = Model::new(scenario);
     let calibration = calibrate(&model, &scenario.free, &table.points, Tolerance::default(), options.seed);
-    judge(scenario, table, &model, &calibration, (true, 1.0))
+    judge(scenario, table, &model, &calibration, true)
 }
 
 /// Compares a model whose calibration is done with the measurements. `base` is the model before it; `profile` asks for
 /// intervals by profile likelihood rather than from the curvature; where these find a better calibration it is taken.
-/// `noise` is the factor by which the stated standard deviations are to be multiplied where nothing but noise is left.
-pub fn judge(
-    scenario: &Scenario,
-    table: &Table,
-    base: &Model,
-    calibration: &Calibration,
-    (profile, noise): (bool, f64),
-) -> Comparison {
+/// Where nothing but noise is left and its scatter contradicts the stated standard deviations, intervals, ranges of misfit and
+/// readings that stand out go by the scatter.
+pub fn judge(scenario: &Scenario, table: &Table, base: &Model, calibration: &Calibration, profile: bool) -> Comparison {
     let (settings, _) = conditions_of(&table.points);
     let mut calibrated = Problem::new(base.clone(), &table.points, calibration.fit.parameters.clone(), Tolerance::FIT);
     let noise_of = |fit: &Fit| {
         let points = compared(&table.points, &fit.evaluation.predictions);
         let whiteness = whiteness(&points, settings.len(), fit.parameters.len());
-        if whiteness.structured { Metrics::over(points.iter()).chi2_per_point.sqrt().max(1.0) } else { noise }
+        if whiteness.structured {
+            Metrics::over(points.iter()).chi2_per_point.sqrt().max(1.0)
+        } else {
+            whiteness.noise()
+        }
     };
     let (fit, intervals) = if profile {
         profiled(&calibration.fit, noise_of, calibration.threshold, &mut calibrated)
@@ -171,9 +170,10 @@ pub fn judge(
     let conditions: Vec<_> =
         settings.iter().enumerate().map(|(i, &setting)| ConditionMetrics::over(setting, &of(i))).collect();
     let whiteness = whiteness(&points, settings.len(), fit.parameters.len());
-    let regions = regions(&points, &conditions);
+    let noise = if whiteness.structured { 1.0 } else { whiteness.noise().max(1.0) };
+    let regions = regions(&points, &conditions, noise);
     let (contact, contact_model) = fingerprint(&model, &points);
-    let outliers = (0..settings.len()).flat_map(|i| standing_out(&of(i))).collect();
+    let outliers = (0..settings.len()).flat_map(|i| standing_out(&of(i), noise)).collect();
     let ranges: Vec<(f64, f64)> = (0..settings.len())
         .map(|i| {
             of(i).iter().fold((f64::INFINITY, 0.0), |(a, b), p| (a.min(p.point.frequency), p.point.frequency.max(b)))
@@ -209,10 +209,10 @@ pub fn compared(points: &[Point], predictions: &[Prediction]) -> Vec<Compared> {
     points.iter().zip(predictions).zip(of_point).map(beside).collect()
 }
 
-fn standing_out(curve: &[&Compared]) -> Vec<Outlier> {
+fn standing_out(curve: &[&Compared], noise: f64) -> Vec<Outlier> {
     let amplitudes: Vec<_> = curve.iter().map(|p| (p.point.row, p.amplitude_residual)).collect();
     let phases: Vec<_> = curve.iter().filter_map(|p| Some((p.point.row, p.phase_residual?))).collect();
-    let mut found = calibrate::outliers("amplitude_rad", &amplitudes);
-    found.extend(calibrate::outliers("phase_rad", &phases));
+    let mut found = calibrate::outliers("amplitude_rad", &amplitudes, noise);
+    found.extend(calibrate::outliers("phase_rad", &phases, noise));
     found
 }

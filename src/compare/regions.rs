@@ -36,14 +36,15 @@ pub struct Region {
 }
 
 /// Regions of all conditions, the largest share of chi2 first. Within noise there are none, up to a small chance.
-pub fn regions(points: &[Compared], conditions: &[ConditionMetrics]) -> Vec<Region> {
+/// `noise` is that of the readings over the stated one.
+pub fn regions(points: &[Compared], conditions: &[ConditionMetrics], noise: f64) -> Vec<Region> {
     let total: f64 = points.iter().map(misfit).sum();
     let looked_at: f64 =
         (0..conditions.len()).map(|c| points.iter().filter(|p| p.condition == c).count().pow(2) as f64).sum();
     let mut found = Vec::new();
     for (index, condition) in conditions.iter().enumerate() {
         let curve: Vec<&Compared> = points.iter().filter(|p| p.condition == index).collect();
-        for (from, to) in ranges(&curve, SIGNIFICANCE / looked_at.max(1.0)) {
+        for (from, to) in ranges(&curve, noise * noise, SIGNIFICANCE / looked_at.max(1.0)) {
             found.push(region(index, condition, &curve[from..=to], total));
         }
     }
@@ -61,8 +62,8 @@ fn readings(point: &Compared) -> f64 {
 
 /// Ranges (first and last index) whose misfit is no chance, from left to right: those of largest total excess. A single
 /// point is no range but an outlier.
-fn ranges(curve: &[&Compared], significance: f64) -> Vec<(usize, usize)> {
-    let excess: Vec<f64> = curve.iter().map(|p| misfit(p) - EXCESS * readings(p)).collect();
+fn ranges(curve: &[&Compared], variance: f64, significance: f64) -> Vec<(usize, usize)> {
+    let excess: Vec<f64> = curve.iter().map(|p| misfit(p) / variance - EXCESS * readings(p)).collect();
     let (mut best, mut sum, mut start) = ((0.0, 0, 0), 0.0, 0);
     for (i, e) in excess.iter().enumerate() {
         if sum <= 0.0 {
@@ -78,13 +79,14 @@ fn ranges(curve: &[&Compared], significance: f64) -> Vec<(usize, usize)> {
         return Vec::new();
     }
     let part = &curve[from..=to];
-    let (chi2, freedom): (f64, f64) = part.iter().fold((0.0, 0.0), |(c, n), p| (c + misfit(p), n + readings(p)));
+    let (chi2, freedom): (f64, f64) =
+        part.iter().fold((0.0, 0.0), |(c, n), p| (c + misfit(p) / variance, n + readings(p)));
     let chance = ChiSquared::new(freedom).map_or(1.0, |distribution| distribution.sf(chi2));
-    let mut found = ranges(&curve[..from], significance);
+    let mut found = ranges(&curve[..from], variance, significance);
     if to > from && chance < significance {
         found.push((from, to));
     }
-    found.extend(ranges(&curve[to + 1..], significance).into_iter().map(|(a, b)| (a + to + 1, b + to + 1)));
+    found.extend(ranges(&curve[to + 1..], variance, significance).into_iter().map(|(a, b)| (a + to + 1, b + to + 1)));
     found
 }
 
@@ -164,7 +166,7 @@ fn amplitude_words(region: &Region, part: &[&Compared]) -> String {
     let reach = |sign: f64| part.iter().map(|p| sign * p.error_percent()).fold(0.0, f64::max);
     let one_sided = reach(-mean.signum()) < OTHER_SIDE * reach(mean.signum());
     if one_sided && mean.abs() >= 0.5 * square.sqrt() {
-        return format!("is {} % too {}", rounded(mean.abs()), side(mean));
+        return format!("is {} % too {} on average", rounded(mean.abs()), side(mean));
     }
     let by = |a: &&&Compared, b: &&&Compared| a.error_percent().total_cmp(&b.error_percent());
     let (Some(low), Some(high)) = (part.iter().min_by(by), part.iter().max_by(by)) else { return String::new() };
@@ -243,14 +245,14 @@ mod tests {
         let setting = Setting { speed: 0.02, load: 20.0, drive: 2.5e-6 };
         let metrics = Metrics::over(points.iter());
         let condition = ConditionMetrics { setting, metrics, model_peak: None, measured_peak: None };
-        regions(&points, &[condition]).remove(0)
+        regions(&points, &[condition], 1.0).remove(0)
     }
 
     #[test]
     fn points_without_an_answer_are_counted_and_not_averaged() {
         let region = told([true, true, false, true]);
         assert!(
-            region.sentence.contains("is 30 % too high and has no steady state at 1 of its 4 points"),
+            region.sentence.contains("is 30 % too high on average and has no steady state at 1 of its 4 points"),
             "{}",
             region.sentence
         );
@@ -258,6 +260,6 @@ mod tests {
         let region = told([false; 4]);
         assert!(region.sentence.contains("the model has no steady state at 4 of its 4 points;"), "{}", region.sentence);
         let region = told([true; 4]);
-        assert!(region.sentence.contains("the model is 30 % too high;"), "{}", region.sentence);
+        assert!(region.sentence.contains("the model is 30 % too high on average;"), "{}", region.sentence);
     }
 }

@@ -37,6 +37,25 @@ pub struct Whiteness {
     pub structured: bool,
 }
 
+/// The stated noise is contradicted by a scatter that differs by more than this factor.
+const NOISE_DIFFERS: f64 = 1.25;
+
+impl Whiteness {
+    /// Scatter of the residuals about anything smooth over the stated noise, and whether it differs from one by more than
+    /// chance.
+    pub fn scatter(&self) -> (f64, bool) {
+        let factor = self.rough_chi2.sqrt();
+        let sure = (factor.ln()).abs() > 4.0 / (2.0 * self.rough_freedom.max(1.0)).sqrt();
+        (factor, sure && !(1.0 / NOISE_DIFFERS..NOISE_DIFFERS).contains(&factor))
+    }
+
+    /// Noise of the readings over the stated one: the scatter where that contradicts it.
+    pub fn noise(&self) -> f64 {
+        let (factor, contradicted) = self.scatter();
+        if contradicted { factor } else { 1.0 }
+    }
+}
+
 /// Tests the residuals of all curves. `fitted` parameters have absorbed as many components.
 pub fn whiteness(points: &[Compared], conditions: usize, fitted: usize) -> Whiteness {
     let mut curves: Vec<Vec<f64>> = Vec::new();

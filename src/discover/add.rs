@@ -83,7 +83,7 @@ fn conclude(
     seed: u32,
 ) -> Change {
     let calibration = calibrate(&model, keys, &table.points, Tolerance::default(), seed);
-    let after = compare::judge(scenario, table, &model, &calibration, (true, 1.0));
+    let after = compare::judge(scenario, table, &model, &calibration, true);
     // In units of the scatter that the better of the two leaves.
     let (one, other) = (before.fit.evaluation.chi2(), after.fit.evaluation.chi2());
     let readings = after.overall.readings as f64;

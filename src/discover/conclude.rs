@@ -102,7 +102,7 @@ impl Search<'_> {
 
     pub(super) fn comparison(&self, hypothesis: &Hypothesis, profile: bool, noise: f64) -> Comparison {
         let calibration = Calibration { fit: hypothesis.fit.clone(), threshold: HUBER * noise };
-        compare::judge(self.scenario, self.table, &hypothesis.model, &calibration, (profile, noise))
+        compare::judge(self.scenario, self.table, &hypothesis.model, &calibration, profile)
     }
 
     /// All hypotheses of the first round and those about the explanation, the best first.

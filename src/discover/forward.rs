@@ -12,8 +12,6 @@ use crate::scenario::Scenario;
 use crate::solver::cycle::Tolerance;
 use rayon::prelude::*;
 
-/// The stated noise is contradicted by a scatter that differs by more than this factor.
-const NOISE_DIFFERS: f64 = 1.25;
 /// Sum of squares per reading up to which structure may be left by a fit that is not quite the best.
 const NEARLY: f64 = 1.1;
 /// Where structure is left, additions whose sum of squares is within this factor of the best are carried on ...
@@ -387,15 +385,11 @@ impl Search<'_> {
     /// Scatter of the residuals of a hypothesis about anything smooth, over the stated noise, where it differs from one by
     /// more than chance.
     pub(super) fn noise(&self, hypothesis: &Hypothesis) -> f64 {
-        let (factor, contradicted) = self.scatter(hypothesis);
-        if contradicted { factor } else { 1.0 }
+        self.whiteness(hypothesis).map_or(1.0, |white| white.noise())
     }
 
     pub(super) fn scatter(&self, hypothesis: &Hypothesis) -> (f64, bool) {
-        let Some(white) = self.whiteness(hypothesis) else { return (1.0, false) };
-        let factor = white.rough_chi2.sqrt();
-        let sure = (factor.ln()).abs() > 4.0 / (2.0 * white.rough_freedom.max(1.0)).sqrt();
-        (factor, sure && !(1.0 / NOISE_DIFFERS..NOISE_DIFFERS).contains(&factor))
+        self.whiteness(hypothesis).map_or((1.0, false), |white| white.scatter())
     }
 
     /// Tests of the residuals; `None` where the fit is to a part of the points.

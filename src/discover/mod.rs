@@ -86,6 +86,17 @@ pub struct Step {
     pub held_out: Option<HeldOut>,
 }
 
+impl Step {
+    /// What it is called.
+    pub fn name(&self) -> String {
+        match &self.added {
+            Some(added) => format!("+ {added}"),
+            None if self.comparison.scenario.free.is_empty() => "base, as stated".into(),
+            None => "base, calibrated".into(),
+        }
+    }
+}
+
 /// A ranked hypothesis.
 #[derive(Debug, Clone)]
 pub struct Candidate {

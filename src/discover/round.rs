@@ -40,11 +40,12 @@ pub(super) const CONTESTED: f64 = 40.0;
 const NEAR: f64 = 10.0;
 /// ... by so many continuations at most, ...
 const SETTLED: usize = 8;
-/// ... as long as one lowers the sum of squares by more than this share of it.
-const PAYS: f64 = 1.5e-4;
+/// ... as long as one lowers the sum of squares by more than this, times what is left of a reading where that is more than one.
+const PAYS: f64 = 0.1;
 /// At least so many of those to the calibrated base are followed, ...
 const FOLLOWED: usize = 2;
-/// ... and of those to something more at most so many where the best leaves more than so much of every reading, on average.
+/// ... and of those to something more at most so many, continua of sliders aside, where the best leaves more than this many
+/// times the noise.
 const FOLLOWED_FAR: usize = 4;
 const FAR: f64 = 3.0;
 
@@ -277,7 +278,7 @@ impl Search<'_> {
         let mut order: Vec<usize> = (0..found.len()).filter(|&i| gaining(&&found[i]) && !explored[i].costly).collect();
         order.sort_by(|&i, &j| criterion(&found[i]).total_cmp(&criterion(&found[j])));
         order.iter().take(at_least).for_each(|&i| full[i] = true);
-        let far = goal.is_none() && least > FAR * self.data.part_readings() as f64;
+        let far = goal.is_none() && least > FAR * self.noise(from).powi(2) * self.data.part_readings() as f64;
         if far && !from.additions.is_empty() {
             order.iter().skip(FOLLOWED_FAR).for_each(|&i| full[i] = false);
         }
@@ -297,11 +298,14 @@ impl Search<'_> {
         let noise = noises.fold(1.0, f64::max);
         let least = least.min(NEAR * noise.powi(2) * self.readings() as f64);
         let close = |e: &&mut Entry| e.full && objective(e) <= least + CONTESTED;
-        let bic = |h: &Hypothesis| self.bic(h, noise);
-        let best = goal.map_or(f64::INFINITY, |(_, goal)| bic(goal));
-        let best = found.iter().filter(full).map(|e| bic(&e.found.hypothesis)).fold(best, f64::min);
-        // What at the pace of its last continuation does not come level any more is left where it is.
-        let level = |h: &Hypothesis, gain: f64| bic(h) - gain / noise.powi(2) < best + MARGIN;
+        // What at the pace of its last continuation does not come level with the best any more is left where it is.
+        let all = found.iter().filter(full).map(|e| &e.found.hypothesis).chain(goal.map(|(_, goal)| goal));
+        let best = all.min_by(|a, b| a.fit.objective.total_cmp(&b.fit.objective));
+        let (noise, aim) = best.map_or((1.0, f64::INFINITY), |best| {
+            let noise = self.noise(best);
+            (noise, self.bic(best, noise) + MARGIN)
+        });
+        let level = |h: &Hypothesis, gain: f64| self.bic(h, noise) - gain / noise.powi(2) < aim;
         found.par_iter_mut().filter(close).for_each(|e| self.settle_while(&mut e.found.hypothesis, level));
         Round { found, explored, attempts, thorough: false }
     }
@@ -323,7 +327,8 @@ impl Search<'_> {
             if gain > 0.0 {
                 hypothesis.fit = fit;
             }
-            if gain < PAYS * hypothesis.fit.objective || !matters(hypothesis, left as f64 * gain) {
+            let left_over = (hypothesis.fit.objective / self.readings() as f64).max(1.0);
+            if gain < PAYS * left_over || !matters(hypothesis, left as f64 * gain) {
                 break;
             }
         }

@@ -3,6 +3,7 @@
 use super::{Discovery, Verdict};
 use crate::effects::REGISTRY;
 use crate::fit::{Identified, Interval, Parameter};
+use crate::units::count;
 
 /// The verdict in a sentence.
 pub fn sentence(d: &Discovery) -> String {
@@ -12,13 +13,14 @@ pub fn sentence(d: &Discovery) -> String {
     let all = end.hypothesis.label();
     match d.verdict {
         Verdict::NothingMissing if d.not_testable.is_empty() => {
-            "nothing is missing; the calibrated model explains the data within their noise".into()
+            format!("nothing is missing; the calibrated model explains the data within {}", noise(d))
         }
         Verdict::NothingMissing => format!(
             "nothing is missing that these data can show, and {} of {} effects they cannot; the calibrated model explains \
-             them within their noise",
+             them within {}",
             d.not_testable.len(),
-            REGISTRY.len()
+            REGISTRY.len(),
+            noise(d)
         ),
         Verdict::Recalibrate => format!("recalibrate {}: no effect is needed", recalibrated.join(", ")),
         Verdict::EffectMissing if recalibrated.is_empty() => format!("missing: {}", effects.join(" + ")),
@@ -27,6 +29,19 @@ pub fn sentence(d: &Discovery) -> String {
             "unexplained: structured misfit is left, and nothing of the catalogue reduces it".into()
         }
         Verdict::Unexplained => format!("unexplained: {all} helps, but structured misfit is left"),
+    }
+}
+
+/// What the data are explained within: their noise, or their scatter where that contradicts it; and what stands out.
+fn noise(d: &Discovery) -> String {
+    let noise = if d.noise.contradicted {
+        format!("their scatter, {:.2} times the stated noise", d.noise.factor)
+    } else {
+        "their noise".into()
+    };
+    match d.outliers.len() {
+        0 => noise,
+        n => format!("{noise}, {} aside that {} out", count(n, "reading"), if n == 1 { "stands" } else { "stand" }),
     }
 }
 

@@ -30,8 +30,8 @@ impl Effect for MaxwellBranch {
     }
     fn fingerprint(&self) -> &'static str {
         "V = 0: the peak moves up by the in-phase part k₁(ωτ)²/(1 + (ωτ)²) and is lowered by the quadrature part \
-         k₁ωτ/(1 + (ωτ)²), exactly. Partial stick: the same in proportion to the share of stick. Full slip: \
-         nothing, since the bristles do not move."
+         k₁ωτ/(1 + (ωτ)²), exactly. Partial stick: it is lowered, too; where it lies depends on how the \
+         share of stick changes, and it may move down. Full slip: nothing, since the bristles do not move."
     }
     fn zero(&self) -> &'static [Zero] {
         &[Zero { parameter: 0, value: 0.0 }]

@@ -6,7 +6,7 @@ use super::data::{self, health};
 use super::legend::{Entry, Key, legend, legend_width};
 use super::marks::Mark;
 use super::scheme::{Scheme, Styled, draw_curve, draw_limit, limit_band, limit_name, limit_points, limits};
-use super::style::{INK, Table, Unit, WIDTH, cell};
+use super::style::{INK, Table, Unit, WIDTH, cell, count};
 use super::{Drawing, Figure, FigureError};
 use crate::solver::SteadyState;
 use crate::sweep::{Curve, LimitCurve, Outcome};
@@ -220,11 +220,11 @@ impl Figure for Resonance {
             ),
             _ => String::new(),
         };
-        let count = data.scheme.curves.len();
+        let drawn = data.scheme.curves.len();
         let (from, to) = range(curves.iter().flat_map(|curve| curve.frequency.iter().copied()));
         let caption = format!(
-            "Amplitude α and phase φ of the arm at the drive frequency, {count} computed curve{} from {} to {} Hz; wide and pale, the limiting cases.{peaks}{}{}{}",
-            if count == 1 { "" } else { "s" },
+            "Amplitude α and phase φ of the arm at the drive frequency, {} from {} to {} Hz; wide and pale, the limiting cases.{peaks}{}{}{}",
+            count(drawn, "computed curve"),
             cell(from),
             cell(to),
             coincidence(&curves, data.scheme.nested),
@@ -232,7 +232,8 @@ impl Figure for Resonance {
             health(&curves)
         );
         let alt = format!(
-            "Two stacked graphs against frequency: amplitude with resonance peaks, and phase falling through resonance, for {count} conditions and the limiting cases as wide pale lines beneath."
+            "Two stacked graphs against frequency: amplitude with resonance peaks, and phase falling through resonance, for {} and the limiting cases as wide pale lines beneath.",
+            count(drawn, "condition")
         );
         let svg = data.draw(self.title(), &alt)?;
         Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))

@@ -2,6 +2,7 @@
 
 use super::FigureError;
 use super::canvas::{Dash, FINE};
+pub use crate::units::count;
 use plotters::style::colors::colormaps::{ColorMap, ViridisRGB};
 use plotters::style::{FontDesc, FontFamily, FontStyle, RGBColor, register_font};
 use resvg::{tiny_skia, usvg};
@@ -190,11 +191,6 @@ pub fn power_of_ten(exponent: i32) -> String {
 /// A difference in percent, of an error budget say; what the solvers cannot resolve is said to be below that.
 pub fn budget_percent(percent: f64) -> String {
     if percent < 1e-3 { "< 0.001 %".into() } else { format!("{} %", significant(percent, 3)) }
-}
-
-/// `1 point`, `2 points`.
-pub fn count(number: usize, word: &str) -> String {
-    if number == 1 { format!("1 {word}") } else { format!("{number} {word}s") }
 }
 
 /// The font of all figures as plotters knows it; its size is in units of the backend.

@@ -250,7 +250,7 @@ impl<'p, 'a> Side<'p, 'a> {
         let mut inside = (0.0, 0.0);
         let mut outside: Option<(f64, f64)> = None;
         let mut next = refit.step;
-        // From where the others are tied: a refit beyond the end may have gone astray.
+        // From where the others are tied, the last refit inside the interval: one beyond its end may have gone astray.
         let mut tie = (refit.step, refit.values.clone());
         for trial in 0..TRIALS {
             if trial > 0 {
@@ -272,7 +272,7 @@ impl<'p, 'a> Side<'p, 'a> {
             } else {
                 outside = Some((step, rise));
             }
-            if rise < goal || tie.0 < 0.5 * step {
+            if rise < goal || (inside.0 == 0.0 && step < tie.0) {
                 tie = (step, refit.values.clone());
             }
             // The rise goes nearly as a power of the step, at first as its square.

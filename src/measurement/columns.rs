@@ -168,14 +168,21 @@ pub(crate) fn only_value(column: usize, sweep: Option<&Sweep>, notes: &mut Vec<S
     }
 }
 
+/// Whether the name of a column says that it holds the whole swing.
+fn is_peak_to_peak(name: &str) -> bool {
+    let name = name.to_lowercase();
+    let words: Vec<&str> = name.split(|c: char| !c.is_alphanumeric()).collect();
+    words.iter().any(|word| ["pp", "p2p", "ptp", "pkpk"].contains(word) || word.ends_with("plitudepp"))
+        || words.windows(2).any(|pair| matches!(pair, ["peak", "to" | "peak"] | ["pk", "pk"] | ["p", "p"]))
+}
+
 /// Tells which columns are needed and not there, all at once.
 fn missing(sheet: &Sheet, lacking: &[usize], sweep: Option<&Sweep>, aside: &[usize], complaints: &mut Complaints<'_>) {
     let others: Vec<&str> = aside.iter().map(|index| sheet.header.cells[*index].as_str()).collect();
     let near = |column: &usize| {
         let found = nearest(STANDARD[*column], others.iter().copied());
         let found = found.or_else(|| nearest(COLUMNS[*column], others.iter().copied()))?;
-        let lower = found.to_lowercase();
-        if *column == AMPLITUDE && ["pp", "p2p", "ptp", "peak_to", "peak-to"].iter().any(|mark| lower.contains(mark)) {
+        if *column == AMPLITUDE && is_peak_to_peak(found) {
             return Some(format!("is {} peak to peak? The amplitude is half of that", quote(found)));
         }
         Some(format!("is {} the {}?", quote(found), COLUMNS[*column]))
@@ -215,5 +222,29 @@ fn name_aside(sheet: &Sheet, slots: &[Option<Slot>; 9], aside: &[usize], notes: 
     if !aside.is_empty() {
         let names: Vec<String> = aside.iter().map(name).collect();
         notes.push(format!("not used: {}", names.join(", ")));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_peak_to_peak;
+
+    #[test]
+    fn the_whole_swing_is_told_from_words_that_merely_look_like_it() {
+        for name in [
+            "theta_pp_urad",
+            "PP [rad]",
+            "p2p",
+            "peak-to-peak",
+            "Angle (peak to peak)",
+            "alpha_pk_pk",
+            "amplitudePP_urad",
+            "amplitude_p-p",
+        ] {
+            assert!(is_peak_to_peak(name), "{name}");
+        }
+        for name in ["applied_angle", "stepped", "peak_angle", "amplitude"] {
+            assert!(!is_peak_to_peak(name), "{name}");
+        }
     }
 }

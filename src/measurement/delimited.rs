@@ -4,6 +4,7 @@ use super::sheet::{Complaints, Row, Sheet};
 use crate::error::{Error, Result};
 use crate::scenario::diagnostic::{Place, whole_file};
 use crate::scenario::source::Source;
+use crate::units::count;
 
 /// Takes the text apart; the separator is told by the header line unless it is known.
 pub(crate) fn sheet(source: Source, delimiter: Option<u8>) -> Result<Sheet> {
@@ -115,12 +116,12 @@ fn check_shape(sheet: &Sheet) -> Result<()> {
         if cells >= width && surplus.is_none() {
             continue;
         }
-        let title = format!("the row has {}, the header has {width}", plural(cells, "cell"));
+        let title = format!("the row has {}, the header has {width}", count(cells, "cell"));
         let (place, label) = match surplus {
             Some(at) => (sheet.place(row, width + at), "no column belongs to this".to_string()),
             None => {
                 let end = sheet.row_place(row).span.end;
-                (Place { file: 0, span: end..end }, format!("{} missing", plural(width - cells, "cell")))
+                (Place { file: 0, span: end..end }, format!("{} missing", count(width - cells, "cell")))
             }
         };
         let help = if surplus.is_some() && sheet.delimiter == b',' {
@@ -131,8 +132,4 @@ fn check_shape(sheet: &Sheet) -> Result<()> {
         complaints.add(&place, &title, &label, help);
     }
     complaints.check()
-}
-
-fn plural(n: usize, what: &str) -> String {
-    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }

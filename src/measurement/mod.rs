@@ -120,11 +120,11 @@ impl Table {
             let word = if source == self.amplitude_noise { String::new() } else { format!("{} ", source.word()) };
             noise += &format!(" and {word}{phase:.2} deg");
         }
-        let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
         let number = |value| crate::units::format(value, "1");
         let span =
             if low == high { format!("{} Hz", number(low)) } else { format!("{}-{} Hz", number(low), number(high)) };
-        let (points, conditions) = (count(self.points.len(), "point"), count(conditions, "condition"));
+        let (points, conditions) =
+            (crate::units::count(self.points.len(), "point"), crate::units::count(conditions, "condition"));
         format!("{points}, {conditions}, {span}, {kinds}, {noise}")
     }
 

@@ -26,7 +26,7 @@ pub fn parameters(hypothesis: &Hypothesis, setting: &Setting) -> String {
 pub fn why_not(hypothesis: &Hypothesis) -> String {
     match (hypothesis.can(), hypothesis.idle) {
         (true, _) => String::new(),
-        (false, true) => "without influence here".into(),
+        (false, true) => "comes no closer than without it".into(),
         (false, false) => unmet(&hypothesis.best.features),
     }
 }
@@ -153,7 +153,7 @@ pub fn lines(answer: &Answer) -> Vec<String> {
     }
     let idle: Vec<&str> = answer.hypotheses.iter().filter(|h| h.idle).map(|h| h.effect.name()).collect();
     if !idle.is_empty() {
-        lines.push(format!("  without influence here: {}", idle.join(", ")));
+        lines.push(format!("  no closer than without them: {}", idle.join(", ")));
     }
     if !answer.otherwise.is_empty() {
         lines.push(format!("  with another tolerance, {}", otherwise(answer)));

@@ -11,6 +11,7 @@ use crate::compare::{Comparison, ConditionMetrics, Peak};
 use crate::figures::style::budget_percent;
 use crate::fit::{Identified, Interval, Parameter};
 use crate::solver::Status;
+use crate::units::count;
 
 /// Figures shown at once; the others are folded.
 const FIRST: [&str; 3] = ["overlay", "misfit-map", "contact-fingerprint"];
@@ -18,8 +19,6 @@ const FIRST: [&str; 3] = ["overlay", "misfit-map", "contact-fingerprint"];
 const REGIONS: usize = 6;
 /// Outliers listed.
 const OUTLIERS: usize = 24;
-/// Mean square of unstructured residuals from which on the noise is larger than stated.
-const NOISY: f64 = 1.5;
 
 impl ScenarioView {
     /// The section with a comparison in it. The model's points count like those of a sweep.
@@ -79,7 +78,7 @@ pub fn comparison_view(c: &Comparison, figures: &[FigureInput]) -> ComparisonVie
 fn verdict(c: &Comparison) -> Match {
     if c.whiteness.structured {
         Match::Structured
-    } else if c.overall.chi2_per_point > NOISY {
+    } else if c.whiteness.noise() > 1.0 {
         Match::Noisy
     } else {
         Match::Noise
@@ -93,6 +92,10 @@ fn sentence(c: &Comparison, verdict: Match) -> String {
         Match::Noisy => "What the model leaves has no structure, but is larger than the stated noise",
         Match::Noise => "What the model leaves looks like noise",
     };
+    let aside = match c.outliers.len() {
+        0 => String::new(),
+        n => format!(" with {} that {} out", count(n, "reading"), if n == 1 { "stands" } else { "stand" }),
+    };
     let phase = match (m.rms_phase_deg, m.noise_phase_deg) {
         (Some(error), Some(noise)) => {
             format!(", phase {} (noise {})", shown(error, "°", 3).text, shown(noise, "°", 2).text)
@@ -100,7 +103,7 @@ fn sentence(c: &Comparison, verdict: Match) -> String {
         _ => String::new(),
     };
     format!(
-        "{what}: χ² per reading {} (noise alone: 1); root mean square error of the amplitude {} (noise {}){phase}.",
+        "{what}: χ² per reading {}{aside} (noise alone: 1); root mean square error of the amplitude {} (noise {}){phase}.",
         quantity(m.chi2_per_point, "1", 3),
         quantity(m.rms_error_percent, "%", 3),
         quantity(m.noise_percent, "%", 2)

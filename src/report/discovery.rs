@@ -113,7 +113,7 @@ fn contact(d: &Discovery) -> String {
 fn step(step: &Step) -> StepView {
     let m = &step.comparison.overall;
     StepView {
-        name: step.added.as_ref().map_or("base, calibrated".into(), |name| format!("+ {name}")),
+        name: step.name(),
         chi2: shown(m.chi2_per_point, "1", 3),
         error: shown(m.rms_error_percent, "%", 3),
         noise: shown(m.noise_percent, "%", 2),

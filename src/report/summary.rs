@@ -8,6 +8,7 @@ use super::view::{
     CheckView, ClaimView, ComparisonView, DiscoveryView, EffectView, Headline, ReportView, SCHEMA, ScenarioView,
     SummaryView, TallyView,
 };
+use crate::units;
 
 /// Ids of the page's own sections.
 pub const SECTIONS: [&str; 10] =
@@ -29,6 +30,12 @@ impl ReportView {
         mut verification: Vec<CheckView>,
         provenance: &Provenance,
     ) -> Self {
+        let titles: Vec<String> = scenarios.iter().map(|scenario| scenario.title.clone()).collect();
+        for scenario in &mut scenarios {
+            if titles.iter().filter(|title| **title == scenario.title).count() > 1 {
+                scenario.title = format!("{} ({})", scenario.title, scenario.id);
+            }
+        }
         let mut anchors = Anchors::default();
         for section in SECTIONS {
             anchors.claim(section);
@@ -206,18 +213,16 @@ fn sentence(claims: &[ClaimView], scenarios: &[ScenarioView], checks: &[CheckVie
     }
     if points > 0 {
         parts.push(format!(
-            "{steady} of {points} points in {} {} are steady states",
-            scenarios.len(),
-            plural(scenarios.len(), "scenario")
+            "{steady} of {points} points in {} are steady states",
+            units::count(scenarios.len(), "scenario")
         ));
     }
     let matches: Vec<Match> = comparisons(scenarios).map(|(_, c)| c.verdict).collect();
     if !matches.is_empty() {
         let good = matches.iter().filter(|verdict| **verdict == Match::Noise).count();
         parts.push(format!(
-            "the model matches {good} of {} {} of measurements within the noise{}",
-            matches.len(),
-            plural(matches.len(), "table"),
+            "the model matches {good} of {} of measurements within the noise{}",
+            units::count(matches.len(), "table"),
             synthetic(scenarios)
         ));
         let found = |wanted: &[Found]| {
@@ -229,13 +234,9 @@ fn sentence(claims: &[ClaimView], scenarios: &[ScenarioView], checks: &[CheckVie
         }
     }
     if !checks.is_empty() {
-        parts.push(format!("{agree} of {} {} of the solvers agree", checks.len(), plural(checks.len(), "check")));
+        parts.push(format!("{agree} of {} of the solvers agree", units::count(checks.len(), "check")));
     }
     if parts.is_empty() { "Nothing was computed.".into() } else { format!("{}.", parts.join("; ")) }
-}
-
-fn plural(count: usize, word: &str) -> String {
-    if count == 1 { word.into() } else { format!("{word}s") }
 }
 
 fn headlines(claims: &[ClaimView], scenarios: &[ScenarioView], checks: &[CheckView]) -> Vec<Headline> {

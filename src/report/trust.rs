@@ -197,7 +197,10 @@ fn otherwise(main: &Series, others: &[Series]) -> Vec<OtherwiseView> {
         if levels.is_empty() {
             let noise: Vec<String> =
                 noise_levels(&series.summary).iter().map(|n| quantity(100.0 * n, "%", 2)).collect();
-            let conditions = format!("{}, noise of {}", series.otherwise, noise.join(", "));
+            let conditions = match noise.as_slice() {
+                [] => series.otherwise.to_string(),
+                some => format!("{}, noise of {}", series.otherwise, some.join(", ")),
+            };
             rows.extend(series.summary.scores.first().map(|s| row(conditions, s)));
         }
         let noise = |s: &&Scores| quantity(100.0 * s.noise.unwrap_or(f64::NAN), "%", 2);
@@ -218,7 +221,7 @@ fn cause_view(s: &Summary, cause: &ByCause) -> CauseView {
     };
     let mut others: Vec<(String, usize)> = Vec::new();
     let missed = |score: &Score| !score.verdict || score.named == Some(false) || score.recalibration == Some(false);
-    let own = if cause.cause == "none" { "nothing".to_string() } else { crate::trial::sorted(&cause.cause) };
+    let own = crate::trial::sorted(&cause.cause);
     for record in &mine {
         let (Some(found), Some(score)) = (&record.found, &record.score) else { continue };
         if found.label() == own || (kind == Some(Kind::Outside) && score.verdict) {
@@ -234,7 +237,7 @@ fn cause_view(s: &Summary, cause: &ByCause) -> CauseView {
     let instead: Vec<String> =
         others.iter().map(|(name, n)| if *n > 1 { format!("{name} ({n})") } else { name.clone() }).collect();
     CauseView {
-        cause: cause.cause.clone(),
+        cause: crate::trial::shown(&cause.cause).into(),
         trials: x.trials,
         verdict: format!("{} of {}", x.verdict.successes, x.verdict.of),
         named: named.map_or(NONE.into(), |p| format!("{} of {}", p.successes, p.of)),

@@ -26,6 +26,8 @@ pub struct Estimate {
     /// A unit of the last digit that shows in the predictions, given the values of the other parameters: where estimates
     /// are tied together, it is smaller than their intervals. Infinite where nothing shows.
     pub felt: f64,
+    /// Whether the data contradict the model that it was fitted with.
+    pub contradicted: bool,
 }
 
 /// A number on paper: what goes into the file, and what the comment beside it says.
@@ -57,7 +59,8 @@ impl Estimate {
             (None, Some(high)) => format!("at most {}{unit}", number(high)),
             (None, None) => "not determined by these data".into(),
         };
-        Written { literal: format!("{}{value}{}", style.before, style.after), interval }
+        let doubt = if self.contradicted { ", were the model right" } else { "" };
+        Written { literal: format!("{}{value}{}", style.before, style.after), interval: interval + doubt }
     }
 
     /// Power of ten of the last digit that is written, in units of `factor`.
@@ -143,7 +146,7 @@ mod tests {
 
     fn written(value: f64, half: f64, unit: &'static str, old: Option<&str>) -> (String, String) {
         let (low, high) = (Some(value - half), Some(value + half));
-        let one = Estimate { key: "k".into(), value, unit, low, high, felt: f64::INFINITY };
+        let one = Estimate { key: "k".into(), value, unit, low, high, felt: f64::INFINITY, contradicted: false };
         let written = one.written(old);
         (written.literal, written.interval)
     }
@@ -171,7 +174,15 @@ mod tests {
 
     #[test]
     fn open_ends_are_said_in_words() {
-        let one = |low, high| Estimate { key: "k".into(), value: 0.123_456, unit: "1", low, high, felt: f64::INFINITY };
+        let one = |low, high| Estimate {
+            key: "k".into(),
+            value: 0.123_456,
+            unit: "1",
+            low,
+            high,
+            felt: f64::INFINITY,
+            contradicted: false,
+        };
         assert_eq!(one(Some(0.1), None).written(None).interval, "at least 0.100");
         assert_eq!(one(None, Some(0.2)).written(None).interval, "at most 0.200");
         let written = one(None, None).written(None);
@@ -181,8 +192,19 @@ mod tests {
     #[test]
     fn estimates_that_are_tied_together_keep_the_digits_that_show() {
         let (low, high) = (Some(0.1), Some(0.2));
-        let one = Estimate { key: "k".into(), value: 0.151_234, unit: "1", low, high, felt: 3e-5 }.written(None);
+        let one = Estimate { key: "k".into(), value: 0.151_234, unit: "1", low, high, felt: 3e-5, contradicted: false }
+            .written(None);
         assert_eq!((one.literal.as_str(), one.interval.as_str()), ("0.15123", "0.100 to 0.200"));
+        let one = Estimate {
+            key: "k".into(),
+            value: 0.15,
+            unit: "1",
+            low: Some(0.1),
+            high: None,
+            felt: 1.0,
+            contradicted: true,
+        };
+        assert!(one.written(None).interval.ends_with(", were the model right"));
     }
 
     #[test]
@@ -191,7 +213,15 @@ mod tests {
             for exponent in -10..10 {
                 for old in [None, Some("1"), Some("1e3")] {
                     let value = 1.234_567 * 10f64.powi(exponent);
-                    let one = Estimate { key: "k".into(), value, unit, low: None, high: None, felt: f64::INFINITY };
+                    let one = Estimate {
+                        key: "k".into(),
+                        value,
+                        unit,
+                        low: None,
+                        high: None,
+                        felt: f64::INFINITY,
+                        contradicted: false,
+                    };
                     let text = one.written(old).literal;
                     let bare = text.parse().ok();
                     let again = bare.or_else(|| units::parse(text.trim_matches('"'), unit).ok()).expect(&text);

@@ -160,7 +160,7 @@ pub struct Scenario {
     pub title: String,
     /// What the scenario is about, one or two sentences; may be empty.
     pub description: String,
-    /// Where the numbers come from: "published number", "independent computation", "synthetic, hidden effect", "measured"; may be empty.
+    /// Where the numbers come from: "published number", "independent computation", "synthetic, hidden effect if any", "measured"; may be empty.
     pub provenance: String,
     /// Where the numbers come from that stand in a file that this one extends, by their keys, e.g. `rig.inertia`.
     #[serde(skip)]
@@ -181,8 +181,8 @@ pub struct Scenario {
     pub question: Option<Question>,
     /// Keys of the parameters that a calibration may move, e.g. `contact.stiffness`.
     pub free: Vec<String>,
-    /// Names of the figures to draw; empty means the default ones.
-    pub figures: Vec<String>,
+    /// Names of the figures of the sweep to draw; `None` means the default ones.
+    pub figures: Option<Vec<String>>,
     /// What has to hold.
     pub gate: Gate,
 }

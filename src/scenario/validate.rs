@@ -54,9 +54,8 @@ fn read(
         Some(text.split_whitespace().collect::<Vec<_>>().join(" "))
     };
     let (description, provenance) = (text("description"), text("provenance"));
-    let figures = get("figures")
-        .map(|node| reader.names("figures", node, options.figure_names, "a figure that can be drawn"))
-        .unwrap_or_default();
+    let figures =
+        get("figures").map(|node| reader.names("figures", node, options.figure_names, "a figure that can be drawn"));
 
     let rig = rig(reader, entries);
     let contact = contact(reader, entries);

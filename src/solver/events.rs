@@ -123,6 +123,19 @@ impl Start<'_> {
         Err(self.lost())
     }
 
+    /// Whether the event function has fallen through zero by one of the stages. One that begins a rounding below zero has to
+    /// rise first.
+    fn ended(&self, e: [f64; 3]) -> bool {
+        let mut risen = self.event > 0.0;
+        for e in e {
+            if risen && e <= 0.0 {
+                return true;
+            }
+            risen |= e > 0.0;
+        }
+        !risen && e[2] <= self.event
+    }
+
     fn lost(&self) -> String {
         format!("an event at {:.4} of the cycle could not be located", self.time / self.system.period())
     }
@@ -142,7 +155,7 @@ impl Start<'_> {
         let mut tau = first_root(self.event, e);
         let mut before: Option<(f64, f64)> = None;
         // Sizes between which the place lies, as far as they are known.
-        let (mut low, mut high) = (0.0, f64::INFINITY);
+        let (mut low, mut high) = (0.0, if self.ended(e) { size } else { f64::INFINITY });
         for number in 0..TRIALS {
             let mut trial = (size * tau).max(1e-14 * full);
             let outside = trial <= low || trial >= high || (number >= SMOOTH_TRIALS && number % 2 == 0);
@@ -150,10 +163,10 @@ impl Start<'_> {
                 trial = 0.5 * (low + high);
             }
             e = self.step(stepper, trial)?;
-            if e.iter().all(|&e| e > 0.0) {
-                low = f64::max(low, trial);
-            } else {
+            if self.ended(e) {
                 high = f64::min(high, trial);
+            } else {
+                low = f64::max(low, trial);
             }
             let changed = (trial - size).abs();
             size = trial;

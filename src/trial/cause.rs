@@ -122,6 +122,11 @@ impl std::fmt::Debug for Cause {
     }
 }
 
+/// A cause by its name as a reader is told it: what was not planted is `nothing`.
+pub fn shown(cause: &str) -> &str {
+    if cause == "none" { "nothing" } else { cause }
+}
+
 /// All names, in the order in which they are planted.
 fn names(kind: Option<Kind>) -> Vec<String> {
     let mut all = vec![(Kind::None, "none".to_string())];

@@ -25,7 +25,7 @@ mod visible;
 
 pub use agreement::{Both, agreement, load};
 pub use answer::{Answer, Draws, Seal, open, seal};
-pub use cause::{Cause, Kind, causes, numbered_causes};
+pub use cause::{Cause, Kind, causes, numbered_causes, shown};
 pub use committed::{Series, committed};
 pub use conditions::{Bench, practice};
 pub use draw::{Planted, draw};

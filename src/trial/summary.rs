@@ -1,6 +1,6 @@
 //! Counting the scores.
 
-use super::cause::Kind;
+use super::cause::{Kind, shown};
 use super::proportion::Proportion;
 use super::record::Record;
 use super::score::{Score, Share};
@@ -222,7 +222,7 @@ fn confusion(records: &[Record], planted: Vec<String>) -> Confusion {
     let answers = records.iter().filter_map(|r| Some((r.answer.cause.as_str(), r.found.as_ref()?.label(), tied(r))));
     let answers: Vec<(&str, String, bool)> = answers.collect();
     // What is named as it is planted stands on the diagonal, the rest behind it.
-    let own = |name: &String| if name == "none" { "nothing".to_string() } else { sorted(name) };
+    let own = |name: &String| sorted(name);
     let known = unique(planted.iter().map(own).chain(answers.iter().map(|(_, label, _)| label.clone())));
     let named: Vec<String> = known.into_iter().filter(|n| answers.iter().any(|(_, label, _)| label == n)).collect();
     let count = |wanted: &dyn Fn(&String, &String, bool) -> bool| -> Vec<Vec<usize>> {
@@ -239,7 +239,7 @@ fn confusion(records: &[Record], planted: Vec<String>) -> Confusion {
 
 /// A planted name as a search would write it.
 pub(crate) fn sorted(name: &str) -> String {
-    let mut names: Vec<&str> = name.split('+').collect();
+    let mut names: Vec<&str> = shown(name).split('+').collect();
     names.sort_unstable();
     names.join(" + ")
 }

@@ -195,7 +195,7 @@ fn scenario(sweep: Sweep) -> Scenario {
         measurement: None,
         question: None,
         free: Vec::new(),
-        figures: Vec::new(),
+        figures: None,
         gate: Default::default(),
     }
 }

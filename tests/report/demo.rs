@@ -44,7 +44,7 @@ pub fn scenario(id: &str, title: &str) -> Scenario {
         measurement: None,
         question: None,
         free: Vec::new(),
-        figures: Vec::new(),
+        figures: None,
         gate: Default::default(),
     }
 }

@@ -3,7 +3,7 @@
 use crate::compare::Comparison;
 use crate::figures::canvas::{Stroke, Type, document};
 use crate::figures::legend::{Key, legend};
-use crate::figures::style::{Color, GREY, SLIP_BAND, STATIC, Table, WHITE, WIDTH, budget_percent, cell, significant};
+use crate::figures::style::{Color, GREY, SLIP_BAND, STATIC, Table, WHITE, WIDTH, budget_percent, cell};
 use crate::figures::{Drawing, Figure, FigureError};
 
 const LEFT: f64 = 40.0;
@@ -66,7 +66,7 @@ impl Figure<Comparison> for Budget {
                 let text = format!("{name}: {}", number(value));
                 let left = LEFT + width / 3.0 * index as f64;
                 legend(canvas, left, TOP + BAR + 8.0, &[(Key::Patch(color), text)]);
-                let text = format!("{} % of the square", significant(100.0 * share(value), 3));
+                let text = format!("{} of the square", budget_percent(100.0 * share(value)));
                 let small = Type { size: 13.0, color: GREY, ..Type::default() };
                 canvas.text((left + 44.0, TOP + BAR + 50.0), &text, small);
             }

@@ -16,6 +16,8 @@ use crate::figures::marks::Mark;
 use crate::figures::style::{Color, DASH_SLIP, DOTS, INK, Unit, WIDTH, count, significant, text_width};
 use crate::figures::{Drawing, Figure, FigureError};
 
+/// By how much the first of several lines is wider than the last, at most.
+const WIDER: f64 = 3.9;
 const LEFT: f64 = 92.0;
 /// Right of the panels: names of the reference lines.
 const RIGHT: f64 = 84.0;
@@ -190,9 +192,12 @@ impl<'a> Data<'a> {
                 }
             });
         }
-        for curve in &column.curves {
+        for (index, curve) in column.curves.iter().enumerate() {
             let line: Vec<Point> = curve.model.iter().map(|p| place(p)).collect();
-            of_curve(canvas, curve, &|canvas| panel.curve(canvas, &line, Stroke::solid(curve.color, 1.5)));
+            // The first ones wider: a line that later ones coincide with shows beside them.
+            let after = column.curves.len() - 1 - index;
+            let width = 1.4 + (1.3 * after as f64).min(WIDER * after as f64 / (column.curves.len() - 1).max(1) as f64);
+            of_curve(canvas, curve, &|canvas| panel.curve(canvas, &line, Stroke::solid(curve.color, width)));
         }
         for curve in &column.curves {
             of_curve(canvas, curve, &|canvas| {

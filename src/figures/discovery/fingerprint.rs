@@ -1,6 +1,6 @@
 //! What the contact did before and after: measured stiffness and damping beside those of base and explanation.
 
-use super::{color, dash, ladder_of, name};
+use super::{color, dash, ladder_of};
 use crate::compare::{ContactPoint, fingerprint};
 use crate::discover::{Discovery, Step};
 use crate::figures::axes::{Axis, Panel};
@@ -127,7 +127,7 @@ impl<'a> Data<'a> {
         canvas.series(MEASURED, |canvas| {
             canvas.within(panel, |canvas| readings.for_each(|p| reading(canvas, p)));
         });
-        for ((points, stroke), name) in self.models().into_iter().zip([&name(self.base), EXPLANATION]) {
+        for ((points, stroke), name) in self.models().into_iter().zip([&self.base.name(), EXPLANATION]) {
             let line: Vec<Point> = points.iter().filter(|p| p.condition == condition).map(place).collect();
             canvas.series(name, |canvas| panel.curve(canvas, &line, stroke));
         }
@@ -137,7 +137,7 @@ impl<'a> Data<'a> {
         let [(_, base), (_, end)] = self.models();
         let entries: [Entry; 3] = [
             (Key::Mark(Mark::Circle, INK, true), MEASURED.into()),
-            (Key::Line(base), name(self.base)),
+            (Key::Line(base), self.base.name()),
             (Key::Line(end), EXPLANATION.into()),
         ];
         let mut x = LEFT;
@@ -189,7 +189,7 @@ impl Figure<Discovery> for Fingerprint {
         let panels = count(data.shown.len(), "condition");
         let alt = format!(
             "Two rows of panels for {panels}, stiffness above and damping below against frequency: measured points with bars, a \
-             dashed line for the calibrated base and a solid one for the explanation."
+             dashed line for the base and a solid one for the explanation."
         );
         let svg = data.draw(self.title(), &alt)?;
         let rig = if discovery.explanation().hypothesis.recalibrated().is_empty() {
@@ -200,7 +200,7 @@ impl Figure<Discovery> for Fingerprint {
         let added = discovery.explanation().hypothesis.label();
         let caption = format!(
             "Dynamic stiffness and damping that the contact must have had, from the readings and the rig alone, at the {panels} \
-             where the base fails most; dashed, what one would find if the readings were the curves of the calibrated base; solid, that of the explanation, with {added}.{rig} \
+             where the base fails most; dashed, what one would find if the readings were the curves of the base; solid, that of the explanation, with {added}.{rig} \
              Faded: readings that say little; some may lie beyond the axes."
         );
         Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), data.notes()))

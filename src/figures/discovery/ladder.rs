@@ -1,7 +1,7 @@
 //! The error falling step by step: chi2 per reading, and the error of the amplitude beside the noise.
 
+use super::ladder_of;
 use super::rows::Rows;
-use super::{ladder_of, name};
 use crate::discover::{Discovery, Step};
 use crate::figures::axes::{Axis, Panel};
 use crate::figures::canvas::{Canvas, Point, Stroke, Type, document};
@@ -27,7 +27,7 @@ fn noise(steps: &[Step]) -> f64 {
 }
 
 fn draw(steps: &[Step], title: &str, alt: &str) -> Result<String, FigureError> {
-    let rows = Rows::of(steps.iter().map(name), TOP, 58.0);
+    let rows = Rows::of(steps.iter().map(Step::name), TOP, 58.0);
     let width = 0.5 * (WIDTH - rows.left - GAP - RIGHT);
     let overall = |step: &Step| step.comparison.overall;
     let chi2: Vec<f64> = steps.iter().map(|s| overall(s).chi2_per_point).collect();
@@ -106,7 +106,7 @@ fn csv(steps: &[Step]) -> String {
         let numbers = [c.overall.chi2_per_point, c.overall.rms_error_percent, c.overall.noise_percent];
         let phase = c.overall.rms_phase_deg.unwrap_or(f64::NAN);
         let numbers = numbers.into_iter().chain(held_out).chain([phase, c.regions.len() as f64]).map(cell);
-        table.row(std::iter::once(name(step)).chain(numbers));
+        table.row(std::iter::once(step.name()).chain(numbers));
     }
     table.finish()
 }
@@ -137,11 +137,11 @@ impl Figure<Discovery> for Ladder {
         let error = fall(first.rms_error_percent, last.rms_error_percent);
         let noise = significant(noise(steps), 3);
         let alt = format!(
-            "Two panels with one row per step, from the calibrated base to the explanation: chi square per reading goes from \
+            "Two panels with one row per step, from the base to the explanation: chi square per reading goes from \
              {chi2}, the root mean square error of the amplitude from {error} percent; the noise is {noise} percent."
         );
         let caption = format!(
-            "One row per step, from the calibrated base downwards. Left: mean square of the errors in standard deviations, from \
+            "One row per step, from the base downwards. Left: mean square of the errors in standard deviations, from \
              {chi2}; noise alone gives 1. Right: root mean square error of the amplitude, from {error} %; the noise is {noise} %. \
              Diamonds: each condition predicted by a fit to all others, so that a step that only bends to the data shows. Both \
              axes are logarithmic."

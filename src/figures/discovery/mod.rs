@@ -15,11 +15,6 @@ use crate::discover::{Discovery, Step};
 pub static REGISTRY: &[&dyn Figure<Discovery>] =
     &[&ladder::Ladder, &overlay::Overlay, &fingerprint::Fingerprint, &parameters::Parameters, &ranking::Ranking];
 
-/// What a step of the ladder is called.
-fn name(step: &Step) -> String {
-    step.added.as_ref().map_or_else(|| "base, calibrated".into(), |added| format!("+ {added}"))
-}
-
 /// Colour of a step: from pale to dark along the ladder.
 fn color(index: usize, count: usize) -> Color {
     let share = index as f64 / (count.max(2) - 1) as f64;

@@ -1,6 +1,6 @@
 //! One curve per step over the measured points, at the conditions with the largest misfit of the base; the errors beneath.
 
-use super::{color, dash, ladder_of, name};
+use super::{color, dash, ladder_of};
 use crate::compare::Compared;
 use crate::discover::{Discovery, Step};
 use crate::figures::axes::Panel;
@@ -80,7 +80,7 @@ impl<'a> Steps<'a> {
         self.data[0].readings(canvas, panel, condition);
         for (index, data) in self.data.iter().enumerate() {
             let curve = data.curve(condition);
-            canvas.series(&name(&self.steps[index]), |canvas| {
+            canvas.series(&self.steps[index].name(), |canvas| {
                 unbroken(&curve).iter().for_each(|run| panel.curve(canvas, run, self.stroke(index, 2.2)));
             });
         }
@@ -91,13 +91,13 @@ impl<'a> Steps<'a> {
             let place = |p: &Compared| Some((p.point.frequency, self.scale.place(residual(p, self.phase)?)));
             let line: Vec<Point> = data.points(condition).filter_map(place).collect();
             let stroke = Stroke::solid(color(index, self.steps.len()), 1.5);
-            canvas.series(&name(&self.steps[index]), |canvas| panel.curve(canvas, &line, stroke));
+            canvas.series(&self.steps[index].name(), |canvas| panel.curve(canvas, &line, stroke));
         }
     }
 
     fn legend(&self) -> Vec<Entry> {
         let mut entries = vec![(Key::Mark(Mark::Circle, INK, true), MEASURED.to_string())];
-        let line = |(index, step): (usize, &Step)| (Key::Line(self.stroke(index, 2.2)), name(step));
+        let line = |(index, step): (usize, &Step)| (Key::Line(self.stroke(index, 2.2)), step.name());
         entries.extend(self.steps.iter().enumerate().map(line));
         entries.push((Key::Patch(SHADE), format!("error within ±{BAND} σ")));
         entries
@@ -120,11 +120,11 @@ impl<'a> Steps<'a> {
             }
             for (step, data) in self.steps.iter().zip(&self.data) {
                 for (f, y) in data.curve(condition) {
-                    row("curve", &name(step), String::new(), [f, y, f64::NAN, f64::NAN]);
+                    row("curve", &step.name(), String::new(), [f, y, f64::NAN, f64::NAN]);
                 }
                 for p in readings(data) {
                     let error = residual(p, self.phase).unwrap_or(f64::NAN);
-                    row("error", &name(step), p.point.row.to_string(), [p.point.frequency, f64::NAN, f64::NAN, error]);
+                    row("error", &step.name(), p.point.row.to_string(), [p.point.frequency, f64::NAN, f64::NAN, error]);
                 }
             }
         }
@@ -171,12 +171,12 @@ impl Figure<Discovery> for Overlay {
             "every condition".into()
         };
         let caption = format!(
-            "Measured {what} with 95 % bars, and the curve of every step of the ladder, pale for the calibrated base to dark for \
+            "Measured {what} with 95 % bars, and the curve of every step of the ladder, pale for the base to dark for \
              the last one: {of}. The strips show the errors of the {what}. {}",
             data.scale.sentence()
         );
         let notes = data.steps.iter().map(|step| {
-            (format!("Largest error, {}", name(step)), format!("{} σ", significant(data.largest(step), 3)))
+            (format!("Largest error, {}", step.name()), format!("{} σ", significant(data.largest(step), 3)))
         });
         Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes.collect()))
     }

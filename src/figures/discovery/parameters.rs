@@ -11,10 +11,11 @@ use crate::figures::style::{GREY, GRID, INK, SLIP, STATIC, Table, WIDTH, cell, c
 use crate::figures::{Drawing, Figure, FigureError};
 use crate::fit::{Interval, Parameter};
 use crate::report::format::quantity;
+use crate::units;
 
 const TOP: f64 = 48.0;
 /// Room for the numbers at the right.
-const NUMBERS: f64 = 330.0;
+const NUMBERS: f64 = 360.0;
 /// Deviations in percent within which the scale is linear.
 const LINEAR: f64 = 1.0;
 /// The scale ends here, whatever the intervals.
@@ -104,8 +105,11 @@ fn beside(canvas: &mut Canvas, panel: &Panel, y: f64, p: &Parameter, i: &Interva
 /// Estimate and interval.
 fn numbers(p: &Parameter, i: &Interval) -> String {
     let show = |value: f64| quantity(value, p.unit, 4);
+    let digits = units::interval_digits([i.value, i.low, i.high]);
+    let [value, low, high] =
+        [(i.value, digits[0]), (i.low, digits[1]), (i.high, digits[2])].map(|(x, n)| quantity(x, p.unit, n));
     match open_ends(p, i) {
-        (false, false) => format!("{} ({} to {})", show(i.value), show(i.low), show(i.high)),
+        (false, false) => format!("{value} ({low} to {high})"),
         (true, false) => format!("at most {}", show(i.high)),
         (false, true) => format!("at least {}", show(i.low)),
         (true, true) => format!("{} used", show(i.value)),

@@ -3,7 +3,7 @@
 use crate::figures::canvas::{Anchor, Canvas, Stroke, Type, document};
 use crate::figures::style::{Color, GREY, GRID, INK, ROLLER, SLIP, Table, WHITE, WIDTH, count, text_width};
 use crate::figures::{Drawing, Figure, FigureError};
-use crate::trial::{Confusion, Summary};
+use crate::trial::{Confusion, Summary, shown, sorted};
 
 const SIZE: f64 = 13.0;
 const ROW: f64 = 22.0;
@@ -50,10 +50,8 @@ impl<'a> Shown<'a> {
     /// Whether a column is the right answer to a row.
     fn right(&self, row: usize, column: usize) -> bool {
         let (planted, named) = (&self.planted[row], &self.named[column]);
-        let mut names: Vec<&str> = planted.split('+').collect();
-        names.sort_unstable();
         let outside = planted.starts_with("outside-") && named == "unexplained";
-        outside || (planted == "none" && named == "nothing") || *named == names.join(" + ")
+        outside || *named == sorted(planted)
     }
 
     fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
@@ -83,7 +81,7 @@ impl<'a> Shown<'a> {
             }
             for (index, name) in self.planted.iter().enumerate() {
                 let y = top + ROW * (index as f64 + 0.5) + 0.36 * SIZE;
-                let name = if name == "none" { "nothing" } else { name };
+                let name = shown(name);
                 canvas.text((left - 8.0, y), name, Type { size: SIZE, ..Type::at(Anchor::End) });
                 self.row(canvas, index, (left, top + ROW * index as f64), column);
             }
@@ -149,7 +147,7 @@ impl Figure<Summary> for ConfusionMatrix {
         let caption = format!(
             "{}: one row per planted cause, one column per answer; numbers are trials. Green: the right answer, with a grey frame \
              where it was not given; orange: another, which all these trials say not to be told apart from the right one (it counts \
-             as right); red: another. For causes outside the catalogue the right answer is “unexplained”.",
+             as named); red: another. For causes outside the catalogue the right answer is “unexplained”.",
             count(trials, "blind trial")
         );
         let mut header = vec!["planted"];

@@ -6,7 +6,7 @@ use crate::figures::legend::{Key, legend};
 use crate::figures::marks::Mark;
 use crate::figures::style::{DOTS, GREY, GRID, SLIP, STATIC, Table, WHITE, WIDTH, cell, count, text_width};
 use crate::figures::{Drawing, Figure, FigureError};
-use crate::trial::{Record, Score, Summary};
+use crate::trial::{Record, Score, Summary, shown};
 
 const SIZE: f64 = 13.0;
 /// Height of a row with up to `FEW` trials, and what each more of them adds.
@@ -21,7 +21,7 @@ pub struct ErrorFall;
 type Trial<'a> = (&'a Record, &'a Score);
 
 fn draw(names: &[&str], trials: &[Trial], title: &str, alt: &str) -> Result<String, FigureError> {
-    let left = names.iter().map(|name| text_width(name, SIZE, false)).fold(0.0, f64::max) + 30.0;
+    let left = names.iter().map(|name| text_width(shown(name), SIZE, false)).fold(0.0, f64::max) + 30.0;
     let of = |name: &str| -> Vec<&Trial> {
         let drawable = |s: &Score| [s.base_error, s.final_error].iter().all(|error| *error > 0.0 && error.is_finite());
         let mut mine: Vec<&Trial> = trials.iter().filter(|(r, s)| r.answer.cause == name && drawable(s)).collect();
@@ -50,7 +50,7 @@ fn draw(names: &[&str], trials: &[Trial], title: &str, alt: &str) -> Result<Stri
         for (index, name) in names.iter().enumerate() {
             let middle = TOP + row * (index as f64 + 0.5);
             canvas.line((left, middle), (left + width, middle), Stroke::solid(GRID, 1.0));
-            canvas.text((left - 10.0, middle + 5.0), name, Type { size: SIZE, ..Type::at(Anchor::End) });
+            canvas.text((left - 10.0, middle + 5.0), shown(name), Type { size: SIZE, ..Type::at(Anchor::End) });
             let mine = of(name);
             let size = if mine.len() > FEW { 0.75 } else { 1.0 };
             let dumbbell = |(place, (_, s)): (usize, &&Trial)| {

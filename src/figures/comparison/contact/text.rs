@@ -46,6 +46,9 @@ impl Data<'_> {
             "against frequency"
         };
         let mut remarks = String::new();
+        if self.columns.iter().any(|column| column.curves.len() > 1) {
+            remarks += " Of several lines the first are wider, so that those that coincide show.";
+        }
         let points = || self.columns.iter().flat_map(|column| &column.curves).flat_map(|curve| &curve.measured);
         let pairs = || self.rows.iter().zip(&self.limits);
         let vague = points().filter(|p| pairs().any(|(row, limits)| limits.vague(p, row))).count();
