@@ -109,6 +109,31 @@ fn planted_stiffness_and_damping_lie_in_their_intervals_as_often_as_promised() {
     assert!(regions <= 2, "{regions} regions in {seeds} tables of noise");
 }
 
+/// Noise stated at half of what it is widens the intervals and makes no misfit.
+#[test]
+fn noise_larger_than_stated_is_taken_from_the_scatter() {
+    let exact = exact();
+    let (mut inside, mut regions, mut outliers) = (0, 0, 0);
+    for seed in 0..30 {
+        let mut points = noisy(&exact, seed);
+        for point in &mut points {
+            point.amplitude_sd *= 0.5;
+            point.phase_sd = point.phase_sd.map(|sd| 0.5 * sd);
+        }
+        let found = compared(points);
+        let (factor, contradicted) = found.whiteness.scatter();
+        assert!(contradicted && (1.4..2.8).contains(&factor), "{factor}");
+        for (interval, truth) in found.intervals.iter().zip([STIFFNESS, DAMPING]) {
+            inside += u32::from(interval.low <= truth && truth <= interval.high);
+        }
+        regions += found.regions.len();
+        outliers += found.outliers.len();
+        assert!(found.error_budget.noise_percent > 0.75, "{:?}", found.error_budget);
+    }
+    assert!(inside >= 51, "{inside} of 60 intervals hold the truth");
+    assert!(regions <= 2 && outliers <= 5, "{regions} regions, {outliers} readings that stand out");
+}
+
 #[test]
 fn a_region_is_found_where_a_bump_was_planted() {
     for seed in 0..5 {

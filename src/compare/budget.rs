@@ -24,8 +24,14 @@ pub struct ErrorBudget {
     pub total_percent: f64,
 }
 
-/// The budget of a comparison, the solvers compared at up to `sample` points.
-pub(super) fn budget(model: &Model, points: &[Compared], overall: &Metrics, sample: usize) -> ErrorBudget {
+/// The budget of a comparison, the solvers compared at up to `sample` points; `scatter` is the noise of the readings over the
+/// stated one.
+pub(super) fn budget(
+    model: &Model,
+    points: &[Compared],
+    overall: &Metrics,
+    (scatter, sample): (f64, usize),
+) -> ErrorBudget {
     let usable: Vec<&Compared> = points.iter().filter(|p| p.model.status == Status::Steady).collect();
     let count = usable.len().min(sample);
     let sample: Vec<&Compared> =
@@ -43,7 +49,7 @@ pub(super) fn budget(model: &Model, points: &[Compared], overall: &Metrics, samp
     let total = overall.rms_error_percent;
     let numerical = square.sqrt().min(total);
     // Residuals may by chance be smaller than the stated noise.
-    let noise = overall.noise_percent.min((total * total - numerical * numerical).max(0.0).sqrt());
+    let noise = (scatter * overall.noise_percent).min((total * total - numerical * numerical).max(0.0).sqrt());
     let model = (total * total - numerical * numerical - noise * noise).max(0.0).sqrt();
     ErrorBudget { numerical_percent: numerical, noise_percent: noise, model_percent: model, total_percent: total }
 }

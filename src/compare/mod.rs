@@ -191,7 +191,7 @@ pub fn judge(scenario: &Scenario, table: &Table, base: &Model, calibration: &Cal
         contact,
         contact_model,
         outliers,
-        error_budget: budget::budget(&model, &points, &overall, if profile { NUMERICAL_POINTS } else { 1 }),
+        error_budget: budget::budget(&model, &points, &overall, (noise, if profile { NUMERICAL_POINTS } else { 1 })),
         curves: model_curves(&model, &settings, &ranges),
         model,
         points,

@@ -15,7 +15,7 @@ use crate::units;
 
 const TOP: f64 = 48.0;
 /// Room for the numbers at the right.
-const NUMBERS: f64 = 360.0;
+const NUMBERS: f64 = 390.0;
 /// Deviations in percent within which the scale is linear.
 const LINEAR: f64 = 1.0;
 /// The scale ends here, whatever the intervals.
