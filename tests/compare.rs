@@ -128,7 +128,7 @@ fn noise_larger_than_stated_is_taken_from_the_scatter() {
         }
         regions += found.regions.len();
         outliers += found.outliers.len();
-        assert!(found.error_budget.noise_percent > 0.75, "{:?}", found.error_budget);
+        assert!(found.error_budget().noise_percent > 0.75, "{:?}", found.error_budget());
     }
     assert!(inside >= 51, "{inside} of 60 intervals hold the truth");
     assert!(regions <= 2 && outliers <= 5, "{regions} regions, {outliers} readings that stand out");
@@ -159,7 +159,7 @@ fn the_parts_of_the_error_budget_add_up_and_outliers_are_listed() {
     let mut points = noisy(&exact(), 7);
     points[20].amplitude *= 1.4;
     let found = compared(points);
-    let b = found.error_budget;
+    let b = found.error_budget();
     let sum = b.numerical_percent.powi(2) + b.noise_percent.powi(2) + b.model_percent.powi(2);
     assert!((sum.sqrt() / b.total_percent - 1.0).abs() < 1e-9, "{b:?}");
     assert!(b.numerical_percent < 1e-3, "{b:?}");

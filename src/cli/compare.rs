@@ -130,7 +130,7 @@ pub(super) fn words(c: &Comparison) -> Vec<String> {
         "error: chi2 per reading {:.2}; amplitude {:.2} % rms (noise {:.2} %){phase}",
         m.chi2_per_point, m.rms_error_percent, m.noise_percent
     ));
-    let b = &c.error_budget;
+    let b = c.error_budget();
     lines.push(format!(
         "error budget (squares add up): model {:.2} %, noise {:.2} %, numerics {}",
         b.model_percent,

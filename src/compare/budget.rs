@@ -7,7 +7,7 @@ use crate::solver::{Status, integrated};
 use rayon::prelude::*;
 
 /// Points at which both solvers are compared.
-pub const NUMERICAL_POINTS: usize = 4;
+const NUMERICAL_POINTS: usize = 4;
 /// Error of the time integration at these steps is of the order of 1e-5.
 const PLAN: Plan = Plan { steps: 2000, cycles: 400, settled: 1e-7, window: 1, solved: 1e-9 };
 
@@ -24,16 +24,10 @@ pub struct ErrorBudget {
     pub total_percent: f64,
 }
 
-/// The budget of a comparison, the solvers compared at up to `sample` points; `scatter` is the noise of the readings over the
-/// stated one.
-pub(super) fn budget(
-    model: &Model,
-    points: &[Compared],
-    overall: &Metrics,
-    (scatter, sample): (f64, usize),
-) -> ErrorBudget {
+/// The budget of a comparison; `scatter` is the noise of the readings over the stated one.
+pub(super) fn budget(model: &Model, points: &[Compared], overall: &Metrics, scatter: f64) -> ErrorBudget {
     let usable: Vec<&Compared> = points.iter().filter(|p| p.model.status == Status::Steady).collect();
-    let count = usable.len().min(sample);
+    let count = usable.len().min(NUMERICAL_POINTS);
     let sample: Vec<&Compared> =
         (0..count).map(|i| usable[((i as f64 + 0.5) / count as f64 * usable.len() as f64) as usize]).collect();
     let differences: Vec<f64> = sample

@@ -112,6 +112,6 @@ pub fn json(comparison: &Comparison) -> ComparisonJson {
         contact: c.contact.clone(),
         contact_model: c.contact_model.clone(),
         outliers: c.outliers.clone(),
-        error_budget: c.error_budget,
+        error_budget: *c.error_budget(),
     }
 }

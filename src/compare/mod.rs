@@ -11,7 +11,7 @@ mod metrics;
 mod regions;
 mod whiteness;
 
-pub use budget::{ErrorBudget, NUMERICAL_POINTS};
+pub use budget::ErrorBudget;
 pub(crate) use calibrate::scattered;
 pub use calibrate::{Calibration, calibrate, conditions_of, problem};
 pub use curves::{ModelCurve, model_curves};
@@ -30,6 +30,7 @@ use crate::scenario::Scenario;
 use crate::solver::Status;
 use crate::solver::analytic::wrap;
 use crate::solver::cycle::Tolerance;
+use std::sync::OnceLock;
 
 /// Version of the comparison: raised whenever the same input may give other numbers, so that a limit that is suddenly
 /// crossed can be told from a change of the program.
@@ -103,10 +104,9 @@ pub struct Comparison {
     pub contact_model: Vec<ContactPoint>,
     /// Single readings that stand out.
     pub outliers: Vec<Outlier>,
-    /// Three numbers that add up.
-    pub error_budget: ErrorBudget,
     /// The model between the measured frequencies, one curve per condition.
     pub curves: Vec<ModelCurve>,
+    error_budget: OnceLock<ErrorBudget>,
 }
 
 impl Compared {
@@ -126,6 +126,16 @@ impl Comparison {
     pub fn unsolved(&self) -> usize {
         self.points.iter().filter(|p| p.model.status != Status::Steady).count()
     }
+
+    /// Three numbers that add up. Integrated over time when first asked for, which takes long where motions settle slowly.
+    pub fn error_budget(&self) -> &ErrorBudget {
+        self.error_budget.get_or_init(|| budget::budget(&self.model, &self.points, &self.overall, self.noise()))
+    }
+
+    /// Noise of the readings over the stated one, where that is larger and nothing but noise is left.
+    fn noise(&self) -> f64 {
+        told(&self.whiteness)
+    }
 }
 
 /// How a comparison is made.
@@ -139,7 +149,10 @@ pub struct Options {
 pub fn compare(scenario: &Scenario, table: &Table, options: &Options) -> Comparison {
     let model = Model::new(scenario);
     let calibration = calibrate(&model, &scenario.free, &table.points, Tolerance::default(), options.seed);
-    judge(scenario, table, &model, &calibration, true)
+    let comparison = judge(scenario, table, &model, &calibration, true);
+    // Here, not by the first of the figures that are drawn in parallel.
+    comparison.error_budget();
+    comparison
 }
 
 /// Compares a model whose calibration is done with the measurements. `base` is the model before it; `profile` asks for
@@ -170,7 +183,7 @@ pub fn judge(scenario: &Scenario, table: &Table, base: &Model, calibration: &Cal
     let conditions: Vec<_> =
         settings.iter().enumerate().map(|(i, &setting)| ConditionMetrics::over(setting, &of(i))).collect();
     let whiteness = whiteness(&points, settings.len(), fit.parameters.len());
-    let noise = if whiteness.structured { 1.0 } else { whiteness.noise().max(1.0) };
+    let noise = told(&whiteness);
     let regions = regions(&points, &conditions, noise);
     let (contact, contact_model) = fingerprint(&model, &points);
     let outliers = (0..settings.len()).flat_map(|i| standing_out(&of(i), noise)).collect();
@@ -191,12 +204,16 @@ pub fn judge(scenario: &Scenario, table: &Table, base: &Model, calibration: &Cal
         contact,
         contact_model,
         outliers,
-        error_budget: budget::budget(&model, &points, &overall, (noise, if profile { NUMERICAL_POINTS } else { 1 })),
         curves: model_curves(&model, &settings, &ranges),
         model,
         points,
         conditions,
+        error_budget: OnceLock::new(),
     }
+}
+
+fn told(whiteness: &Whiteness) -> f64 {
+    if whiteness.structured { 1.0 } else { whiteness.noise().max(1.0) }
 }
 
 /// Measured points (in canonical order) beside what a model says of them.

@@ -176,7 +176,7 @@ pub(super) fn outlier(outlier: &crate::compare::Outlier) -> OutlierView {
 }
 
 fn budget(c: &Comparison) -> Vec<NoteView> {
-    let b = &c.error_budget;
+    let b = c.error_budget();
     let parts = [
         ("model", b.model_percent),
         ("noise", b.noise_percent),

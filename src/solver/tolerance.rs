@@ -4,7 +4,7 @@
 const LEFT: f64 = 1e-8;
 
 /// Demands on the integration.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerance {
     /// Smallest number of steps per period.
     pub steps: usize,
@@ -25,6 +25,11 @@ impl Tolerance {
 }
 
 impl Tolerance {
+    /// The same, if not finer than a fit needs on its way to a minimum.
+    pub fn for_search(self) -> Self {
+        if self.steps > Self::FIT.steps { Self::FIT } else { self }
+    }
+
     /// Whether points that are hard to solve are given up.
     pub(super) fn gives_up(&self) -> bool {
         self.budget < usize::MAX

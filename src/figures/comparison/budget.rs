@@ -32,7 +32,7 @@ impl Figure<Comparison> for Budget {
     }
 
     fn draw(&self, comparison: &Comparison) -> Result<Drawing, FigureError> {
-        let b = &comparison.error_budget;
+        let b = comparison.error_budget();
         let parts = [
             ("model", b.model_percent, STATIC),
             ("noise", b.noise_percent, SLIP_BAND),
