@@ -1,6 +1,6 @@
 //! Where the error comes from: numerics, noise, model.
 
-use super::{Compared, Metrics};
+use super::{Compared, Metrics, Outlier};
 use crate::model::{Model, Operation};
 use crate::solver::time::Plan;
 use crate::solver::{Status, integrated};
@@ -16,7 +16,7 @@ const PLAN: Plan = Plan { steps: 2000, cycles: 400, settled: 1e-7, window: 1, so
 pub struct ErrorBudget {
     /// Difference of the two solvers, at a sample of the points.
     pub numerical_percent: f64,
-    /// Noise of the measurements.
+    /// Noise of the measurements, with the readings that stand out.
     pub noise_percent: f64,
     /// What is left: the model.
     pub model_percent: f64,
@@ -24,8 +24,14 @@ pub struct ErrorBudget {
     pub total_percent: f64,
 }
 
-/// The budget of a comparison; `scatter` is the noise of the readings over the stated one.
-pub(super) fn budget(model: &Model, points: &[Compared], overall: &Metrics, scatter: f64) -> ErrorBudget {
+/// The budget of a comparison; `scatter` is the noise of the readings over the stated one, amplitudes among the `outliers` are
+/// no matter of the model.
+pub(super) fn budget(
+    model: &Model,
+    points: &[Compared],
+    overall: &Metrics,
+    (scatter, outliers): (f64, &[Outlier]),
+) -> ErrorBudget {
     let usable: Vec<&Compared> = points.iter().filter(|p| p.model.status == Status::Steady).collect();
     let count = usable.len().min(NUMERICAL_POINTS);
     let sample: Vec<&Compared> =
@@ -42,8 +48,12 @@ pub(super) fn budget(model: &Model, points: &[Compared], overall: &Metrics, scat
     let square = differences.iter().map(|d| d * d).sum::<f64>() / differences.len().max(1) as f64;
     let total = overall.rms_error_percent;
     let numerical = square.sqrt().min(total);
+    let stands_out = |p: &&Compared| outliers.iter().any(|o| o.row == p.point.row && o.column == "amplitude_rad");
+    let errors = usable.iter().copied().filter(stands_out).map(|p| p.error_percent().powi(2));
+    let thrown = errors.sum::<f64>() / usable.len().max(1) as f64;
     // Residuals may by chance be smaller than the stated noise.
-    let noise = (scatter * overall.noise_percent).min((total * total - numerical * numerical).max(0.0).sqrt());
+    let noise = (scatter * overall.noise_percent).powi(2) + thrown;
+    let noise = noise.min(total * total - numerical * numerical).max(0.0).sqrt();
     let model = (total * total - numerical * numerical - noise * noise).max(0.0).sqrt();
     ErrorBudget { numerical_percent: numerical, noise_percent: noise, model_percent: model, total_percent: total }
 }

@@ -34,7 +34,7 @@ use std::sync::OnceLock;
 
 /// Version of the comparison: raised whenever the same input may give other numbers, so that a limit that is suddenly
 /// crossed can be told from a change of the program.
-pub const COMPARATOR: &str = "4";
+pub const COMPARATOR: &str = "5";
 
 /// Load, speed and drive of a measured curve.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -129,7 +129,8 @@ impl Comparison {
 
     /// Three numbers that add up. Integrated over time when first asked for, which takes long where motions settle slowly.
     pub fn error_budget(&self) -> &ErrorBudget {
-        self.error_budget.get_or_init(|| budget::budget(&self.model, &self.points, &self.overall, self.noise()))
+        self.error_budget
+            .get_or_init(|| budget::budget(&self.model, &self.points, &self.overall, (self.noise(), &self.outliers)))
     }
 
     /// Noise of the readings over the stated one, where that is larger and nothing but noise is left.

@@ -78,7 +78,7 @@ impl Figure<Comparison> for Budget {
         table.row(["total".into(), cell(b.total_percent), cell(1.0)]);
         let caption = format!(
             "The error of the amplitude, {} root mean square over all points, in three parts whose squares add up: the noise of \
-             the readings, the difference of two independent solvers at a sample of the points, and what is left, the model.",
+             the readings (those that stand out with it), the difference of two independent solvers at a sample of the points, and what is left, the model.",
             number(b.total_percent)
         );
         let notes = parts
