@@ -74,7 +74,9 @@ impl Search<'_> {
         let far = |chosen: &Hypothesis| self.square(chosen, self.noise(chosen)) > FAR * self.readings() as f64;
         if !far(&chosen) {
             let exchanged = self.exchange(chosen.clone(), &mut rounds);
-            chosen = if exchanged.same_additions(&chosen) { chosen } else { self.eliminate(exchanged) };
+            // A better minimum of the same may show that one of them is needless, too.
+            let moved = exchanged.fit.objective != chosen.fit.objective;
+            chosen = if moved { self.eliminate(exchanged) } else { exchanged };
         }
         self.settle(&mut chosen);
         let explanation = loop {

@@ -222,12 +222,16 @@ impl Explored {
             let stated = if from.additions.is_empty() || far { data.stated.clone() } else { base.clone() };
             // Both where it costs little or the two are far apart, otherwise in turn.
             let places = match self.addition.keys().len() {
-                count if stated != base && !self.costly && (count == 1 || far) => vec![base, stated],
-                _ if rank % 2 == 1 => vec![stated],
+                count if stated != base && !self.costly && (count == 1 || far) => vec![base, stated.clone()],
+                _ if rank % 2 == 1 => vec![stated.clone()],
                 _ => vec![base],
             };
             for place in places {
-                let start = self.better(data, drawn.at(&place), strengthened.as_ref().map(|s| s.at(&place)));
+                let mut start = self.better(data, drawn.at(&place), strengthened.as_ref().map(|s| s.at(&place)));
+                // Far from there the base has taken the place of the addition, and would again.
+                if far && place == stated && !self.costly {
+                    start = start.alone(data, self.addition.keys().len());
+                }
                 let settings = Settings { evaluations: BEGIN, threshold: data.threshold, converged: CLOSE };
                 let fit = minimise(&mut start.problem.clone(), &start.values, &settings);
                 attempts.push(Attempt { model: start.model, fit });
@@ -306,6 +310,17 @@ impl<'a> Start<'a> {
     fn at(&self, base: &[f64]) -> Self {
         let mut start = self.clone();
         start.values[..base.len()].copy_from_slice(base);
+        start
+    }
+
+    /// The same with the last `count` parameters fitted, the others where they are.
+    fn alone(&self, data: &Data<'a>, count: usize) -> Self {
+        let others = self.values.len() - count;
+        let mut problem = self.problem.at(&self.values, self.problem.parameters()[others..].to_vec());
+        let settings = Settings { evaluations: BEGIN, threshold: data.threshold, converged: CLOSE };
+        let fit = minimise(&mut problem, &self.values[others..], &settings);
+        let mut start = self.clone();
+        start.values[others..].copy_from_slice(&fit.values);
         start
     }
 

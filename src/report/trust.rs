@@ -119,7 +119,7 @@ fn view(main: &Series, others: &[Series], figures: &[FigureInput]) -> TrustView 
     }
     let method = format!(
         "{} trials: causes drawn over the ranges of the catalogue, measured by plain time integration at {} points each with noise \
-         of {}{}, sealed, searched for in the table alone, opened and scored. Draws that leave the calibrated base with χ² \
+         of {}{}, sealed, searched for in the table alone, opened and scored. Draws of a cause that leave the calibrated base with χ² \
          below {} per reading are invisible and counted apart.",
         all.trials,
         s.points,

@@ -35,7 +35,7 @@ pub struct Score {
     pub first: Option<bool>,
     /// Every planted effect is named, or not told apart from one that is.
     pub named: Option<bool>,
-    /// Exactly the planted effects are named, and nothing is recalibrated.
+    /// The verdict is right, exactly the planted effects are named, and nothing but what was planted is recalibrated.
     pub exact: Option<bool>,
     /// Something was found where nothing is.
     pub false_alarm: Option<bool>,
@@ -62,24 +62,25 @@ pub fn score(answer: &Answer, found: &Found) -> Score {
     planted.sort();
     effects.sort();
     let has_effects = matches!(answer.kind, Kind::Effect | Kind::Pair);
-    let exact = match (&answer.recalibrate, answer.kind) {
+    let same = match (&answer.recalibrate, answer.kind) {
         (_, Kind::Outside) => false,
         (Some(key), _) => found.effects.is_empty() && found.recalibrate == [key.clone()],
         (None, _) => planted == effects && found.recalibrate.is_empty(),
     };
     let noise = found.noise_percent.max(1e-12);
     let ratio = |rung: Option<&super::examine::Rung>| rung.map_or(f64::NAN, |r| r.rms_error_percent / noise);
+    let verdict = found.verdict == answer.kind.verdict();
     Score {
-        verdict: found.verdict == answer.kind.verdict(),
+        verdict,
         first: has_effects.then(|| found.effects.first().is_some_and(|name| answer.effects.contains(name))),
         named: has_effects.then(|| answer.effects.iter().all(|name| tied(name, &all))),
-        exact: (answer.kind != Kind::Outside).then_some(exact),
+        exact: (answer.kind != Kind::Outside).then_some(verdict && same),
         false_alarm: (answer.kind == Kind::None).then_some(found.verdict != "nothing-missing"),
         flagged: (answer.kind == Kind::Outside).then_some(found.verdict == "unexplained"),
         recalibration: answer.recalibrate.as_ref().map(|key| found.effects.is_empty() && tied(key, &all)),
         base_error: ratio(found.steps.first()),
         final_error: ratio(found.steps.last()),
-        parameters: if exact { shares(answer, found) } else { Vec::new() },
+        parameters: if same { shares(answer, found) } else { Vec::new() },
     }
 }
 
