@@ -1,7 +1,10 @@
 //! The discovery on the practice tables, which a separate program made with effects known to it alone.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use stickslip::compare::{calibrate, conditions_of, problem};
 use stickslip::discover::{Discovery, Options, Verdict, discover};
+use stickslip::measurement::Point;
+use stickslip::solver::cycle::Tolerance;
 use stickslip::{measurement, scenario};
 
 fn found(number: u32) -> Discovery {
@@ -12,6 +15,10 @@ fn found_with(number: u32, options: &Options) -> Discovery {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
     let places = [format!("scenarios/practice/{number}"), format!("tests/data/practice/{number}")];
     let path = places.iter().map(|p| folder.join(p).join("scenario.toml")).find(|p| p.is_file()).expect("the table");
+    found_at(&path, options)
+}
+
+fn found_at(path: &Path, options: &Options) -> Discovery {
     let scenario = scenario::load(path).expect("a scenario");
     let table = measurement::load(&scenario).expect("a table").expect("measurements");
     discover(&scenario, &table, options)
@@ -99,4 +106,29 @@ fn no_more_effects_are_named_than_asked_for_although_structure_is_left() {
     let d = found_with(7, &Options { max_effects: 1, ..Options::default() });
     assert_eq!(d.verdict, Verdict::Unexplained);
     assert_eq!(d.explanation().hypothesis.additions.len(), 1);
+}
+
+/// Against the errors of predictions from fits that begin anew without the condition.
+#[test]
+fn left_out_conditions_are_predicted_as_fits_without_them_predict() {
+    let valley = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/valley/scenario.toml");
+    for d in [found_at(&valley, &Options::default()), found(5)] {
+        let end = d.explanation();
+        let (points, model) = (&end.comparison.table.points, &end.comparison.model);
+        let keys: Vec<String> = end.comparison.fit.parameters.iter().map(|p| p.key.clone()).collect();
+        let (settings, of_point) = conditions_of(points);
+        let mut chi2 = 0.0;
+        for left_out in 0..settings.len() {
+            let part = |out: bool| -> Vec<Point> {
+                let chosen = points.iter().zip(&of_point).filter(|(_, c)| (**c == left_out) == out);
+                chosen.map(|(p, _)| p.clone()).collect()
+            };
+            let fit = calibrate(model, &keys, &part(false), Tolerance::FIT, 0).fit;
+            let others = part(true);
+            chi2 += problem(model, &keys, &others, Tolerance::default()).evaluate(&fit.values, false).chi2();
+        }
+        let expected = chi2 / end.comparison.overall.readings as f64;
+        let told = end.held_out.expect("several conditions").chi2_per_point;
+        assert!((told / expected - 1.0).abs() < 0.02, "{}: {told} for {expected}", end.hypothesis.label());
+    }
 }

@@ -106,9 +106,14 @@ pub(super) fn uncalibrated(scenario: &Scenario) -> Option<&'static str> {
 
 /// Where a reading that stands out is, and by how much.
 pub(super) fn stands_out(c: &Comparison, outlier: &Outlier) -> String {
-    let line = c.table.points.iter().find(|p| p.row == outlier.row).map_or(0, |p| p.line);
+    let point = c.table.points.iter().find(|p| p.row == outlier.row);
+    let line = point.map_or(0, |p| p.line);
     let place = if line > 0 { format!("line {line} (row {})", outlier.row) } else { format!("row {}", outlier.row) };
-    format!("outlier: {place}, {}: {:+.1} sigma", outlier.column, outlier.sigma)
+    let pooled = match point.map_or(1, |p| p.replicates) {
+        0 | 1 => String::new(),
+        several => format!(", the first of {several} pooled rows"),
+    };
+    format!("outlier: {place}{pooled}, {}: {:+.1} sigma", outlier.column, outlier.sigma)
 }
 
 /// The comparison in lines of text.

@@ -3,7 +3,7 @@
 use super::hypothesis::Hypothesis;
 use super::search::Data;
 use crate::compare::conditions_of;
-use crate::fit::Problem;
+use crate::fit::{Problem, Settings, minimise, robust_chi2};
 use crate::measurement::Point;
 use crate::solver::cycle::Tolerance;
 use nalgebra::{DMatrix, DVector};
@@ -11,6 +11,11 @@ use rayon::prelude::*;
 
 /// Longest step on the natural scale of a parameter that leaving a condition out may make.
 const LONGEST: f64 = 1.0;
+/// A step longer than this may leave the straight part of a valley: it is tried, and where it leads uphill the fit is made again ...
+const STRAIGHT: f64 = 0.05;
+/// ... with so many evaluations at most, to this relative change of the sum of squares.
+const EVALUATIONS: usize = 40;
+const CONVERGED: f64 = 1e-5;
 /// Directions that the rest of the data see less than this share of the best seen one stay as they are.
 const UNSEEN: f64 = 1e-5;
 
@@ -23,8 +28,8 @@ pub struct HeldOut {
     pub chi2_per_point: f64,
 }
 
-/// Leaves one condition out after the other. The fit without it is one Gauss-Newton step from the fit to all; the prediction
-/// is a new solution of the model. `None` where there is only one condition, or the fit is to a part of the points.
+/// Leaves one condition out after the other. The fit without it is one Gauss-Newton step from the fit to all, or a new one
+/// where that step fails; the prediction is a new solution of the model. `None` where there is only one condition, or the fit is to a part of the points.
 pub fn held_out(data: &Data<'_>, hypothesis: &Hypothesis) -> Option<HeldOut> {
     let (settings, of_point) = conditions_of(data.points);
     let fit = &hypothesis.fit;
@@ -51,15 +56,25 @@ pub fn held_out(data: &Data<'_>, hypothesis: &Hypothesis) -> Option<HeldOut> {
                 rows.iter().map(|&r| residuals[r].clamp(-data.threshold, data.threshold)),
             );
             let step = newton(&jacobian.select_rows(&rows), &clipped);
-            let values: Vec<f64> = fit
+            let mut values: Vec<f64> = fit
                 .parameters
                 .iter()
                 .zip(&fit.values)
                 .enumerate()
                 .map(|(i, (p, &x))| p.moved(x, step[i].clamp(-LONGEST, LONGEST)))
                 .collect();
-            let points: Vec<&Point> =
-                data.points.iter().zip(&of_point).filter(|(_, c)| **c == condition).map(|(p, _)| p).collect();
+            let all = |out: bool| data.points.iter().zip(&of_point).filter(move |(_, c)| (**c == condition) == out);
+            if step.amax() > STRAIGHT {
+                let rest = all(false).map(|(p, _)| p);
+                let mut rest = Problem::new(hypothesis.model.clone(), rest, fit.parameters.clone(), Tolerance::FIT);
+                let before = robust_chi2(&residuals.select_rows(&rows), data.threshold);
+                if robust_chi2(&rest.evaluate(&values, false).residuals, data.threshold) > before {
+                    let settings =
+                        Settings { evaluations: EVALUATIONS, threshold: data.threshold, converged: CONVERGED };
+                    values = minimise(&mut rest, &fit.values, &settings).values;
+                }
+            }
+            let points: Vec<&Point> = all(true).map(|(p, _)| p).collect();
             let mut problem = Problem::new(
                 hypothesis.model.clone(),
                 points.iter().copied(),
