@@ -239,6 +239,11 @@ fn lookup(symbol: &str) -> Option<(Size, Dimension)> {
 
 /// The valid spelling nearest to `symbol`, preferring the symbols that occur in the unit that is needed.
 fn nearest_unit(symbol: &str, si_unit: &str) -> String {
+    // A power without its sign.
+    let base = symbol.trim_end_matches(|c: char| c.is_ascii_digit());
+    if base.len() < symbol.len() && lookup(base).is_some() {
+        return format!("{base}^{}", &symbol[base.len()..]);
+    }
     let mut known = Vec::new();
     for (unit, _, _, prefixed) in UNITS {
         known.push((*unit).to_string());
@@ -418,6 +423,7 @@ mod tests {
         assert_eq!(say("20 mm", "m/s"), "`mm` is a unit of a length, but a speed is needed here, e.g. in m/s");
         assert_eq!(say("20 mms", "m"), "unknown unit `mms`; did you mean `mm`?");
         assert_eq!(say("30 mn", "m"), "unknown unit `mn`; did you mean `mm`?");
+        assert_eq!(say("5 kg m2", "kg m^2"), "unknown unit `m2`; did you mean `m^2`?");
         assert_eq!(say("30 sec", "s"), "unknown unit `sec`; did you mean `s`?");
         assert_eq!(say("50 hz", "Hz"), "unknown unit `hz`; did you mean `Hz`?");
         assert_eq!(say("72 1/s", "Hz"), "cannot read the unit `1/s`: cycles or radians a second? write Hz or rad/s");

@@ -205,7 +205,7 @@ fn a_scenario_with_nothing_but_measurements_is_reported_and_run() {
         .args(["report", "measured.toml"])
         .assert()
         .success()
-        .stdout(predicate::str::contains("matches 0 of 1 table"))
+        .stdout(predicate::str::contains("within the noise in 0 of 1 comparison"))
         .stderr(predicate::str::contains("warning").not());
     let page = std::fs::read_to_string(dir.path().join("output/report.html")).unwrap();
     assert!(page.contains("structured misfit") && page.contains("Small &lt;b&gt;&amp; hostile"));

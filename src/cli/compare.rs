@@ -104,6 +104,12 @@ pub(super) fn uncalibrated(scenario: &Scenario) -> Option<&'static str> {
     )
 }
 
+/// chi2 per reading without what stands out, in words.
+pub(super) fn without_outliers(c: &Comparison) -> Option<String> {
+    let verb = if c.outliers.len() == 1 { "stands" } else { "stand" };
+    Some(format!("{:.2} without {} that {verb} out", c.chi2_without_outliers()?, count(c.outliers.len(), "reading")))
+}
+
 /// Where a reading that stands out is, and by how much.
 pub(super) fn stands_out(c: &Comparison, outlier: &Outlier) -> String {
     let point = c.table.points.iter().find(|p| p.row == outlier.row);
@@ -132,8 +138,11 @@ pub(super) fn words(c: &Comparison) -> Vec<String> {
         _ => String::new(),
     };
     lines.push(format!(
-        "error: chi2 per reading {:.2}; amplitude {:.2} % rms (noise {:.2} %){phase}",
-        m.chi2_per_point, m.rms_error_percent, m.noise_percent
+        "error: chi2 per reading {:.2}{}; amplitude {:.2} % rms (noise {:.2} %){phase}",
+        m.chi2_per_point,
+        without_outliers(c).map_or(String::new(), |without| format!(" ({without})")),
+        m.rms_error_percent,
+        m.noise_percent
     ));
     let b = c.error_budget();
     lines.push(format!(

@@ -1,6 +1,8 @@
 //! `stickslip discover`: which effect is missing.
 
-use super::compare::{interval_words, parameter, stands_out, uncalibrated, verdict, with_measurements};
+use super::compare::{
+    interval_words, parameter, stands_out, uncalibrated, verdict, with_measurements, without_outliers,
+};
 use super::gates::{self, GateLimits, Verdicts};
 use super::{Global, Json, Stamped, say};
 use crate::compare::{self, Setting};
@@ -55,6 +57,7 @@ pub(super) fn words(d: &Discovery) -> Vec<String> {
         lines.push(format!("  {name:<32} {:>9.2} {:>9.2} % {held_out:>9}", c.chi2_per_point, c.rms_error_percent));
     }
     let c = &end.comparison;
+    lines.extend(without_outliers(c).map(|without| format!("  the last with a chi2 of {without}")));
     lines.push(format!("parameters ({}):", interval_words(c)));
     lines.extend(c.fit.parameters.iter().zip(&c.intervals).map(|(p, i)| format!("  {}", parameter(p, i))));
     for tie in &d.correlations {

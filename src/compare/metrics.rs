@@ -2,6 +2,7 @@
 
 use super::{Compared, Setting};
 use crate::measurement::Point;
+use crate::statistics::median;
 
 /// Points through which the parabola of a peak is laid.
 const PEAK_POINTS: usize = 5;
@@ -45,6 +46,9 @@ pub struct ConditionMetrics {
     pub model_peak: Option<Peak>,
     /// Measured peak.
     pub measured_peak: Option<Peak>,
+    /// Standard deviation of its frequency \[Hz\]; zero without a peak.
+    #[serde(skip)]
+    pub measured_peak_sd: f64,
 }
 
 impl Metrics {
@@ -84,17 +88,25 @@ impl ConditionMetrics {
     pub(super) fn over(setting: Setting, points: &[&Compared]) -> Self {
         let model: Vec<_> = points.iter().map(|p| (p.point.frequency, p.model.amplitude)).collect();
         let measured: Vec<_> = points.iter().map(|p| (p.point.frequency, p.point.amplitude)).collect();
+        let noise = median(points.iter().map(|p| p.point.amplitude_sd / p.point.amplitude));
+        let (measured_peak, sd) = vertex(&measured).unzip();
         Self {
             setting,
             metrics: Metrics::over(points.iter().copied()),
             model_peak: peak(&model),
-            measured_peak: peak(&measured),
+            measured_peak,
+            measured_peak_sd: sd.unwrap_or(0.0) * noise,
         }
     }
 }
 
 /// The largest amplitude of a curve by a parabola through the logarithms of the points around it (least squares).
 pub fn peak(curve: &[(f64, f64)]) -> Option<Peak> {
+    vertex(curve).map(|(peak, _)| peak)
+}
+
+/// The same and the standard deviation of its frequency \[Hz\] over that of the amplitudes relative to them, to first order.
+fn vertex(curve: &[(f64, f64)]) -> Option<(Peak, f64)> {
     let top = (0..curve.len()).max_by(|&i, &j| curve[i].1.total_cmp(&curve[j].1))?;
     if top == 0 || top + 1 == curve.len() {
         return None;
@@ -103,11 +115,15 @@ pub fn peak(curve: &[(f64, f64)]) -> Option<Peak> {
     let part = &curve[top.saturating_sub(half)..(top + half + 1).min(curve.len())];
     let rows = nalgebra::DMatrix::from_fn(part.len(), 3, |i, j| (part[i].0 - curve[top].0).powi(j as i32));
     let logs = nalgebra::DVector::from_iterator(part.len(), part.iter().map(|p| p.1.ln()));
+    let inverse = (rows.transpose() * &rows).try_inverse();
     let fit = rows.svd(true, true).solve(&logs, 1e-12).ok()?;
     if fit[2] >= 0.0 {
         return None;
     }
     let shift = (-0.5 * fit[1] / fit[2]).clamp(part[0].0 - curve[top].0, part[part.len() - 1].0 - curve[top].0);
     let height = fit[0] + fit[1] * shift + fit[2] * shift * shift;
-    Some(Peak { frequency_hz: curve[top].0 + shift, amplitude_rad: height.exp() })
+    // Of -b/(2c), with b and c from the same readings.
+    let slope = nalgebra::Vector3::new(0.0, -0.5 / fit[2], 0.5 * fit[1] / (fit[2] * fit[2]));
+    let variance = inverse.map_or(0.0, |inverse| (slope.transpose() * inverse * slope)[0]);
+    Some((Peak { frequency_hz: curve[top].0 + shift, amplitude_rad: height.exp() }, variance.max(0.0).sqrt()))
 }

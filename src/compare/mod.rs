@@ -133,6 +133,15 @@ impl Comparison {
             .get_or_init(|| budget::budget(&self.model, &self.points, &self.overall, (self.noise(), &self.outliers)))
     }
 
+    /// chi2 per reading without the readings that stand out; `None` where there are none.
+    pub fn chi2_without_outliers(&self) -> Option<f64> {
+        let out = |p: &Compared, column: &str| self.outliers.iter().any(|o| o.row == p.point.row && o.column == column);
+        let amplitudes = self.points.iter().filter(|p| !out(p, "amplitude_rad")).map(|p| p.amplitude_residual);
+        let phases = self.points.iter().filter(|p| !out(p, "phase_rad")).filter_map(|p| p.phase_residual);
+        let (sum, count) = amplitudes.chain(phases).fold((0.0, 0), |(sum, n), r| (sum + r * r, n + 1));
+        (!self.outliers.is_empty() && count > 0).then(|| sum / f64::from(count))
+    }
+
     /// Noise of the readings over the stated one, where that is larger and nothing but noise is left.
     fn noise(&self) -> f64 {
         told(&self.whiteness)

@@ -134,13 +134,14 @@ fn sentence(region: &Region, condition: &ConditionMetrics, part: &[&Compared]) -
     let inside = |f: f64| f >= region.frequency_from_hz && f <= region.frequency_to_hz;
     if let (Some(model), Some(measured)) = (condition.model_peak, condition.measured_peak) {
         let shift = model.frequency_hz - measured.frequency_hz;
-        if shift.abs() > 0.5 && (inside(model.frequency_hz) || inside(measured.frequency_hz)) {
+        if shift.abs() > SHIFTED.max(3.0 * condition.measured_peak_sd)
+            && (inside(model.frequency_hz) || inside(measured.frequency_hz))
+        {
             said.push(format!("resonates {:.1} Hz too {}", shift.abs(), if shift > 0.0 { "high" } else { "low" }));
         }
     }
     if let Some(phase) = region.mean_phase_deg.filter(|_| phases > amplitudes) {
-        let lead = if phase > 0.0 { "ahead" } else { "behind" };
-        said.push(format!("is {:.1}° {lead} in phase", phase.abs()));
+        said.push(phase_words(phase, &answered));
     }
     format!(
         "{}: {}-{} Hz, the model {}; {} of the misfit",
@@ -154,6 +155,23 @@ fn sentence(region: &Region, condition: &ConditionMetrics, part: &[&Compared]) -
             format!("{:.0} %", 100.0 * region.share_of_chi2)
         }
     )
+}
+
+/// Shift of a resonance \[Hz\] up to which nothing is said of it.
+const SHIFTED: f64 = 0.5;
+
+/// A phase that runs through the measured one is on neither side of it.
+fn phase_words(mean: f64, part: &[&Compared]) -> String {
+    let side = |phase: f64| if phase > 0.0 { "ahead" } else { "behind" };
+    let errors = || part.iter().filter_map(|p| Some((p.phase_error()?.to_degrees(), p.point.frequency)));
+    let (sum, count) = errors().fold((0.0, 0), |(sum, n), (error, _)| (sum + error * error, n + 1));
+    if mean.abs() >= 0.5 * (sum / f64::from(count.max(1))).sqrt() {
+        return format!("is {:.1}° {} in phase on average", mean.abs(), side(mean));
+    }
+    let by = |a: &(f64, f64), b: &(f64, f64)| a.0.total_cmp(&b.0);
+    let (Some(least), Some(most)) = (errors().min_by(by), errors().max_by(by)) else { return String::new() };
+    let at = |(error, frequency): (f64, f64)| format!("{:.1}° {} at {} Hz", error.abs(), side(error), Trim(frequency));
+    format!("is {} and {} in phase", at(least), at(most))
 }
 
 /// A model that errs to both sides is said to be on one of them where the errors to the other are below this share.
@@ -244,7 +262,8 @@ mod tests {
         let points: Vec<Compared> = answers.into_iter().enumerate().map(|(row, answers)| point(row, answers)).collect();
         let setting = Setting { speed: 0.02, load: 20.0, drive: 2.5e-6 };
         let metrics = Metrics::over(points.iter());
-        let condition = ConditionMetrics { setting, metrics, model_peak: None, measured_peak: None };
+        let condition =
+            ConditionMetrics { setting, metrics, model_peak: None, measured_peak: None, measured_peak_sd: 0.0 };
         regions(&points, &[condition], 1.0).remove(0)
     }
 

@@ -69,6 +69,13 @@ impl Search<'_> {
                 "the readings scatter {factor:.2} times as much as their stated standard deviations; all tests and intervals use the scatter"
             ));
         }
+        if verdict == Verdict::EffectMissing {
+            let named = chosen.additions.iter().filter_map(|a| match a {
+                Addition::Effect(effect) if !effect.impersonator().is_empty() => Some(effect),
+                _ => None,
+            });
+            notes.extend(named.map(|effect| format!("of {}: {}", effect.name(), effect.impersonator())));
+        }
         if let Some(best) = candidates.first().filter(|c| c.hypothesis.label() != end.hypothesis.label()) {
             let above =
                 candidates.iter().find(|c| c.hypothesis.label() == end.hypothesis.label()).map_or(0.0, |c| c.delta_bic);

@@ -47,7 +47,7 @@ pub struct NextMeasurement {
     pub separates: [String; 2],
     /// Expected distance of the two readings in standard deviations of one.
     pub sigma: f64,
-    /// How far the second is behind the first by Schwarz's criterion, where that rules it out already: then a reading would
+    /// How far the second is behind the first by Schwarz's criterion, where that decides already: then a reading would
     /// only confirm. Absent where the data leave the two open.
     pub ruled_out_by: Option<f64>,
 }
@@ -62,7 +62,8 @@ impl NextMeasurement {
     pub fn meaning(&self) -> String {
         match self.ruled_out_by {
             Some(behind) => format!(
-                "only to confirm: these data rule the second out already, by {behind:.0} in Schwarz's criterion"
+                "{}: Schwarz's criterion, misfit and the price of parameters together, is already for the first by {behind:.0}",
+                if self.decides() { "only to confirm" } else { "too little to confirm what is found" }
             ),
             None if self.decides() => "one reading there decides".into(),
             None => "too little for one reading within these ranges: repeat it, or go beyond them".into(),

@@ -33,6 +33,10 @@ impl Effect for MaxwellBranch {
          k₁ωτ/(1 + (ωτ)²), exactly. Partial stick: it is lowered, too; where it lies depends on how the \
          share of stick changes, and it may move down. Full slip: nothing, since the bristles do not move."
     }
+    fn impersonator(&self) -> &'static str {
+        "a contact with a fractional element (spring-pot, which is not in the catalogue) looks the same over less than a \
+         decade of frequency; readings of the sticking contact a decade below the resonance tell the two apart"
+    }
     fn zero(&self) -> &'static [Zero] {
         &[Zero { parameter: 0, value: 0.0 }]
     }

@@ -72,6 +72,10 @@ pub trait Effect: Sync {
     fn source(&self) -> &'static str;
     /// What it does to a resonance curve at V = 0, in partial stick and in full slip.
     fn fingerprint(&self) -> &'static str;
+    /// What outside the catalogue looks the same, and what tells it apart; empty where nothing is known to.
+    fn impersonator(&self) -> &'static str {
+        ""
+    }
     /// Parameter values at which the base returns, all at once; empty where the effect replaces a part of the base.
     fn zero(&self) -> &'static [Zero];
     /// Its parameters in order, at most four where it has a law.

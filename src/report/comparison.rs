@@ -51,6 +51,7 @@ pub fn comparison_view(c: &Comparison, figures: &[FigureInput]) -> ComparisonVie
         metrics: c.overall,
         model_peak: None,
         measured_peak: None,
+        measured_peak_sd: 0.0,
     };
     ComparisonView {
         anchor: anchor::comparison(id),
@@ -94,7 +95,12 @@ fn sentence(c: &Comparison, verdict: Match) -> String {
     };
     let aside = match c.outliers.len() {
         0 => String::new(),
-        n => format!(" with {} that {} out", count(n, "reading"), if n == 1 { "stands" } else { "stand" }),
+        n => format!(
+            " with {} that {} out{}",
+            count(n, "reading"),
+            if n == 1 { "stands" } else { "stand" },
+            c.chi2_without_outliers().map_or(String::new(), |chi2| format!(", {} without", quantity(chi2, "1", 3)))
+        ),
     };
     let phase = match (m.rms_phase_deg, m.noise_phase_deg) {
         (Some(error), Some(noise)) => {

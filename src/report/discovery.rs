@@ -8,6 +8,7 @@ use super::scenario::{FigureInput, figure};
 use super::verdict::Found;
 use super::view::{FigureView, Quantity, ScenarioView};
 use crate::discover::{self, Candidate, Discovery, NextMeasurement, NotTestable, Step, Verdict, identified};
+use crate::units::count;
 
 /// Figures shown at once; the others are folded.
 const FIRST: [&str; 4] = ["ladder", "ladder-overlay", "fingerprint-before-after", "ranking"];
@@ -87,6 +88,11 @@ fn story(d: &Discovery) -> Vec<String> {
             number(after.chi2_per_point),
             percent(after.rms_error_percent)
         ));
+    }
+    if let Some(without) = end.comparison.chi2_without_outliers() {
+        let outliers = end.comparison.outliers.len();
+        let verb = if outliers == 1 { "stands" } else { "stand" };
+        lines.push(format!("Without {} that {verb} out of it, χ² = {}.", count(outliers, "reading"), number(without)));
     }
     if let Some(held_out) = end.held_out {
         lines.push(format!(

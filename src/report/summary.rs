@@ -221,8 +221,8 @@ fn sentence(claims: &[ClaimView], scenarios: &[ScenarioView], checks: &[CheckVie
     if !matches.is_empty() {
         let good = matches.iter().filter(|verdict| **verdict == Match::Noise).count();
         parts.push(format!(
-            "the model matches {good} of {} of measurements within the noise{}",
-            units::count(matches.len(), "table"),
+            "the model is within the noise in {good} of {} with measurements{}",
+            units::count(matches.len(), "comparison"),
             synthetic(scenarios)
         ));
         let found = |wanted: &[Found]| {

@@ -232,7 +232,7 @@ fn comparisons_are_summed_up_with_failures_first() {
     let view = compared("Readings");
     let verdicts: Vec<&str> = view.summary.compared.iter().map(|line| line.verdict.as_str()).collect();
     assert_eq!(verdicts, ["structured misfit", "within the noise"]);
-    assert!(view.summary.sentence.contains("the model matches 1 of 2 tables of measurements within the noise"));
+    assert!(view.summary.sentence.contains("the model is within the noise in 1 of 2 comparisons with measurements"));
     let page = render(&view).unwrap();
     let ids: BTreeSet<&str> = attributes(&page, "id").into_iter().collect();
     for line in &view.summary.compared {

@@ -289,7 +289,8 @@ impl Figure<Comparison> for Contact {
             ]
         } else {
             [
-                "Marks on the lines: k and c of a stuck contact level with the dashed lines, of a slipping one at zero.",
+                "Marks on the lines. Without an effect in the contact, k and c of a stuck one are level with the dashed lines, of a \
+                 slipping one at zero.",
                 "k that rises or falls with frequency everywhere, at rest too: mass or stiffness is missing in the rig or the \
                  contact. k above zero in slip: friction that is not Coulomb's.",
                 "Find the conditions in which marks and lines part. At rest: the material or the rig. In slip: the law of \

@@ -35,7 +35,9 @@ fn draw(steps: &[Step], title: &str, alt: &str) -> Result<String, FigureError> {
     let left_out: Vec<f64> = steps.iter().map(|s| s.held_out.map_or(f64::NAN, |h| h.rms_percent)).collect();
     let noise = noise(steps);
     let axis = |label: &str, values: Vec<f64>| Axis::logarithmic(label, values, 0.14);
-    let first = rows.panel(rows.left, width, axis("χ² per reading", [chi2.as_slice(), &[1.0]].concat()));
+    let left_out_chi2: Vec<f64> = steps.iter().map(|s| s.held_out.map_or(f64::NAN, |h| h.chi2_per_point)).collect();
+    let first =
+        rows.panel(rows.left, width, axis("χ² per reading", [chi2.as_slice(), &left_out_chi2, &[1.0]].concat()));
     let errors = [error.as_slice(), &left_out, &[noise]].concat();
     let second = rows.panel(rows.left + width + GAP, width, axis("rms error of the amplitude [%]", errors));
     document((WIDTH, rows.bottom() + 62.0), (title, alt), |canvas| {
@@ -51,12 +53,14 @@ fn draw(steps: &[Step], title: &str, alt: &str) -> Result<String, FigureError> {
             };
             canvas.series(NOISE, |canvas| canvas.within(panel, line));
         }
-        steps_of(canvas, &rows, &first, &chi2, |value| significant(value, 3));
-        for (index, &value) in left_out.iter().enumerate().filter(|(_, value)| value.is_finite()) {
-            let at = (second.px(value), rows.y(index));
-            let mark = |canvas: &mut Canvas| canvas.mark(Mark::Diamond, at, 8.0, WHITE, Stroke::solid(INK, 1.8));
-            canvas.series(LEFT_OUT, |canvas| canvas.within(&second, mark));
+        for (panel, values) in [(&first, &left_out_chi2), (&second, &left_out)] {
+            for (index, &value) in values.iter().enumerate().filter(|(_, value)| value.is_finite()) {
+                let at = (panel.px(value), rows.y(index));
+                let mark = |canvas: &mut Canvas| canvas.mark(Mark::Diamond, at, 8.0, WHITE, Stroke::solid(INK, 1.8));
+                canvas.series(LEFT_OUT, |canvas| canvas.within(panel, mark));
+            }
         }
+        steps_of(canvas, &rows, &first, &chi2, |value| significant(value, 3));
         steps_of(canvas, &rows, &second, &error, |value| format!("{} %", significant(value, 3)));
     })
 }

@@ -67,7 +67,7 @@ impl Data<'_> {
         format!(
             "Dynamic stiffness k (above) and damping c (below) of the contact, {against}: marks with bars of one standard \
              deviation, from the readings and the calibrated rig alone, with no law of the contact assumed; lines, those of the \
-             model at the same points. Dashed: the contact stuck throughout; zero: full slip, no elastic force.{}{remarks}",
+             model at the same points. Dashed: its Kelvin-Voigt element, stuck throughout; zero: full slip, no elastic force.{}{remarks}",
             words::shown(self.c).1
         )
     }
@@ -88,7 +88,7 @@ impl Data<'_> {
         let sd = |row: &Row| worst(row, &|p| ((row.value)(p), (row.sd)(p)));
         vec![
             (
-                "Contact of the model, stuck".into(),
+                "Kelvin-Voigt element of the model, stuck".into(),
                 format!("k = {}, c = {}", k.unit.show(k.stuck, 3), c.unit.show(c.stuck, 3)),
             ),
             ("Measured against model, root mean square".into(), format!("{} σ in k, {} σ in c", sd(k), sd(c))),
