@@ -370,7 +370,7 @@ impl Search<'_> {
         let mut ties = Vec::new();
         for (index, addition) in chosen.additions.iter().enumerate() {
             let rest = self.without(chosen, index);
-            let round = self.round(&rest, rounds, Pace::Towards(chosen));
+            let round = self.round(&rest, rounds, Pace::Beside(chosen));
             let mut tied: Vec<Hypothesis> =
                 round.found.iter().filter(|e| e.full).map(|e| e.found.hypothesis.clone()).collect();
             tied.retain(|h| h.additions.last() != Some(addition) && self.bic(h, noise) - own < MARGIN);

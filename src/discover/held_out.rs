@@ -3,7 +3,7 @@
 use super::hypothesis::Hypothesis;
 use super::search::Data;
 use crate::compare::conditions_of;
-use crate::fit::{Problem, Settings, minimise, robust_chi2};
+use crate::fit::{Parameter, Problem, robust_chi2};
 use crate::measurement::Point;
 use crate::solver::cycle::Tolerance;
 use nalgebra::{DMatrix, DVector};
@@ -11,11 +11,10 @@ use rayon::prelude::*;
 
 /// Longest step on the natural scale of a parameter that leaving a condition out may make.
 const LONGEST: f64 = 1.0;
-/// A step longer than this may leave the straight part of a valley: it is tried, and where it leads uphill the fit is made again ...
+/// A step longer than this may leave the straight part of a valley: it is tried, and halved where it leads uphill, ...
 const STRAIGHT: f64 = 0.05;
-/// ... with so many evaluations at most, to this relative change of the sum of squares.
-const EVALUATIONS: usize = 40;
-const CONVERGED: f64 = 1e-5;
+/// ... so many times at most.
+const HALVINGS: i32 = 5;
 /// Directions that the rest of the data see less than this share of the best seen one stay as they are.
 const UNSEEN: f64 = 1e-5;
 
@@ -28,8 +27,8 @@ pub struct HeldOut {
     pub chi2_per_point: f64,
 }
 
-/// Leaves one condition out after the other. The fit without it is one Gauss-Newton step from the fit to all, or a new one
-/// where that step fails; the prediction is a new solution of the model. `None` where there is only one condition, or the fit is to a part of the points.
+/// Leaves one condition out after the other. The fit without it is one Gauss-Newton step from the fit to all, shortened
+/// until it leads downhill; the prediction is a new solution of the model. `None` where there is only one condition, or the fit is to a part of the points.
 pub fn held_out(data: &Data<'_>, hypothesis: &Hypothesis) -> Option<HeldOut> {
     let (settings, of_point) = conditions_of(data.points);
     let fit = &hypothesis.fit;
@@ -41,6 +40,7 @@ pub fn held_out(data: &Data<'_>, hypothesis: &Hypothesis) -> Option<HeldOut> {
         jacobian.column_mut(column).scale_mut(parameter.natural_slope(value));
     }
     let residuals = &fit.evaluation.residuals;
+    let stride = data.points.len() / data.part.len();
     let of_row: Vec<usize> = data
         .points
         .iter()
@@ -56,23 +56,28 @@ pub fn held_out(data: &Data<'_>, hypothesis: &Hypothesis) -> Option<HeldOut> {
                 rows.iter().map(|&r| residuals[r].clamp(-data.threshold, data.threshold)),
             );
             let step = newton(&jacobian.select_rows(&rows), &clipped);
-            let mut values: Vec<f64> = fit
-                .parameters
-                .iter()
-                .zip(&fit.values)
-                .enumerate()
-                .map(|(i, (p, &x))| p.moved(x, step[i].clamp(-LONGEST, LONGEST)))
-                .collect();
+            let moved = |share: f64| -> Vec<f64> {
+                let by =
+                    |(i, (p, &x)): (usize, (&Parameter, &f64))| p.moved(x, share * step[i].clamp(-LONGEST, LONGEST));
+                fit.parameters.iter().zip(&fit.values).enumerate().map(by).collect()
+            };
             let all = |out: bool| data.points.iter().zip(&of_point).filter(move |(_, c)| (**c == condition) == out);
+            let mut values = moved(1.0);
             if step.amax() > STRAIGHT {
-                let rest = all(false).map(|(p, _)| p);
-                let mut rest = Problem::new(hypothesis.model.clone(), rest, fit.parameters.clone(), Tolerance::FIT);
-                let before = robust_chi2(&residuals.select_rows(&rows), data.threshold);
-                if robust_chi2(&rest.evaluate(&values, false).residuals, data.threshold) > before {
-                    let settings =
-                        Settings { evaluations: EVALUATIONS, threshold: data.threshold, converged: CONVERGED };
-                    values = minimise(&mut rest, &fit.values, &settings).values;
-                }
+                // A part of the rest says where it leads.
+                let some = || all(false).step_by(stride);
+                let mut rest = Problem::new(
+                    hypothesis.model.clone(),
+                    some().map(|(p, _)| p),
+                    fit.parameters.clone(),
+                    Tolerance::COARSE,
+                );
+                let mut objective =
+                    |values: &[f64]| robust_chi2(&rest.evaluate(values, false).residuals, data.threshold);
+                let before = objective(&fit.values);
+                let shares = (0..HALVINGS).map(|n| 0.5f64.powi(n));
+                let downhill = shares.map(moved).find(|values| objective(values) <= before);
+                values = downhill.unwrap_or_else(|| fit.values.clone());
             }
             let points: Vec<&Point> = all(true).map(|(p, _)| p).collect();
             let mut problem = Problem::new(

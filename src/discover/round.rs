@@ -58,6 +58,8 @@ pub(super) enum Pace<'h> {
     Quick,
     /// The same, and what cannot come near this hypothesis is not fitted to its end.
     Towards(&'h Hypothesis),
+    /// The same, of what else than this hypothesis.
+    Beside(&'h Hypothesis),
 }
 
 /// All additions to one hypothesis, fitted.
@@ -133,13 +135,17 @@ impl Search<'_> {
 
     fn race(&self, from: &Hypothesis, first: Option<&Round>, pace: Pace<'_>) -> Round {
         let data = &self.data;
-        let goal = if let Pace::Towards(goal) = pace { Some(goal) } else { None };
+        let goal = match pace {
+            Pace::Towards(goal) | Pace::Beside(goal) => Some(goal),
+            Pace::Thorough | Pace::Quick => None,
+        };
+        let known = |a: &Addition| matches!(pace, Pace::Beside(goal) if goal.additions.contains(a));
         let with = |addition: &Addition| from.additions.iter().copied().chain([*addition]).collect::<Vec<_>>();
         let fitting: Vec<Addition> = self
             .pool
             .iter()
             .copied()
-            .filter(|a| !from.additions.contains(a) && compatible(&self.data.base, &with(a)))
+            .filter(|a| !from.additions.contains(a) && !known(a) && compatible(&self.data.base, &with(a)))
             .collect();
         let base = Base::new(data, from);
         let beside_noise = !self.structured(from);
