@@ -21,7 +21,7 @@ const OUTLYING: f64 = 5.0;
 /// Share of such a step that counts as scatter.
 const STEP: f64 = 0.6;
 /// ... and so many standard deviations from the parabola through them.
-const OFF_PARABOLA: f64 = 4.0;
+const OFF_PARABOLA: f64 = 4.5;
 /// Neighbours on either side.
 const NEIGHBOURS: usize = 3;
 
@@ -143,15 +143,21 @@ pub(crate) fn outliers(column: &'static str, residuals: &[(usize, f64)], noise: 
 }
 
 /// Whether a residual is further from the parabola through its neighbours (step, residual) than noise takes it: at the end of
-/// a curve, where neighbours are on one side, that is known less well.
+/// a curve, where neighbours are on one side, that is known less well. One of them, the one that fits least to the others, is
+/// left out: it may stand out itself.
 fn off_parabola(residual: f64, near: &[(f64, f64)], noise: f64) -> bool {
-    let design = DMatrix::from_fn(near.len(), 3, |row, power| near[row].0.powi(power as i32));
-    let values = DVector::from_iterator(near.len(), near.iter().map(|(_, residual)| *residual));
-    let normal = design.transpose() * &design;
-    // Of three neighbours or fewer there is none that could miss.
-    let Some(inverse) = normal.try_inverse().filter(|_| near.len() > 3) else { return true };
-    let there = (inverse.row(0) * design.transpose() * values)[0];
-    (residual - there).abs() > OFF_PARABOLA * noise * (1.0 + inverse[(0, 0)]).sqrt()
+    let without = |skipped: usize| {
+        let kept: Vec<(f64, f64)> = (0..near.len()).filter(|&i| i != skipped).map(|i| near[i]).collect();
+        let design = DMatrix::from_fn(kept.len(), 3, |row, power| kept[row].0.powi(power as i32));
+        let values = DVector::from_iterator(kept.len(), kept.iter().map(|(_, residual)| *residual));
+        let inverse = (design.transpose() * &design).try_inverse()?;
+        let parabola = &inverse * design.transpose() * &values;
+        Some(((values - design * &parabola).norm_squared(), parabola[0], inverse[(0, 0)]))
+    };
+    // Of four neighbours or fewer there is none that could miss.
+    let fits = (0..near.len()).filter(|_| near.len() > 4).filter_map(without);
+    let Some((_, there, variance)) = fits.min_by(|a, b| a.0.total_cmp(&b.0)) else { return true };
+    (residual - there).abs() > OFF_PARABOLA * noise * (1.0 + variance).sqrt()
 }
 
 #[cfg(test)]
@@ -172,6 +178,19 @@ mod tests {
             let found =
                 outliers("amplitude_rad", &rows(|x| 60.0 - 8.0 * x + if x == far as f64 { 30.0 } else { 0.0 }), 1.0);
             assert_eq!(found.iter().map(|o| o.row).collect::<Vec<_>>(), [far]);
+        }
+    }
+
+    #[test]
+    fn two_readings_off_side_by_side_hide_neither() {
+        for (first, size) in [(0, 20.0), (11, 12.0), (22, 20.0)] {
+            let found = outliers(
+                "amplitude_rad",
+                &rows(|x| if x == f64::from(first) || x == f64::from(first) + 1.0 { size } else { 0.0 }),
+                1.0,
+            );
+            let found: Vec<usize> = found.iter().map(|o| o.row).collect();
+            assert_eq!(found, [first as usize, first as usize + 1], "{size}");
         }
     }
 

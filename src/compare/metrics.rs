@@ -124,6 +124,6 @@ fn vertex(curve: &[(f64, f64)]) -> Option<(Peak, f64)> {
     let height = fit[0] + fit[1] * shift + fit[2] * shift * shift;
     // Of -b/(2c), with b and c from the same readings.
     let slope = nalgebra::Vector3::new(0.0, -0.5 / fit[2], 0.5 * fit[1] / (fit[2] * fit[2]));
-    let variance = inverse.map_or(0.0, |inverse| (slope.transpose() * inverse * slope)[0]);
+    let variance = inverse.map_or(f64::INFINITY, |inverse| (slope.transpose() * inverse * slope)[0]);
     Some((Peak { frequency_hz: curve[top].0 + shift, amplitude_rad: height.exp() }, variance.max(0.0).sqrt()))
 }

@@ -129,8 +129,12 @@ impl Comparison {
 
     /// Three numbers that add up. Integrated over time when first asked for, which takes long where motions settle slowly.
     pub fn error_budget(&self) -> &ErrorBudget {
-        self.error_budget
-            .get_or_init(|| budget::budget(&self.model, &self.points, &self.overall, (self.noise(), &self.outliers)))
+        if let Some(budget) = self.error_budget.get() {
+            return budget;
+        }
+        // Not while others wait for it: this thread may take up their work meanwhile.
+        let budget = budget::budget(&self.model, &self.points, &self.overall, (self.noise(), &self.outliers));
+        self.error_budget.get_or_init(|| budget)
     }
 
     /// chi2 per reading without the readings that stand out; `None` where there are none.

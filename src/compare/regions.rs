@@ -165,11 +165,12 @@ fn phase_words(mean: f64, part: &[&Compared]) -> String {
     let side = |phase: f64| if phase > 0.0 { "ahead" } else { "behind" };
     let errors = || part.iter().filter_map(|p| Some((p.phase_error()?.to_degrees(), p.point.frequency)));
     let (sum, count) = errors().fold((0.0, 0), |(sum, n), (error, _)| (sum + error * error, n + 1));
-    if mean.abs() >= 0.5 * (sum / f64::from(count.max(1))).sqrt() {
-        return format!("is {:.1}° {} in phase on average", mean.abs(), side(mean));
-    }
     let by = |a: &(f64, f64), b: &(f64, f64)| a.0.total_cmp(&b.0);
-    let (Some(least), Some(most)) = (errors().min_by(by), errors().max_by(by)) else { return String::new() };
+    let through = errors().min_by(by).zip(errors().max_by(by)).filter(|(least, most)| least.0 < 0.0 && most.0 > 0.0);
+    let aside = mean.abs() >= 0.5 * (sum / f64::from(count.max(1))).sqrt();
+    let Some((least, most)) = through.filter(|_| !aside) else {
+        return format!("is {:.1}° {} in phase on average", mean.abs(), side(mean));
+    };
     let at = |(error, frequency): (f64, f64)| format!("{:.1}° {} at {} Hz", error.abs(), side(error), Trim(frequency));
     format!("is {} and {} in phase", at(least), at(most))
 }

@@ -11,9 +11,12 @@ use rayon::prelude::*;
 
 /// Longest step on the natural scale of a parameter that leaving a condition out may make.
 const LONGEST: f64 = 1.0;
-/// A step longer than this may leave the straight part of a valley: it is tried, and halved where it leads uphill, ...
+/// A step longer than this may leave the straight part of a valley: it is tried on a part of the points, and halved where the
+/// sum of squares rises ...
 const STRAIGHT: f64 = 0.05;
-/// ... so many times at most.
+/// ... by more than a good step may raise that of a part, ...
+const UPHILL: f64 = 2.0;
+/// ... so many times at most; then it is left out.
 const HALVINGS: i32 = 5;
 /// Directions that the rest of the data see less than this share of the best seen one stay as they are.
 const UNSEEN: f64 = 1e-5;
@@ -28,7 +31,8 @@ pub struct HeldOut {
 }
 
 /// Leaves one condition out after the other. The fit without it is one Gauss-Newton step from the fit to all, shortened
-/// until it leads downhill; the prediction is a new solution of the model. `None` where there is only one condition, or the fit is to a part of the points.
+/// until it leads no more uphill; the prediction is a new solution of the model. `None` where there is only one condition, or
+/// the fit is to a part of the points.
 pub fn held_out(data: &Data<'_>, hypothesis: &Hypothesis) -> Option<HeldOut> {
     let (settings, of_point) = conditions_of(data.points);
     let fit = &hypothesis.fit;
@@ -76,7 +80,7 @@ pub fn held_out(data: &Data<'_>, hypothesis: &Hypothesis) -> Option<HeldOut> {
                     |values: &[f64]| robust_chi2(&rest.evaluate(values, false).residuals, data.threshold);
                 let before = objective(&fit.values);
                 let shares = (0..HALVINGS).map(|n| 0.5f64.powi(n));
-                let downhill = shares.map(moved).find(|values| objective(values) <= before);
+                let downhill = shares.map(moved).find(|values| objective(values) <= before + UPHILL);
                 values = downhill.unwrap_or_else(|| fit.values.clone());
             }
             let points: Vec<&Point> = all(true).map(|(p, _)| p).collect();

@@ -67,7 +67,7 @@ pub fn comparison_view(c: &Comparison, figures: &[FigureInput]) -> ComparisonVie
         conditions: c.conditions.iter().map(metrics).collect(),
         regions: c.regions.iter().take(REGIONS).map(|region| region.sentence.clone()).collect(),
         more_regions: c.regions.len().saturating_sub(REGIONS),
-        outliers: c.outliers.iter().take(OUTLIERS).map(|o| outlier(c, o)).collect(),
+        outliers: c.outliers.iter().take(OUTLIERS).map(outlier).collect(),
         more_outliers: c.outliers.len().saturating_sub(OUTLIERS),
         budget: budget(c),
         figures: first,
@@ -176,14 +176,9 @@ pub(super) fn tie(pair: &crate::fit::Correlation) -> String {
     format!("The estimates of {a} and {b} are tied together (correlation {}).", quantity(pair.value, "1", 3))
 }
 
-/// A reading that stands out; of replicates that were pooled the row is that of the first.
-pub(super) fn outlier(c: &Comparison, outlier: &crate::compare::Outlier) -> OutlierView {
+pub(super) fn outlier(outlier: &crate::compare::Outlier) -> OutlierView {
     let column = if outlier.column == "phase_rad" { "phase" } else { "amplitude" };
-    let pooled = match c.table.points.iter().find(|p| p.row == outlier.row).map_or(1, |p| p.replicates) {
-        0 | 1 => String::new(),
-        several => format!(" (first of {several} pooled rows)"),
-    };
-    OutlierView { row: outlier.row, column: format!("{column}{pooled}"), error: shown(outlier.sigma, "σ", 3) }
+    OutlierView { row: outlier.row, column: column.into(), error: shown(outlier.sigma, "σ", 3) }
 }
 
 fn budget(c: &Comparison) -> Vec<NoteView> {

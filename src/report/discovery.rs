@@ -53,7 +53,7 @@ pub fn discovery_view(d: &Discovery, figures: &[FigureInput]) -> DiscoveryView {
         more_candidates: d.candidates.len().saturating_sub(CANDIDATES),
         indistinguishable: d.indistinguishable.iter().map(|group| group.join(", ")).collect(),
         not_testable: d.not_testable.iter().map(not_testable).collect(),
-        outliers: d.outliers.iter().take(OUTLIERS).map(|o| outlier(c, o)).collect(),
+        outliers: d.outliers.iter().take(OUTLIERS).map(outlier).collect(),
         more_outliers: d.outliers.len().saturating_sub(OUTLIERS),
         // Where nothing is missing, a rival that cannot be told apart is no news.
         next: d.next_measurement.as_ref().filter(|n| d.verdict != Verdict::NothingMissing || n.decides()).map(next),
