@@ -3,7 +3,7 @@
 use super::folder::Folder;
 use super::gates::{self, GateLimits};
 use super::{Global, Json, Stamped, say, simulate};
-use crate::compare::{self, Comparison, Options, Outlier};
+use crate::compare::{self, Comparison, Options, Outlier, outlier_words};
 use crate::error::{Error, Result};
 use crate::figures::style::{budget_percent, count};
 use crate::files;
@@ -106,8 +106,7 @@ pub(super) fn uncalibrated(scenario: &Scenario) -> Option<&'static str> {
 
 /// chi2 per reading without what stands out, in words.
 pub(super) fn without_outliers(c: &Comparison) -> Option<String> {
-    let verb = if c.outliers.len() == 1 { "stands" } else { "stand" };
-    Some(format!("{:.2} without {} that {verb} out", c.chi2_without_outliers()?, count(c.outliers.len(), "reading")))
+    Some(format!("{:.2} without {}", c.chi2_without_outliers()?, outlier_words(c.outliers.len())))
 }
 
 /// Where a reading that stands out is, and by how much.

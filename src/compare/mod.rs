@@ -30,6 +30,7 @@ use crate::scenario::Scenario;
 use crate::solver::Status;
 use crate::solver::analytic::wrap;
 use crate::solver::cycle::Tolerance;
+use crate::units::count;
 use std::sync::OnceLock;
 
 /// Version of the comparison: raised whenever the same input may give other numbers, so that a limit that is suddenly
@@ -133,7 +134,7 @@ impl Comparison {
             return budget;
         }
         // Not while others wait for it: this thread may take up their work meanwhile.
-        let budget = budget::budget(&self.model, &self.points, &self.overall, (self.noise(), &self.outliers));
+        let budget = budget::budget(&self.model, &self.points, &self.overall, (told(&self.whiteness), &self.outliers));
         self.error_budget.get_or_init(|| budget)
     }
 
@@ -144,11 +145,6 @@ impl Comparison {
         let phases = self.points.iter().filter(|p| !out(p, "phase_rad")).filter_map(|p| p.phase_residual);
         let (sum, count) = amplitudes.chain(phases).fold((0.0, 0), |(sum, n), r| (sum + r * r, n + 1));
         (!self.outliers.is_empty() && count > 0).then(|| sum / f64::from(count))
-    }
-
-    /// Noise of the readings over the stated one, where that is larger and nothing but noise is left.
-    fn noise(&self) -> f64 {
-        told(&self.whiteness)
     }
 }
 
@@ -226,6 +222,12 @@ pub fn judge(scenario: &Scenario, table: &Table, base: &Model, calibration: &Cal
     }
 }
 
+/// Readings that stand out, counted in words.
+pub fn outlier_words(number: usize) -> String {
+    format!("{} that {} out", count(number, "reading"), if number == 1 { "stands" } else { "stand" })
+}
+
+/// Noise of the readings over the stated one, where that is larger and nothing but noise is left.
 fn told(whiteness: &Whiteness) -> f64 {
     if whiteness.structured { 1.0 } else { whiteness.noise().max(1.0) }
 }

@@ -1,9 +1,9 @@
 //! What a discovery says, in words that the terminal and the report share.
 
 use super::{Discovery, Verdict};
+use crate::compare::outlier_words;
 use crate::effects::REGISTRY;
 use crate::fit::{Identified, Interval, Parameter};
-use crate::units::count;
 
 /// The verdict in a sentence.
 pub fn sentence(d: &Discovery) -> String {
@@ -41,7 +41,7 @@ fn noise(d: &Discovery) -> String {
     };
     match d.outliers.len() {
         0 => noise,
-        n => format!("{noise}, {} aside that {} out", count(n, "reading"), if n == 1 { "stands" } else { "stand" }),
+        n => format!("{noise}, {} aside", outlier_words(n)),
     }
 }
 

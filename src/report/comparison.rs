@@ -7,11 +7,10 @@ use super::verdict::{Completeness, Match};
 use super::view::{
     ComparisonView, FigureView, FittedView, MatchView, NoteView, OutlierView, PeakView, Quantity, ScenarioView,
 };
-use crate::compare::{Comparison, ConditionMetrics, Peak};
+use crate::compare::{Comparison, ConditionMetrics, Peak, outlier_words};
 use crate::figures::style::budget_percent;
 use crate::fit::{Identified, Interval, Parameter};
 use crate::solver::Status;
-use crate::units::count;
 
 /// Figures shown at once; the others are folded.
 const FIRST: [&str; 3] = ["overlay", "misfit-map", "contact-fingerprint"];
@@ -96,9 +95,8 @@ fn sentence(c: &Comparison, verdict: Match) -> String {
     let aside = match c.outliers.len() {
         0 => String::new(),
         n => format!(
-            " with {} that {} out{}",
-            count(n, "reading"),
-            if n == 1 { "stands" } else { "stand" },
+            " with {}{}",
+            outlier_words(n),
             c.chi2_without_outliers().map_or(String::new(), |chi2| format!(", {} without", quantity(chi2, "1", 3)))
         ),
     };

@@ -7,8 +7,8 @@ use super::format::{quantity, setting};
 use super::scenario::{FigureInput, figure};
 use super::verdict::Found;
 use super::view::{FigureView, Quantity, ScenarioView};
+use crate::compare::outlier_words;
 use crate::discover::{self, Candidate, Discovery, NextMeasurement, NotTestable, Step, Verdict, identified};
-use crate::units::count;
 
 /// Figures shown at once; the others are folded.
 const FIRST: [&str; 4] = ["ladder", "ladder-overlay", "fingerprint-before-after", "ranking"];
@@ -90,9 +90,8 @@ fn story(d: &Discovery) -> Vec<String> {
         ));
     }
     if let Some(without) = end.comparison.chi2_without_outliers() {
-        let outliers = end.comparison.outliers.len();
-        let verb = if outliers == 1 { "stands" } else { "stand" };
-        lines.push(format!("Without {} that {verb} out of it, χ² = {}.", count(outliers, "reading"), number(without)));
+        let outliers = outlier_words(end.comparison.outliers.len());
+        lines.push(format!("Without {outliers} of it, χ² = {}.", number(without)));
     }
     if let Some(held_out) = end.held_out {
         lines.push(format!(
