@@ -1,6 +1,6 @@
 //! Numbers with units: a small parser that checks dimensions, and the way back for people.
 //!
-//! Base dimensions are kg, m and s; rad is a pure number, so `990 N m` serves as a torsional stiffness.
+//! Base dimensions are kg, m, s and V; rad is a pure number, so `990 N m` serves as a torsional stiffness.
 
 use std::fmt::Write as _;
 
@@ -9,8 +9,8 @@ pub fn count(number: usize, word: &str) -> String {
     if number == 1 { format!("1 {word}") } else { format!("{number} {word}s") }
 }
 
-/// Exponents of kg, m and s.
-type Dimension = [i32; 3];
+/// Exponents of kg, m, s and V.
+type Dimension = [i32; 4];
 
 /// Why a text is not the quantity that was asked for.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -54,25 +54,26 @@ type Size = (f64, i32);
 
 /// Symbol, size, dimension, whether it takes prefixes.
 const UNITS: &[(&str, Size, Dimension, bool)] = &[
-    ("m", (1.0, 0), [0, 1, 0], true),
-    ("g", (1.0, -3), [1, 0, 0], true),
-    ("s", (1.0, 0), [0, 0, 1], true),
-    ("N", (1.0, 0), [1, 1, -2], true),
-    ("J", (1.0, 0), [1, 2, -2], true),
+    ("m", (1.0, 0), [0, 1, 0, 0], true),
+    ("g", (1.0, -3), [1, 0, 0, 0], true),
+    ("s", (1.0, 0), [0, 0, 1, 0], true),
+    ("N", (1.0, 0), [1, 1, -2, 0], true),
+    ("J", (1.0, 0), [1, 2, -2, 0], true),
     // As torques are often written.
-    ("Nm", (1.0, 0), [1, 2, -2], false),
-    ("W", (1.0, 0), [1, 2, -3], true),
-    ("Pa", (1.0, 0), [1, -1, -2], true),
-    ("Hz", (1.0, 0), [0, 0, -1], true),
-    ("rad", (1.0, 0), [0, 0, 0], true),
-    ("min", (60.0, 0), [0, 0, 1], false),
-    ("cm", (1.0, -2), [0, 1, 0], false),
-    ("deg", (std::f64::consts::PI / 180.0, 0), [0, 0, 0], false),
-    ("°", (std::f64::consts::PI / 180.0, 0), [0, 0, 0], false),
-    ("%", (1.0, -2), [0, 0, 0], false),
-    ("decades", (1.0, 0), [0, 0, 0], false),
-    ("decade", (1.0, 0), [0, 0, 0], false),
-    ("1", (1.0, 0), [0, 0, 0], false),
+    ("Nm", (1.0, 0), [1, 2, -2, 0], false),
+    ("W", (1.0, 0), [1, 2, -3, 0], true),
+    ("Pa", (1.0, 0), [1, -1, -2, 0], true),
+    ("Hz", (1.0, 0), [0, 0, -1, 0], true),
+    ("V", (1.0, 0), [0, 0, 0, 1], true),
+    ("rad", (1.0, 0), [0, 0, 0, 0], true),
+    ("min", (60.0, 0), [0, 0, 1, 0], false),
+    ("cm", (1.0, -2), [0, 1, 0, 0], false),
+    ("deg", (std::f64::consts::PI / 180.0, 0), [0, 0, 0, 0], false),
+    ("°", (std::f64::consts::PI / 180.0, 0), [0, 0, 0, 0], false),
+    ("%", (1.0, -2), [0, 0, 0, 0], false),
+    ("decades", (1.0, 0), [0, 0, 0, 0], false),
+    ("decade", (1.0, 0), [0, 0, 0, 0], false),
+    ("1", (1.0, 0), [0, 0, 0, 0], false),
 ];
 
 /// Prefixes; both micro signs (U+00B5, U+03BC) and `u`.
@@ -80,21 +81,22 @@ const PREFIXES: &[(&str, i32)] = &[("n", -9), ("u", -6), ("µ", -6), ("μ", -6),
 
 /// What a dimension measures, for messages; several names where several quantities share it.
 const KINDS: &[(Dimension, &str)] = &[
-    ([0, 0, 0], "a pure number or an angle"),
-    ([0, 1, 0], "a length"),
-    ([0, 0, 1], "a time"),
-    ([1, 0, 0], "a mass"),
-    ([0, 0, -1], "a frequency"),
-    ([0, 1, -1], "a speed"),
-    ([0, 1, -2], "an acceleration"),
-    ([1, 1, -2], "a force"),
-    ([1, 0, -2], "a stiffness"),
-    ([1, 0, -1], "a damping"),
-    ([1, 2, -2], "a torque, a torsional stiffness or an energy"),
-    ([1, 2, -1], "a torsional damping"),
-    ([1, 2, 0], "a moment of inertia"),
-    ([1, 2, -3], "a power"),
-    ([1, -1, -2], "a pressure"),
+    ([0, 0, 0, 0], "a pure number or an angle"),
+    ([0, 1, 0, 0], "a length"),
+    ([0, 0, 1, 0], "a time"),
+    ([1, 0, 0, 0], "a mass"),
+    ([0, 0, -1, 0], "a frequency"),
+    ([0, 1, -1, 0], "a speed"),
+    ([0, 1, -2, 0], "an acceleration"),
+    ([1, 1, -2, 0], "a force"),
+    ([1, 0, -2, 0], "a stiffness"),
+    ([1, 0, -1, 0], "a damping"),
+    ([1, 2, -2, 0], "a torque, a torsional stiffness or an energy"),
+    ([1, 2, -1, 0], "a torsional damping"),
+    ([1, 2, 0, 0], "a moment of inertia"),
+    ([1, 2, -3, 0], "a power"),
+    ([1, -1, -2, 0], "a pressure"),
+    ([0, 0, 0, 1], "a voltage"),
 ];
 
 /// Reads `"20 mm/s"` as a value in SI; `si_unit` states the dimension that is needed, in units without prefix (`m/s`, `kg`).
@@ -171,7 +173,7 @@ fn parse_unit(unit: &str, si_unit: &str) -> Result<(Size, Dimension), UnitError>
         None => (unit.trim(), None),
     };
     let mut size: Size = (1.0, 0);
-    let mut dimension = [0; 3];
+    let mut dimension = [0; 4];
     let mut multiply = |factor: &str, side: i32| -> Result<(), UnitError> {
         let (symbol, power) = split_power(factor).ok_or_else(|| malformed("a power is a whole number up to 9"))?;
         let (one, of) = lookup(symbol)
@@ -272,7 +274,7 @@ fn kind(dimension: Dimension) -> String {
         return (*name).into();
     }
     let mut text = String::from("a quantity in");
-    for (symbol, power) in ["kg", "m", "s"].iter().zip(dimension) {
+    for (symbol, power) in ["kg", "m", "s", "V"].iter().zip(dimension) {
         match power {
             0 => {}
             1 => drop(write!(text, " {symbol}")),
@@ -298,7 +300,7 @@ pub fn format(value: f64, si_unit: &str) -> String {
     if si_unit == "m/s" && (0.9999e-6..1.0).contains(&size) {
         return format!("{} mm/s", digits(value * 1e3));
     }
-    if !matches!(si_unit, "m" | "s" | "N" | "Hz" | "W" | "rad" | "m/s") {
+    if !matches!(si_unit, "m" | "s" | "N" | "Hz" | "W" | "rad" | "m/s" | "V" | "m/s^2" | "rad/s" | "rad/s^2") {
         return format!("{} {si_unit}", digits(value));
     }
     let (prefix, scale) = SCALES.iter().find(|(_, scale)| size >= scale * 0.999_999_5).unwrap_or(&("n", 1e-9));

@@ -22,7 +22,7 @@ fn the_worked_example_is_a_dashpot_in_series_with_the_bristles() {
     static FILM: viscous_film::ViscousFilm = viscous_film::ViscousFilm;
     let gamma = 5.0;
     let model = Model { effects: vec![(&FILM, vec![gamma])], ..paper_model(Series) };
-    let (rig, contact) = (model.rig, model.contact);
+    let (rig, contact) = (*model.rig.arm(), model.contact);
     for frequency in [60.0, 71.0, 80.0] {
         let at = at(0.02, frequency);
         let w = std::f64::consts::TAU * frequency;

@@ -1,8 +1,9 @@
 //! The comparison against data made by the time integrator, which shares only the laws with the solver that fits.
 
 use stickslip::compare::{Comparison, Options, compare};
-use stickslip::measurement::{NoiseSource, Point, Table};
+use stickslip::measurement::{NoiseSource, Point, Table, by_condition};
 use stickslip::model::{Model, Operation};
+use stickslip::scenario::Signals;
 use stickslip::scenario::{self, Scenario};
 use stickslip::solver::integrated;
 use stickslip::solver::time::Plan;
@@ -42,6 +43,7 @@ fn exact() -> Vec<Point> {
                 phase_sd: Some(NOISE),
                 mean: None,
                 replicates: 1,
+                series: 0,
             });
         }
     }
@@ -77,11 +79,14 @@ fn noisy(exact: &[Point], seed: u64) -> Vec<Point> {
     points
 }
 
-fn compared(points: Vec<Point>) -> Comparison {
+fn compared(mut points: Vec<Point>) -> Comparison {
+    let series = by_condition(&mut points);
     let table = Table {
         file: "table.csv".into(),
         hash: String::new(),
         points,
+        series,
+        signals: Signals::ARM,
         amplitude_noise: NoiseSource::Stated,
         phase_noise: Some(NoiseSource::Stated),
         notes: Vec::new(),

@@ -1,7 +1,7 @@
 //! The discovery on the practice tables, which a separate program made with effects known to it alone.
 
 use std::path::{Path, PathBuf};
-use stickslip::compare::{calibrate, conditions_of, problem};
+use stickslip::compare::{calibrate, problem};
 use stickslip::discover::{Discovery, Options, Verdict, discover};
 use stickslip::measurement::Point;
 use stickslip::solver::cycle::Tolerance;
@@ -116,12 +116,10 @@ fn left_out_conditions_are_predicted_as_fits_without_them_predict() {
         let end = d.explanation();
         let (points, model) = (&end.comparison.table.points, &end.comparison.model);
         let keys: Vec<String> = end.comparison.fit.parameters.iter().map(|p| p.key.clone()).collect();
-        let (settings, of_point) = conditions_of(points);
         let mut chi2 = 0.0;
-        for left_out in 0..settings.len() {
+        for left_out in 0..end.comparison.table.series.len() {
             let part = |out: bool| -> Vec<Point> {
-                let chosen = points.iter().zip(&of_point).filter(|(_, c)| (**c == left_out) == out);
-                chosen.map(|(p, _)| p.clone()).collect()
+                points.iter().filter(|p| (p.series == left_out) == out).cloned().collect()
             };
             let fit = calibrate(model, &keys, &part(false), Tolerance::FIT, 0).fit;
             let others = part(true);

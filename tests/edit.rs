@@ -107,9 +107,9 @@ fn round(parents: &[(&str, &str)], text: &str) -> (String, String) {
 
 fn check(path: &Path, text: &str, with: bool) {
     let scenario = load_text(path, text).unwrap_or_else(|error| panic!("{error}\n{text}"));
-    assert!((scenario.contact.stiffness / 88_843.0 - 1.0).abs() < 1e-3, "{text}");
-    assert!((scenario.contact.damping / 25.917 - 1.0).abs() < 2e-3, "{text}");
-    assert_eq!(scenario.contact.friction, 0.5);
+    assert!((scenario.contact.unwrap().stiffness / 88_843.0 - 1.0).abs() < 1e-3, "{text}");
+    assert!((scenario.contact.unwrap().damping / 25.917 - 1.0).abs() < 2e-3, "{text}");
+    assert_eq!(scenario.contact.unwrap().friction, 0.5);
     let mine = scenario.effects.iter().find(|e| e.name == "rate-strengthening");
     assert_eq!(mine.is_some(), with, "{text}");
     if let Some(mine) = mine {

@@ -278,7 +278,7 @@ fn microslip_far_below_gross_slip_is_that_of_the_continuum() {
     // kc [1 - A/(2 xm) + i (2/(3 pi)) A/xm]; what the damping cc changes of this correction is of the order w cc/kc.
     let effect = find("partial-slip").expect("registered");
     let (model, base) = (with(effect, vec![2.0]), paper_model(Series));
-    let (rig, contact) = (base.rig, base.contact);
+    let (rig, contact) = (*base.rig.arm(), base.contact);
     for frequency in [70.0, 74.0, 82.0, 94.0] {
         let at = Operation { speed: 0.0, load: 20.0, drive: 2.5e-6, frequency };
         let (with, without) = (steady(&model, &at), steady(&base, &at));

@@ -166,7 +166,7 @@ fn a_warm_start_gives_the_answer_of_a_cold_one_sooner() {
                 let mut changed = model.clone();
                 changed.contact.stiffness *= factor;
                 changed.contact.friction *= factor.sqrt();
-                changed.rig.torsional_damping /= factor;
+                changed.rig.arm_mut().torsional_damping /= factor;
                 let other = solve(&changed, &operation, 0, &tolerance, false, &mut warm).state;
                 let fresh = cold(&changed, &operation, &tolerance, false).state;
                 let what = format!("{name} {operation:?} {factor}");

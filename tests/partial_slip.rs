@@ -133,7 +133,7 @@ fn at_full_load_the_stroke_stays_below_the_first_threshold_of_the_table() {
     let (model, stuck) = (continuum(), paper_model(Series));
     for (at, amplitude, phase) in rows().into_iter().filter(|(at, ..)| at.speed == 0.0 && at.load == 20.0) {
         let base = common::steady(&stuck, &at);
-        let stroke = model.rig.contact_arm * base.amplitude;
+        let stroke = model.rig.arm().contact_arm * base.amplitude;
         let last = 2.0 * model.contact.friction * at.load / model.contact.stiffness;
         assert!(stroke < last / (2.0 * EQUAL as f64), "{at:?}: {stroke:e} m");
         assert!((base.amplitude / amplitude - 1.0).abs() < 1e-5 && wrap(base.phase - phase).abs() < 1e-5, "{at:?}");

@@ -16,7 +16,7 @@ fn peaks_of_the_limiting_cases_are_those_of_the_specification() {
     let model = paper_model(Series);
     let free = limiting_oscillator(&model, LimitingCase::FreeOrFullSlip, 2.5e-6);
     let stuck = limiting_oscillator(&model, LimitingCase::StaticContact, 2.5e-6);
-    let b = model.rig.contact_arm;
+    let b = model.rig.arm().contact_arm;
     let close =
         |value: f64, expected: f64, digits: f64| assert!((value - expected).abs() < digits, "{value} {expected}");
     let (f, alpha) = free.peak(50.0, 100.0, 0);
@@ -128,7 +128,7 @@ fn work_of_drive_and_roller_is_what_damping_bristles_and_slip_dissipate() {
                     let w = forcing.velocity + z[1];
                     let force = problem.force(forcing, z, s).0;
                     let torque = lumps.torque_re.value * forcing.sine + lumps.torque_im.value * forcing.cosine;
-                    let stretching = speed - model.rig.contact_arm * w - s;
+                    let stretching = speed - model.rig.arm().contact_arm * w - s;
                     supplied += h * (torque * w + force * speed);
                     dissipated += h * (lumps.damping.value * w * w + 26.0 * stretching * stretching + force * s);
                 }
@@ -200,13 +200,13 @@ fn derivatives_agree_with_differences() {
     let base = paper_model(Series);
     type Knob = for<'a> fn(&'a mut Model, &'a mut Operation) -> &'a mut f64;
     let knobs: [(usize, Knob); 13] = [
-        (0, |m, _| &mut m.rig.inertia),
-        (1, |m, _| &mut m.rig.torsional_stiffness),
-        (2, |m, _| &mut m.rig.torsional_damping),
-        (3, |m, _| &mut m.rig.spring_stiffness),
-        (4, |m, _| &mut m.rig.spring_damping),
-        (5, |m, _| &mut m.rig.spring_arm),
-        (6, |m, _| &mut m.rig.contact_arm),
+        (0, |m, _| &mut m.rig.arm_mut().inertia),
+        (1, |m, _| &mut m.rig.arm_mut().torsional_stiffness),
+        (2, |m, _| &mut m.rig.arm_mut().torsional_damping),
+        (3, |m, _| &mut m.rig.arm_mut().spring_stiffness),
+        (4, |m, _| &mut m.rig.arm_mut().spring_damping),
+        (5, |m, _| &mut m.rig.arm_mut().spring_arm),
+        (6, |m, _| &mut m.rig.arm_mut().contact_arm),
         (7, |m, _| &mut m.contact.stiffness),
         (8, |m, _| &mut m.contact.damping),
         (10, |m, _| &mut m.instrument.drive_gain),
@@ -267,10 +267,10 @@ fn euler_procedure_reports_divergence() {
 #[test]
 fn quality_factors_up_to_5000_are_solved_to_1e_5() {
     let mut model = paper_model(Series);
-    model.rig.spring_damping = 0.0;
+    model.rig.arm_mut().spring_damping = 0.0;
     let stiffness = 1018.8f64;
-    model.rig.torsional_damping = (stiffness * model.rig.inertia).sqrt() / 5000.0;
-    let natural = (stiffness / model.rig.inertia).sqrt() / std::f64::consts::TAU;
+    model.rig.arm_mut().torsional_damping = (stiffness * model.rig.arm().inertia).sqrt() / 5000.0;
+    let natural = (stiffness / model.rig.arm().inertia).sqrt() / std::f64::consts::TAU;
     for (speed, offset) in [(1e-4, -0.5), (5e-4, 0.0), (0.02, 0.0), (2e-5, 2.0), (3e-3, 0.01), (0.0, 0.1)] {
         let operation = Operation { load: if speed == 0.0 { 0.1 } else { 20.0 }, ..at(speed, natural + offset) };
         let state = steady(&model, &operation);

@@ -99,7 +99,7 @@ fn strengthening_is_a_damper_in_series_with_the_bristles() {
     let (model, c, drive) = (h.model(&base, h.shown()), &answer().condition, 1e-10);
     let (beta, v_0) = (h.shown().values[0], h.shown().values[1]);
     let eta = c.load * beta / (c.speed + v_0);
-    let (rig, contact) = (&model.rig, &model.contact);
+    let (rig, contact) = (model.rig.arm(), &model.contact);
     for f in [50.0, 60.0, 70.0, 72.0, 75.0, 85.0, 100.0] {
         let w = TAU * f;
         // Series of kc + i w cc and i w eta: the product over the sum, in real and imaginary parts.

@@ -230,7 +230,10 @@ fn a_file_changes_single_keys_of_what_it_extends() {
     write("top.toml", "extends = './middle.toml'\ntitle = 'Top'\n[sweep]\nspeed = 0.3\n".into());
     let (top, middle) = (load(folder.path().join("top.toml")), load(folder.path().join("middle.toml")));
     let (top, middle) = (top.expect("sound"), middle.expect("sound"));
-    assert_eq!((top.contact.friction, top.contact.stiffness, top.title.as_str()), (0.9, 8.9e4, "Top"));
+    assert_eq!(
+        (top.contact.unwrap().friction, top.contact.unwrap().stiffness, top.title.as_str()),
+        (0.9, 8.9e4, "Top")
+    );
     assert_eq!(top.sweep.map(|sweep| sweep.speed), Some(vec![0.3]));
     assert_eq!(middle.sweep.map(|sweep| sweep.speed), Some(vec![0.1, 0.2]));
     write("base.toml", format!("{BASE}\n# a remark\n{SWEEP}"));
@@ -257,10 +260,16 @@ fn every_embedded_scenario_is_sound_and_the_same_as_on_disk() {
 #[test]
 fn the_published_numbers_are_those_of_the_paper() {
     let paper = scenario::paper();
-    assert_eq!((paper.rig.inertia, paper.rig.torsional_stiffness, paper.rig.torsional_damping), (5e-3, 990.0, 0.43));
-    assert_eq!((paper.rig.spring_stiffness, paper.rig.spring_damping), (1.6e4, 12.0));
-    assert_eq!((paper.rig.spring_arm, paper.rig.contact_arm), (0.03, 0.06));
-    assert_eq!((paper.contact.stiffness, paper.contact.damping, paper.contact.friction), (8.9e4, 26.0, 0.5));
+    assert_eq!(
+        (paper.rig.arm().inertia, paper.rig.arm().torsional_stiffness, paper.rig.arm().torsional_damping),
+        (5e-3, 990.0, 0.43)
+    );
+    assert_eq!((paper.rig.arm().spring_stiffness, paper.rig.arm().spring_damping), (1.6e4, 12.0));
+    assert_eq!((paper.rig.arm().spring_arm, paper.rig.arm().contact_arm), (0.03, 0.06));
+    assert_eq!(
+        (paper.contact.unwrap().stiffness, paper.contact.unwrap().damping, paper.contact.unwrap().friction),
+        (8.9e4, 26.0, 0.5)
+    );
     assert_eq!(paper.sweep, None);
 }
 

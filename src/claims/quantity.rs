@@ -209,7 +209,7 @@ impl Setting {
                         return Err("`where` needs an operating point as curve `a`".into());
                     };
                     let free = limiting_oscillator(&context.model, LimitingCase::FreeOrFullSlip, drive);
-                    let arm = context.model.rig.contact_arm;
+                    let arm = context.model.rig.lever();
                     grid().into_iter().filter(|&f| arm * TAU * f * free.response(f).0 < speed).collect()
                 } else {
                     grid()

@@ -7,9 +7,10 @@ use crate::discover::{Change, fit_addition, fit_removal};
 use crate::effects::{self, Effect, REGISTRY};
 use crate::error::{Error, Result};
 use crate::files;
+use crate::scenario::Scenario;
 use crate::scenario::diagnostic::{nearest, quote, whole_file};
 use crate::scenario::edit::Editable;
-use crate::scenario::{Scenario, parameter_keys};
+use crate::scenario::parameters::BASE_KEYS;
 use std::io::Write as _;
 use std::path::Path;
 
@@ -75,7 +76,7 @@ fn known(name: &str) -> Result<&'static dyn Effect> {
     effects::find(name).ok_or_else(|| {
         let names = || REGISTRY.iter().map(|effect| effect.name());
         let help = match nearest(name, names()) {
-            _ if parameter_keys(&[]).iter().any(|key| key == name) => {
+            _ if BASE_KEYS.contains(&name) || name.starts_with("contact.") => {
                 format!("it is a number of the model: to fit it, name it in [fit] free = [\"{name}\"]")
             }
             Some(near) => format!("did you mean `{near}`?"),

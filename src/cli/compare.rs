@@ -82,7 +82,7 @@ pub(super) fn with_measurements(path: &Path) -> Result<(Scenario, Table)> {
 /// The measurements of a scenario, where it names some.
 pub(super) fn table(scenario: &Scenario) -> Result<Option<Table>> {
     let table = measurement::load(scenario)?;
-    if table.is_some() && scenario.contact.formulation == Formulation::Paper {
+    if table.is_some() && scenario.contact.is_some_and(|contact| contact.formulation == Formulation::Paper) {
         return Err(Error::Input(format!(
             "error: {}: measurements are compared with formulation = \"series\"\n  = help: the published procedure is \
              within 0.4 % of it; change or remove formulation in [contact]",

@@ -91,7 +91,15 @@ pub(super) fn words(d: &Discovery) -> Vec<String> {
         lines.extend(c.regions.iter().take(CANDIDATES).map(|region| format!("  {}", region.sentence)));
     }
     if let Some(next) = &d.next_measurement {
-        let setting = Setting { speed: next.speed_m_s, load: next.load_n, drive: next.drive_m };
+        let comparison = &d.explanation().comparison;
+        let setting = Setting {
+            speed: next.speed_m_s,
+            load: next.load_n,
+            drive: next.drive_m,
+            signal: comparison.table.signals.drive,
+            contact: comparison.model.has_contact,
+            number: 0,
+        };
         let [one, other] = &next.separates;
         lines.push(format!(
             "measure next: {}, f = {:.1} Hz: {one} and {other} differ by {:.1} sigma there, {}",

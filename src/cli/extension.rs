@@ -4,7 +4,7 @@ use super::add::Job;
 use super::target::Target;
 use crate::compare;
 use crate::discover::{Addition, Change};
-use crate::effects::{self, Effect, ParameterInfo, typical};
+use crate::effects::{Effect, ParameterInfo, typical};
 use crate::error::{Error, Result};
 use crate::fit::{Identified, Interval, Parameter};
 use crate::measurement::Point;
@@ -131,9 +131,7 @@ fn means(before: &Scenario, after: &Scenario, changes: &Changes) -> bool {
         meant.effects.push(EffectSetting { name: name.clone(), parameters });
     }
     let names = |scenario: &Scenario| scenario.effects.iter().map(|s| s.name.clone()).collect::<Vec<_>>();
-    let effects: Vec<&dyn Effect> =
-        meant.effects.iter().filter_map(|s| effects::find(&s.name).map(|e| e as _)).collect();
-    let keys = scenario::parameter_keys(&effects);
+    let keys = meant.parameter_keys();
     let right = |(key, (old, new)): (&String, (f64, f64))| match changes.values.iter().find(|one| one.key == *key) {
         Some(one) => (new - one.value).abs() <= 0.1 * one.value.abs(),
         None => new == old,
@@ -144,13 +142,15 @@ fn means(before: &Scenario, after: &Scenario, changes: &Changes) -> bool {
     let mut rest = after.clone();
     (rest.id, rest.path, rest.hash) = (before.id.clone(), before.path.clone(), before.hash.clone());
     (rest.rig, rest.instrument) = (before.rig, before.instrument);
-    rest.contact = Contact { formulation: after.contact.formulation, ..before.contact };
+    if let (Some(there), Some(here)) = (&mut rest.contact, &before.contact) {
+        *there = Contact { formulation: there.formulation, ..*here };
+    }
     (rest.effects, rest.free) = (before.effects.clone(), before.free.clone());
     if let (Some(there), Some(here)) = (&mut rest.measurement, &before.measurement) {
         there.file = here.file.clone();
     }
     if let (Some(there), Some(here)) = (&mut rest.sweep, &before.sweep)
-        && there.friction == [after.contact.friction]
+        && after.contact.is_some_and(|contact| there.friction == [contact.friction])
     {
         there.friction = here.friction.clone();
     }

@@ -2,8 +2,9 @@
 
 use super::{Outlier, Setting};
 use crate::fit::{CONVERGED, Fit, HUBER, Parameter, Problem, Settings, minimise, parameter, robust_chi2};
-use crate::measurement::Point;
+use crate::measurement::{Point, Series, Table};
 use crate::model::Model;
+use crate::scenario::Scenario;
 use crate::solver::cycle::Tolerance;
 use crate::statistics::{median, spread};
 use nalgebra::{DMatrix, DVector};
@@ -25,6 +26,9 @@ const OFF_PARABOLA: f64 = 4.5;
 /// Neighbours on either side.
 const NEIGHBOURS: usize = 3;
 
+/// Relative difference of the drives of two series below which their numbers tell them apart.
+const ALIKE: f64 = 0.02;
+
 /// A calibrated model.
 #[derive(Debug, Clone)]
 pub struct Calibration {
@@ -34,19 +38,21 @@ pub struct Calibration {
     pub threshold: f64,
 }
 
-/// Load, speed and drive of every curve of points in canonical order, and to which each point belongs.
-pub fn conditions_of(points: &[Point]) -> (Vec<Setting>, Vec<usize>) {
-    let mut settings: Vec<Setting> = Vec::new();
-    let mut of_point = Vec::with_capacity(points.len());
-    for point in points {
-        let setting = Setting { speed: point.speed, load: point.load, drive: point.drive };
-        let index = settings.iter().position(|known| *known == setting).unwrap_or_else(|| {
-            settings.push(setting);
-            settings.len() - 1
-        });
-        of_point.push(index);
-    }
-    (settings, of_point)
+/// Load, speed and drive of every series of a table.
+pub fn settings_of(scenario: &Scenario, table: &Table) -> Vec<Setting> {
+    let (signal, contact) = (table.signals.drive, scenario.contact.is_some());
+    let same =
+        |s: &Series, o: &Series| (s.speed, s.load) == (o.speed, o.load) && (s.drive / o.drive - 1.0).abs() < ALIKE;
+    let number = |at: usize| {
+        let series = &table.series[at];
+        let told = table.series.iter().enumerate().all(|(other, s)| other == at || !same(s, series));
+        if told && series.drives.0 == series.drives.1 { 0 } else { at + 1 }
+    };
+    let setting = |(at, series): (usize, &Series)| {
+        let Series { speed, load, drive, .. } = *series;
+        Setting { speed, load, drive, signal, contact, number: number(at) }
+    };
+    table.series.iter().enumerate().map(setting).collect()
 }
 
 /// The problem of moving the parameters named `keys` of `model`.

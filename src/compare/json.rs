@@ -73,7 +73,7 @@ struct ConditionJson {
 pub fn json(comparison: &Comparison) -> ComparisonJson {
     let c = comparison;
     let conditions = c.conditions.iter().map(|condition| {
-        let (Setting { speed, load, drive }, m) = (condition.setting, condition.metrics);
+        let (Setting { speed, load, drive, .. }, m) = (condition.setting, condition.metrics);
         ConditionJson {
             speed_m_s: speed,
             load_n: load,

@@ -13,7 +13,7 @@ mod whiteness;
 
 pub use budget::ErrorBudget;
 pub(crate) use calibrate::scattered;
-pub use calibrate::{Calibration, calibrate, conditions_of, problem};
+pub use calibrate::{Calibration, calibrate, problem, settings_of};
 pub use curves::{ModelCurve, model_curves};
 pub use fingerprint::{ContactPoint, fingerprint};
 pub use json::{ComparisonJson, ParameterJson, SCHEMA, json};
@@ -26,7 +26,7 @@ use crate::fit::{
 };
 use crate::measurement::{Point, Table};
 use crate::model::Model;
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, Signal, Signals};
 use crate::solver::Status;
 use crate::solver::analytic::wrap;
 use crate::solver::cycle::Tolerance;
@@ -44,8 +44,24 @@ pub struct Setting {
     pub speed: f64,
     /// W \[N\].
     pub load: f64,
-    /// u0 \[m\].
+    /// Drive, in the unit of `signal`.
     pub drive: f64,
+    /// What drives the rig.
+    #[serde(skip)]
+    pub signal: Signal,
+    /// Whether there is a contact, so that speed and load mean something.
+    #[serde(skip)]
+    pub contact: bool,
+    /// Number of the series from 1, where drives alone do not tell them apart; otherwise 0.
+    #[serde(skip)]
+    pub number: usize,
+}
+
+impl Setting {
+    /// A setting of the paper's rig.
+    pub fn of_arm(speed: f64, load: f64, drive: f64) -> Self {
+        Self { speed, load, drive, signal: Signals::ARM.drive, contact: true, number: 0 }
+    }
 }
 
 /// A measured point beside what the model says of it.
@@ -170,7 +186,7 @@ pub fn compare(scenario: &Scenario, table: &Table, options: &Options) -> Compari
 /// Where nothing but noise is left and its scatter contradicts the stated standard deviations, intervals, ranges of misfit and
 /// readings that stand out go by the scatter.
 pub fn judge(scenario: &Scenario, table: &Table, base: &Model, calibration: &Calibration, profile: bool) -> Comparison {
-    let (settings, _) = conditions_of(&table.points);
+    let settings = settings_of(scenario, table);
     let mut calibrated = Problem::new(base.clone(), &table.points, calibration.fit.parameters.clone(), Tolerance::FIT);
     let noise_of = |fit: &Fit| {
         let points = compared(&table.points, &fit.evaluation.predictions);
@@ -234,12 +250,12 @@ fn told(whiteness: &Whiteness) -> f64 {
 
 /// Measured points (in canonical order) beside what a model says of them.
 pub fn compared(points: &[Point], predictions: &[Prediction]) -> Vec<Compared> {
-    let (_, of_point) = conditions_of(points);
-    let beside = |((point, prediction), condition): ((&Point, &Prediction), usize)| {
+    let beside = |(point, prediction): (&Point, &Prediction)| {
         let (amplitude_residual, phase_residual) = read(point, prediction);
-        Compared { point: point.clone(), condition, model: prediction.clone(), amplitude_residual, phase_residual }
+        let (condition, model) = (point.series, prediction.clone());
+        Compared { point: point.clone(), condition, model, amplitude_residual, phase_residual }
     };
-    points.iter().zip(predictions).zip(of_point).map(beside).collect()
+    points.iter().zip(predictions).map(beside).collect()
 }
 
 fn standing_out(curve: &[&Compared], noise: f64) -> Vec<Outlier> {

@@ -1,6 +1,7 @@
 //! Where the model fails: contiguous ranges of frequency of one condition, the largest share of the misfit first.
 
 use super::{Compared, ConditionMetrics, Setting};
+use crate::scenario::Signal;
 use crate::units;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -215,12 +216,17 @@ impl std::fmt::Display for Trim {
 
 /// A condition in words, e.g. `V = 20 mm/s, W = 20 N, u₀ = 2.5 µm`.
 pub fn words(setting: &Setting) -> String {
-    format!(
-        "V = {}, W = {} N, u₀ = {}",
-        if setting.speed == 0.0 { "0 mm/s".into() } else { units::format(setting.speed, "m/s") },
-        setting.load,
-        units::format(setting.drive, "m")
-    )
+    let mut parts = Vec::new();
+    if setting.number > 0 {
+        parts.push(format!("series {}", setting.number));
+    }
+    if setting.contact {
+        let speed = if setting.speed == 0.0 { "0 mm/s".into() } else { units::format(setting.speed, "m/s") };
+        parts.push(format!("V = {speed}, W = {} N", setting.load));
+    }
+    let Signal { symbol, unit, .. } = setting.signal;
+    parts.push(format!("{symbol} = {}", units::format(setting.drive, unit)));
+    parts.join(", ")
 }
 
 #[cfg(test)]
@@ -247,6 +253,7 @@ mod tests {
             phase_sd: None,
             mean: None,
             replicates: 1,
+            series: 0,
         };
         let status = if answers { Status::Steady } else { Status::Failed("none".into()) };
         let model = Prediction { amplitude: if answers { 1.3e-6 } else { f64::NAN }, phase: 0.0, status };
@@ -261,7 +268,7 @@ mod tests {
 
     fn told(answers: [bool; 4]) -> Region {
         let points: Vec<Compared> = answers.into_iter().enumerate().map(|(row, answers)| point(row, answers)).collect();
-        let setting = Setting { speed: 0.02, load: 20.0, drive: 2.5e-6 };
+        let setting = Setting::of_arm(0.02, 20.0, 2.5e-6);
         let metrics = Metrics::over(points.iter());
         let condition =
             ConditionMetrics { setting, metrics, model_peak: None, measured_peak: None, measured_peak_sd: 0.0 };

@@ -4,7 +4,7 @@ use super::MARGIN;
 use super::hypothesis::{Addition, Hypothesis};
 use super::sampling::{Base, at_stated_values};
 use super::search::{Data, explore, lead, on_all};
-use crate::compare::{self, Comparison, calibrate, conditions_of};
+use crate::compare::{self, Comparison, calibrate};
 use crate::effects::Effect;
 use crate::measurement::Table;
 use crate::model::Model;
@@ -42,9 +42,8 @@ pub fn fit_addition(scenario: &Scenario, table: &Table, effect: &'static dyn Eff
     let addition = Addition::Effect(effect);
     let keys = movable(scenario, "");
     let base = calibrate(&model, &keys, &table.points, Tolerance::default(), seed);
-    let (_, of_condition) = conditions_of(&table.points);
     let stated = compare::problem(&model, &keys, [], Tolerance::default()).values();
-    let data = Data::new(model.clone(), &table.points, &of_condition, base.threshold, stated, seed);
+    let data = Data::new(model.clone(), &table.points, base.threshold, stated, seed);
     let from = Hypothesis { additions: Vec::new(), model, fit: base.fit, estimate: None, bic: f64::INFINITY };
     let explored =
         explore(&data, &from, &Base::new(&data, &from), at_stated_values(&data, &from).as_ref(), addition, None, false);

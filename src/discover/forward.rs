@@ -4,7 +4,7 @@ use super::hypothesis::{Addition, Hypothesis, additions};
 use super::round::{CONTESTED, Entry, Pace, Round, Rounds};
 use super::search::{Data, on_all, on_all_problem, on_part, scattered_fit};
 use super::{Discovery, MARGIN, Options};
-use crate::compare::{self, Calibration, Whiteness, conditions_of};
+use crate::compare::{self, Calibration, Whiteness};
 use crate::fit::{HUBER, robust_chi2};
 use crate::measurement::Table;
 use crate::model::Model;
@@ -35,9 +35,8 @@ const EXCHANGES: usize = 2;
 pub fn discover(scenario: &Scenario, table: &Table, options: &Options) -> Discovery {
     let base = Model::new(scenario);
     let calibration = compare::calibrate(&base, &scenario.free, &table.points, Tolerance::default(), options.seed);
-    let (_, of_condition) = conditions_of(&table.points);
     let stated = compare::problem(&base, &scenario.free, [], Tolerance::default()).values();
-    let data = Data::new(base, &table.points, &of_condition, calibration.threshold, stated, options.seed);
+    let data = Data::new(base, &table.points, calibration.threshold, stated, options.seed);
     let pool = additions(&data.base, &scenario.free, table.points.iter().any(|p| p.phase.is_some()));
     let search = Search { scenario, table, options, data, pool };
     search.run(calibration)
@@ -400,8 +399,7 @@ impl Search<'_> {
             return None;
         }
         let points = compare::compared(&self.table.points, &hypothesis.fit.evaluation.predictions);
-        let (settings, _) = conditions_of(&self.table.points);
-        Some(compare::whiteness(&points, settings.len(), hypothesis.fit.parameters.len()))
+        Some(compare::whiteness(&points, self.table.series.len(), hypothesis.fit.parameters.len()))
     }
 
     pub(super) fn readings(&self) -> usize {

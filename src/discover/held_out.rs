@@ -2,7 +2,6 @@
 
 use super::hypothesis::Hypothesis;
 use super::search::Data;
-use crate::compare::conditions_of;
 use crate::fit::{Parameter, Problem, robust_chi2};
 use crate::measurement::Point;
 use crate::solver::cycle::Tolerance;
@@ -34,9 +33,10 @@ pub struct HeldOut {
 /// until it leads no more uphill; the prediction is a new solution of the model. `None` where there is only one condition, or
 /// the fit is to a part of the points.
 pub fn held_out(data: &Data<'_>, hypothesis: &Hypothesis) -> Option<HeldOut> {
-    let (settings, of_point) = conditions_of(data.points);
+    let of_point: Vec<usize> = data.points.iter().map(|p| p.series).collect();
+    let series = of_point.iter().max().map_or(0, |last| last + 1);
     let fit = &hypothesis.fit;
-    if settings.len() < 2 || fit.evaluation.predictions.len() != data.points.len() {
+    if series < 2 || fit.evaluation.predictions.len() != data.points.len() {
         return None;
     }
     let mut jacobian = fit.evaluation.jacobian.clone();
@@ -51,7 +51,7 @@ pub fn held_out(data: &Data<'_>, hypothesis: &Hypothesis) -> Option<HeldOut> {
         .zip(&of_point)
         .flat_map(|(p, &c)| std::iter::repeat_n(c, 1 + usize::from(p.phase.is_some())))
         .collect();
-    let predicted: Vec<(f64, f64, usize, usize)> = (0..settings.len())
+    let predicted: Vec<(f64, f64, usize, usize)> = (0..series)
         .into_par_iter()
         .map(|condition| {
             let rows: Vec<usize> = (0..of_row.len()).filter(|&r| of_row[r] != condition).collect();

@@ -4,7 +4,7 @@ use crate::effects::{self, Effect, REGISTRY, typical};
 use crate::fit::{Fit, Problem, parameter};
 use crate::measurement::Point;
 use crate::model::Model;
-use crate::model::lumps::BASE_PARAMETERS;
+use crate::scenario::parameters::BASE_KEYS;
 use crate::solver::cycle::Tolerance;
 
 /// One thing to add to a model.
@@ -34,9 +34,7 @@ impl Addition {
     pub fn keys(&self) -> Vec<String> {
         match self {
             Self::Recalibration(key) => vec![(*key).to_string()],
-            Self::Effect(effect) => {
-                effect.parameters().iter().map(|info| format!("effect.{}.{}", effect.name(), info.key)).collect()
-            }
+            Self::Effect(effect) => effect.keys(),
         }
     }
 }
@@ -53,17 +51,20 @@ impl std::fmt::Debug for Addition {
     }
 }
 
-/// Keys of the rig and the instrument, the former first.
-fn recalibrations() -> impl Iterator<Item = &'static str> {
-    BASE_PARAMETERS.into_iter().filter(|key| key.starts_with("rig.") || key.starts_with("instrument."))
-}
-
-/// Everything that may be added to a model whose parameters `free` move already: first recalibrations, then effects.
+/// Everything that may be added to a model whose parameters `free` move already: first recalibrations, then effects. Effects
+/// of a contact need one.
 pub fn additions(model: &Model, free: &[String], with_phase: bool) -> Vec<Addition> {
-    let fixed = |key: &&str| !free.iter().any(|f| f == key) && (with_phase || *key != "instrument.phase_offset");
-    let mut all: Vec<Addition> = recalibrations().filter(fixed).map(Addition::Recalibration).collect();
+    let movable = |key: &&'static str| {
+        !key.starts_with("contact.")
+            && !free.iter().any(|f| f == key)
+            && (with_phase || *key != "instrument.phase_offset")
+    };
+    let keys =
+        model.base_parameters().into_iter().filter_map(|(key, ..)| BASE_KEYS.iter().copied().find(|k| *k == key));
+    let mut all: Vec<Addition> = keys.filter(movable).map(Addition::Recalibration).collect();
     let absent = |effect: &&&'static dyn Effect| !model.effects.iter().any(|(e, _)| e.name() == effect.name());
-    all.extend(REGISTRY.iter().filter(absent).map(|effect| Addition::Effect(*effect)));
+    let fits = |effect: &&&'static dyn Effect| effects::fits_rig(**effect, model.has_contact).is_ok();
+    all.extend(REGISTRY.iter().filter(absent).filter(fits).map(|effect| Addition::Effect(*effect)));
     all
 }
 

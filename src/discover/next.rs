@@ -107,7 +107,14 @@ pub(super) fn would_show(without: &Model, forms: &[Model], table: &Table, bounds
     };
     match form.and_then(|with| shown(&with, &all)) {
         Some((at, sigma)) if sigma > SHOWS => {
-            let setting = Setting { speed: at.speed, load: at.load, drive: at.drive };
+            let setting = Setting {
+                speed: at.speed,
+                load: at.load,
+                drive: at.drive,
+                signal: table.signals.drive,
+                contact: without.has_contact,
+                number: 0,
+            };
             format!(
                 "at most {sigma:.1} standard deviations in one reading, at {}, f = {}",
                 words(&setting),

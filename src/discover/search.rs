@@ -58,18 +58,12 @@ pub struct Data<'a> {
 
 impl<'a> Data<'a> {
     /// All points, and the part for searching: every so many-th of a curve, at another offset in the next.
-    pub fn new(
-        base: Model,
-        points: &'a [Point],
-        of_condition: &[usize],
-        threshold: f64,
-        stated: Vec<f64>,
-        seed: u32,
-    ) -> Self {
+    pub fn new(base: Model, points: &'a [Point], threshold: f64, stated: Vec<f64>, seed: u32) -> Self {
         let stride = if points.len() <= SMALL { 1 } else { (points.len() / PART).clamp(1, STRIDE) };
         let mut part = Vec::new();
         let (mut number, mut last) = (0, usize::MAX);
-        for (point, &condition) in points.iter().zip(of_condition) {
+        for point in points {
+            let condition = point.series;
             if condition != last {
                 (number, last) = (condition % stride, condition);
             }

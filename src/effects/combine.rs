@@ -48,6 +48,18 @@ pub fn enters_contact(effect: &dyn Effect) -> bool {
         || effect.renewal(&d, Dual::constant(1.0)).is_some()
 }
 
+/// Whether an effect can act on a rig with or without a contact; the error says why not.
+pub fn fits_rig(effect: &dyn Effect, contact: bool) -> Result<(), String> {
+    let (p, d) = sample(effect);
+    let of_contact = enters_contact(effect) || effect.continuum(&p).is_some();
+    let name = effect.name();
+    match (of_contact, effect.joint(&d).is_some()) {
+        (true, _) if !contact => Err(format!("`{name}` is an effect of the contact, and the rig has none")),
+        (_, true) if contact => Err(format!("`{name}` is solved for rigs without a [contact]")),
+        _ => Ok(()),
+    }
+}
+
 /// Whether the published procedure can carry an effect: only changes of the drive, of the linear damping and of the reading.
 pub fn in_paper_formulation(effect: &dyn Effect) -> bool {
     let (p, _) = sample(effect);

@@ -23,7 +23,7 @@ mod sensor_delay;
 mod stribeck;
 mod structural_damping;
 
-pub use combine::{compatible, enters_contact, in_paper_formulation};
+pub use combine::{compatible, enters_contact, fits_rig, in_paper_formulation};
 pub use metadata::{Group, ParameterInfo, Zero, typical};
 
 use crate::model::dual::Dual;
@@ -80,6 +80,10 @@ pub trait Effect: Sync {
     fn zero(&self) -> &'static [Zero];
     /// Its parameters in order, at most four where it has a law.
     fn parameters(&self) -> &'static [ParameterInfo];
+    /// Keys of its parameters as in `[fit] free`.
+    fn keys(&self) -> Vec<String> {
+        self.parameters().iter().map(|info| format!("effect.{}.{}", self.name(), info.key)).collect()
+    }
 
     /// Term added to the friction coefficient at slip rate `s >= 0` \[m/s\] and interface state `psi` (0 where there is none).
     fn friction(&self, _p: &[f64], _s: f64, _psi: f64) -> Option<Law> {
@@ -111,6 +115,11 @@ pub trait Effect: Sync {
     }
     /// Exponent of a continuum of parallel elements (Iwan) that replaces the single one.
     fn continuum(&self, _p: &[f64]) -> Option<f64> {
+        None
+    }
+    /// Slip elements between the body and the ground: (stiffness \[N/m, N m/rad\], force or torque at full slip \[N, N m\],
+    /// exponent).
+    fn joint(&self, _p: &[Dual]) -> Option<[Dual; 3]> {
         None
     }
     /// Torque on the arm \[N m\] at angle `th` \[rad\] and angular velocity `w` \[rad/s\].

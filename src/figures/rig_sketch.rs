@@ -3,6 +3,7 @@
 use super::canvas::{Anchor, Canvas, Dash, Point, Stroke, Type, document};
 use super::style::{Color, GREY, INK, ROLLER, SLIP, STATIC, Table, WHITE, WIDTH, cell, significant};
 use super::{Drawing, Figure, FigureError};
+use crate::scenario::Rig;
 use crate::sweep::Outcome;
 use std::f64::consts::TAU;
 
@@ -187,9 +188,12 @@ fn inset(canvas: &mut Canvas) {
     canvas.text((left + width - 30.0, baseline), "slip: |F| = µW", Type::at(Anchor::End));
 }
 
-fn values(outcome: &Outcome) -> Vec<(&'static str, &'static str, f64, &'static str)> {
-    let (rig, contact) = (&outcome.scenario.rig, &outcome.scenario.contact);
-    vec![
+/// The values of the paper's kind of rig; of any other there is no sketch.
+fn values(outcome: &Outcome) -> Option<Vec<(&'static str, &'static str, f64, &'static str)>> {
+    let (Rig::TorsionalArm(rig), Some(contact)) = (&outcome.scenario.rig, &outcome.scenario.contact) else {
+        return None;
+    };
+    Some(vec![
         ("J", "inertia of the arm", rig.inertia, "kg m²"),
         ("K0", "stiffness of the torsional spring", rig.torsional_stiffness, "N m/rad"),
         ("C0", "damping of the torsional spring", rig.torsional_damping, "N m s/rad"),
@@ -200,7 +204,7 @@ fn values(outcome: &Outcome) -> Vec<(&'static str, &'static str, f64, &'static s
         ("kc", "stiffness of the bristles", contact.stiffness, "N/m"),
         ("cc", "damping of the bristles", contact.damping, "N s/m"),
         ("mu", "coefficient of friction", contact.friction, "-"),
-    ]
+    ])
 }
 
 /// The scenario's numbers beside the symbols that they belong to.
@@ -233,7 +237,8 @@ impl Figure for RigSketch {
     }
 
     fn draw(&self, outcome: &Outcome) -> Result<Drawing, FigureError> {
-        let values = values(outcome);
+        let need = "a rig of kind \"torsional-arm\" with a contact";
+        let values = values(outcome).ok_or_else(|| FigureError::missing(self.name(), need))?;
         let mut table = Table::new(&["symbol", "quantity", "value", "unit"]);
         for (symbol, quantity, value, unit) in &values {
             table.row([(*symbol).to_string(), (*quantity).to_string(), cell(*value), (*unit).to_string()]);

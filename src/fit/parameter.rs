@@ -2,8 +2,7 @@
 
 use crate::effects::ParameterInfo;
 use crate::model::Model;
-use crate::model::lumps::{BASE_PARAMETERS, FIRST_EFFECT_PARAMETER};
-use crate::scenario::parameters::{CONTACT, INSTRUMENT, RIG};
+use crate::model::lumps::FIRST_EFFECT_PARAMETER;
 
 /// A contact is searched within this factor of its stated values.
 const CONTACT_FACTOR: f64 = 30.0;
@@ -59,13 +58,7 @@ pub fn parameter(model: &Model, key: &str) -> Option<Parameter> {
         }
         return None;
     }
-    let index = BASE_PARAMETERS.iter().position(|known| *known == key)?;
-    let infos = match table {
-        "rig" => RIG,
-        "contact" => CONTACT,
-        _ => INSTRUMENT,
-    };
-    let info = infos.iter().find(|info| info.key == name)?;
+    let (_, index, info) = model.base_parameters().into_iter().find(|(known, ..)| known == key)?;
     let at = &mut crate::model::Operation { speed: 0.0, load: 0.0, drive: 0.0, frequency: 0.0 };
     let value = *model.clone().parameter(at, index)?;
     let factor = match table {

@@ -103,6 +103,7 @@ mod tests {
                 line: i + 2,
                 mean: None,
                 replicates: 1,
+                series: 0,
             }
         };
         (0..25).map(point).collect()

@@ -14,6 +14,7 @@ mod noise;
 mod pool;
 mod rows;
 mod scatter;
+mod series;
 mod sheet;
 mod universal;
 mod workbook;
@@ -21,10 +22,11 @@ mod workbook;
 use std::path::{Path, PathBuf};
 
 pub use scatter::{Scatter, Spread, scatter};
+pub use series::{Direction, Series, by_condition};
 
 use crate::error::{Error, Result};
 use crate::scenario::diagnostic::whole_file;
-use crate::scenario::{MeasurementSource, Scenario};
+use crate::scenario::{MeasurementSource, Scenario, Signals};
 use crate::statistics::median;
 
 /// One measured steady state, SI units and rad.
@@ -54,6 +56,8 @@ pub struct Point {
     pub mean: Option<f64>,
     /// Number of readings that were pooled; 1 for a single one.
     pub replicates: usize,
+    /// Index of its series among [`Table::series`].
+    pub series: usize,
 }
 
 /// Where standard deviations come from.
@@ -87,6 +91,10 @@ pub struct Table {
     pub hash: String,
     /// The points.
     pub points: Vec<Point>,
+    /// The sweeps that they belong to.
+    pub series: Vec<Series>,
+    /// What drive and amplitude are.
+    pub signals: Signals,
     /// Where the standard deviations of the amplitudes come from.
     pub amplitude_noise: NoiseSource,
     /// Where those of the phases come from; `None` without phases.
@@ -175,10 +183,12 @@ pub fn load(scenario: &Scenario) -> Result<Option<Table>> {
     };
     unused_keys(wanted, Format::of(&wanted.file)?, &mut notes);
     let pooled = pool::pool(readings, &mut notes)?;
-    let (points, amplitude_noise, phase_noise) = noise::assign(pooled, &wanted.file, &mut notes)?;
+    let (mut points, amplitude_noise, phase_noise) = noise::assign(pooled, &wanted.file, &mut notes)?;
+    let series = series::by_condition(&mut points);
     notes.extend(doubts::doubts(&points));
     let hash = blake3::hash(&bytes).to_hex().to_string();
-    Ok(Some(Table { file: wanted.file.clone(), hash, points, amplitude_noise, phase_noise, notes }))
+    let (file, signals) = (wanted.file.clone(), scenario.signals);
+    Ok(Some(Table { file, hash, points, series, signals, amplitude_noise, phase_noise, notes }))
 }
 
 /// Formats, by the extension of the file's name.

@@ -226,6 +226,7 @@ fn unite(group: &[Reading], pooled: &mut Pooled) {
         }),
         mean: (!means.is_empty()).then(|| means.iter().sum::<f64>() / means.len() as f64),
         replicates: group.len(),
+        series: 0,
     });
     let of_phase = phase.and_then(|(_, mean, _)| mean.spread);
     pooled.spreads.push(Own { amplitude: amplitude.spread, phase: of_phase, phases: angles.len() });

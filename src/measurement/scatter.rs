@@ -222,6 +222,7 @@ mod tests {
                 phase_sd,
                 mean,
                 replicates,
+                series: 0,
             }
         };
         frequencies.enumerate().map(point).collect()

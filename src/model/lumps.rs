@@ -3,29 +3,17 @@
 use super::dual::Dual;
 use super::{Model, Operation};
 use crate::effects::Support;
-use std::f64::consts::TAU;
+use crate::scenario::{Dissipation, Elasticity, Excitation, Oscillator, RIG_PARAMETERS, Rig};
+use std::f64::consts::{FRAC_PI_2, TAU};
 
+/// Index of the first parameter of the contact, after those of the rig.
+pub const FIRST_CONTACT_PARAMETER: usize = RIG_PARAMETERS;
+/// Index of the first parameter of the instrument.
+pub const FIRST_INSTRUMENT_PARAMETER: usize = FIRST_CONTACT_PARAMETER + 3;
+/// Index of the first number of the operating point: speed, load, drive.
+pub const FIRST_OPERATING_PARAMETER: usize = FIRST_INSTRUMENT_PARAMETER + 3;
 /// Index of the first effect parameter among the parameters of a model.
-pub const FIRST_EFFECT_PARAMETER: usize = 16;
-/// Keys of the parameters before those of the effects, in order; the last three are the operating point.
-pub const BASE_PARAMETERS: [&str; FIRST_EFFECT_PARAMETER] = [
-    "rig.inertia",
-    "rig.torsional_stiffness",
-    "rig.torsional_damping",
-    "rig.spring_stiffness",
-    "rig.spring_damping",
-    "rig.spring_arm",
-    "rig.contact_arm",
-    "contact.stiffness",
-    "contact.damping",
-    "contact.friction",
-    "instrument.drive_gain",
-    "instrument.amplitude_gain",
-    "instrument.phase_offset",
-    "speed",
-    "load",
-    "drive",
-];
+pub const FIRST_EFFECT_PARAMETER: usize = FIRST_OPERATING_PARAMETER + 3;
 
 /// Coefficients at one operating point; symbols of the paper (Eqs. 1-8) where it has them.
 #[derive(Debug, Clone)]
@@ -70,20 +58,18 @@ pub struct Lumps {
     pub amplitude_gain: Dual,
     /// Reading minus true phase \[rad\].
     pub phase_offset: Dual,
+    /// Motion of the base, complex, which a reading of the motion in space adds to the coordinate \[rad, m\].
+    pub base_motion: Option<(Dual, Dual)>,
+    /// Slip elements from the body to ground: stiffness, force at full slip, exponent.
+    pub joint: Option<[Dual; 3]>,
 }
 
 impl Lumps {
     /// The coefficients of a model at an operating point.
     pub fn new(model: &Model, at: &Operation) -> Self {
-        let (rig, contact, instrument) = (&model.rig, &model.contact, &model.instrument);
+        let (contact, instrument) = (&model.contact, &model.instrument);
+        let rig = model.rig.values();
         let values = [
-            rig.inertia,
-            rig.torsional_stiffness,
-            rig.torsional_damping,
-            rig.spring_stiffness,
-            rig.spring_damping,
-            rig.spring_arm,
-            rig.contact_arm,
             contact.stiffness,
             contact.damping,
             contact.friction,
@@ -94,19 +80,33 @@ impl Lumps {
             at.load,
             at.drive,
         ];
-        let [j, k0t, c0t, k0, c0, a, b, kc, cc, mu, drive_gain, amplitude_gain, phase_offset, speed, load, drive] =
-            std::array::from_fn(|i| Dual::parameter(values[i], i));
+        let rig: [Dual; RIG_PARAMETERS] = std::array::from_fn(|i| Dual::parameter(rig[i], i));
+        let [kc, cc, mu, drive_gain, amplitude_gain, phase_offset, speed, load, drive] =
+            std::array::from_fn(|i| Dual::parameter(values[i], FIRST_CONTACT_PARAMETER + i));
         let omega = TAU * at.frequency;
-        let stiffness = k0t + a * a * k0 * 2.0;
-        let u0 = drive * drive_gain * a;
+        let drive = if instrument.drive_sensitivity.is_some() { drive / drive_gain } else { drive * drive_gain };
+        let mode = match &model.rig {
+            Rig::TorsionalArm(_) => Mode::of_arm(rig, drive, omega),
+            Rig::Oscillator(oscillator) => {
+                Mode::of_oscillator(oscillator, rig, drive, model.signals.drive.order, omega)
+            }
+        };
+        let Mode { inertia, damping, stiffness, torque, arm, base_motion } = mode;
+        // Each derivative of the reading is a factor i omega.
+        let (amplitude_gain, phase_offset) = match model.signals.reading.order {
+            0 => (amplitude_gain, phase_offset),
+            order => {
+                (amplitude_gain * omega.powi(order.into()), phase_offset + Dual::constant(FRAC_PI_2 * f64::from(order)))
+            }
+        };
         let mut lumps = Self {
             omega,
-            inertia: j,
-            damping: c0t + a * a * c0 * 2.0,
+            inertia,
+            damping,
             stiffness,
-            torque_re: u0 * k0,
-            torque_im: u0 * c0 * omega,
-            arm: b,
+            torque_re: torque.0,
+            torque_im: torque.1,
+            arm,
             contact_stiffness: kc,
             contact_damping: cc,
             friction: mu,
@@ -120,6 +120,8 @@ impl Lumps {
             heating: None,
             amplitude_gain,
             phase_offset,
+            base_motion,
+            joint: None,
         };
         let mut first = FIRST_EFFECT_PARAMETER;
         for (effect, parameters) in &model.effects {
@@ -137,6 +139,7 @@ impl Lumps {
         if let Some((re, im)) = effect.drive(p, self.omega) {
             let (x, y) = (self.torque_re, self.torque_im);
             (self.torque_re, self.torque_im) = (x * re - y * im, x * im + y * re);
+            self.base_motion = self.base_motion.map(|(x, y)| (x * re - y * im, x * im + y * re));
         }
         if let Some(stiffness) = effect.load_stiffness(p) {
             self.load_stiffness = self.load_stiffness + stiffness;
@@ -151,6 +154,7 @@ impl Lumps {
         self.rate_element = self.rate_element.or(effect.rate_element(p));
         self.support = self.support.or(effect.support(p));
         self.heating = self.heating.or(effect.heating(p));
+        self.joint = self.joint.or(effect.joint(p));
     }
 
     /// Complex amplitude \[rad\] of the arm without contact: Gamma e^{i phi0} / (K - J w^2 + i w C).
@@ -180,6 +184,60 @@ impl Lumps {
         let re = self.stiffness - self.inertia * (w * w) + b2 * z.0;
         let im = self.damping * w + b2 * z.1;
         divide((self.torque_re, self.torque_im), (re, im))
+    }
+}
+
+/// The mode of a rig: M x'' + C x' + K x = torque, complex at the drive frequency.
+struct Mode {
+    inertia: Dual,
+    damping: Dual,
+    stiffness: Dual,
+    torque: (Dual, Dual),
+    arm: Dual,
+    base_motion: Option<(Dual, Dual)>,
+}
+
+impl Mode {
+    /// The paper's arm (Eqs. 1-8); `drive` is the motion of the actuator.
+    fn of_arm([j, k0t, c0t, k0, c0, a, b]: [Dual; RIG_PARAMETERS], drive: Dual, omega: f64) -> Self {
+        let u0 = drive * a;
+        Self {
+            inertia: j,
+            damping: c0t + a * a * c0 * 2.0,
+            stiffness: k0t + a * a * k0 * 2.0,
+            torque: (u0 * k0, u0 * c0 * omega),
+            arm: b,
+            base_motion: None,
+        }
+    }
+
+    /// Any oscillator; `drive` is a force, or the motion of base or spring differentiated `order` times.
+    fn of_oscillator(
+        of: &Oscillator,
+        [mass, elasticity, dissipation, spring, dashpot, factor, _]: [Dual; RIG_PARAMETERS],
+        drive: Dual,
+        order: u8,
+        omega: f64,
+    ) -> Self {
+        let stiffness = match of.elasticity_form {
+            Elasticity::Stiffness => elasticity,
+            Elasticity::NaturalFrequency => mass * elasticity * elasticity * (TAU * TAU),
+        };
+        let damping = match of.dissipation_form {
+            Dissipation::Damping => dissipation,
+            Dissipation::QualityFactor => (mass * stiffness).sqrt() / dissipation,
+            Dissipation::DampingRatio => (mass * stiffness).sqrt() * dissipation * 2.0,
+        };
+        // The motion of base or spring, in phase with what is measured of it.
+        let moved = if order == 2 { drive * (-1.0 / (omega * omega)) } else { drive };
+        let none = Dual::constant(0.0);
+        let torque = match of.excitation {
+            Excitation::Force => (drive, none),
+            Excitation::Base => (mass * moved * (omega * omega), none),
+            Excitation::Spring => (spring * moved, dashpot * moved * omega),
+        };
+        let base_motion = of.absolute.then_some((moved, none));
+        Self { inertia: mass, damping, stiffness, torque, arm: factor, base_motion }
     }
 }
 

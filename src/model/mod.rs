@@ -9,8 +9,10 @@ pub mod dual;
 pub mod lumps;
 pub mod system;
 
+use crate::effects::ParameterInfo;
 use crate::effects::{self, Effect};
-use crate::scenario::{Contact, Instrument, Rig, Scenario};
+use crate::scenario::parameters::CONTACT;
+use crate::scenario::{Contact, Instrument, Rig, Scenario, Signals};
 
 /// Setting of one steady state.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,7 +21,7 @@ pub struct Operation {
     pub speed: f64,
     /// W, normal load \[N\].
     pub load: f64,
-    /// u0, stated amplitude of the actuator \[m\].
+    /// Stated amplitude of the drive, of the paper's actuator u0 \[m\].
     pub drive: f64,
     /// f, frequency \[Hz\].
     pub frequency: f64,
@@ -30,10 +32,14 @@ pub struct Operation {
 pub struct Model {
     /// The rig.
     pub rig: Rig,
-    /// The contact.
+    /// The contact; without one it is that of no stiffness, which no load presses on.
     pub contact: Contact,
+    /// Whether the scenario has a contact.
+    pub has_contact: bool,
     /// The instrument.
     pub instrument: Instrument,
+    /// What is driven and what is read.
+    pub signals: Signals,
     /// Effects with their parameters in SI.
     pub effects: Vec<(&'static dyn Effect, Vec<f64>)>,
 }
@@ -55,7 +61,14 @@ impl Model {
             .iter()
             .filter_map(|setting| effects::find(&setting.name).map(|effect| (effect, setting.parameters.clone())))
             .collect();
-        Self { rig: scenario.rig, contact: scenario.contact, instrument: scenario.instrument, effects }
+        Self {
+            rig: scenario.rig,
+            contact: scenario.contact.unwrap_or(Contact::NONE),
+            has_contact: scenario.contact.is_some(),
+            instrument: scenario.instrument,
+            signals: scenario.signals,
+            effects,
+        }
     }
 
     /// Whether an effect makes the contact a continuum of sliders.
@@ -63,29 +76,41 @@ impl Model {
         self.effects.iter().any(|(effect, p)| effect.continuum(p).is_some())
     }
 
-    /// The parameter number `index` in the order of [`lumps::BASE_PARAMETERS`] and then of the effects, or None where
-    /// there is none of that number.
+    /// The parameter number `index`: rig, contact, instrument, operating point ([`lumps`] states where each begins), then
+    /// the effects; or None where there is none of that number.
     pub fn parameter<'a>(&'a mut self, at: &'a mut Operation, index: usize) -> Option<&'a mut f64> {
-        let (rig, contact, instrument) = (&mut self.rig, &mut self.contact, &mut self.instrument);
-        Some(match index {
-            0 => &mut rig.inertia,
-            1 => &mut rig.torsional_stiffness,
-            2 => &mut rig.torsional_damping,
-            3 => &mut rig.spring_stiffness,
-            4 => &mut rig.spring_damping,
-            5 => &mut rig.spring_arm,
-            6 => &mut rig.contact_arm,
-            7 => &mut contact.stiffness,
-            8 => &mut contact.damping,
-            9 => &mut contact.friction,
-            10 => &mut instrument.drive_gain,
-            11 => &mut instrument.amplitude_gain,
-            12 => &mut instrument.phase_offset,
-            13 => &mut at.speed,
-            14 => &mut at.load,
-            15 => &mut at.drive,
-            _ => return self.effects.iter_mut().flat_map(|(_, p)| p).nth(index - lumps::FIRST_EFFECT_PARAMETER),
+        use lumps::{FIRST_CONTACT_PARAMETER as CONTACT, FIRST_EFFECT_PARAMETER as EFFECT};
+        let (contact, instrument) = (&mut self.contact, &mut self.instrument);
+        if index < CONTACT {
+            return self.rig.slot(index);
+        }
+        if index >= EFFECT {
+            return self.effects.iter_mut().flat_map(|(_, p)| p).nth(index - EFFECT);
+        }
+        Some(match index - CONTACT {
+            0 => &mut contact.stiffness,
+            1 => &mut contact.damping,
+            2 => &mut contact.friction,
+            3 => &mut instrument.drive_gain,
+            4 => &mut instrument.amplitude_gain,
+            5 => &mut instrument.phase_offset,
+            6 => &mut at.speed,
+            7 => &mut at.load,
+            _ => &mut at.drive,
         })
+    }
+
+    /// Keys of the parameters of rig, contact and instrument, as in `[fit] free`, with their index and what is known of them.
+    pub fn base_parameters(&self) -> Vec<(String, usize, &'static ParameterInfo)> {
+        let keyed = |table: &str, first: usize, at: usize, info: &'static ParameterInfo| {
+            (format!("{table}.{}", info.key), first + at, info)
+        };
+        let rig = self.rig.parameters().into_iter().map(|(at, info)| keyed("rig", 0, at, info));
+        let contact = CONTACT.iter().filter(|_| self.has_contact).enumerate();
+        let contact = contact.map(|(at, info)| keyed("contact", lumps::FIRST_CONTACT_PARAMETER, at, info));
+        let instrument = self.instrument.parameters().into_iter().enumerate();
+        let instrument = instrument.map(|(at, info)| keyed("instrument", lumps::FIRST_INSTRUMENT_PARAMETER, at, info));
+        rig.chain(contact).chain(instrument).collect()
     }
 
     /// Whether a torque of the arm itself is nonlinear, so that it may have several steady states.

@@ -208,6 +208,7 @@ fn points(condition: &Condition, target: &Curve, tolerance: f64) -> Vec<Point> {
         phase_sd: None,
         mean: None,
         replicates: 1,
+        series: 0,
     };
     target.frequency.iter().zip(&target.states).enumerate().map(point).collect()
 }

@@ -4,11 +4,12 @@ use super::format;
 use super::glossary::meaning;
 use super::view::ParameterView;
 use crate::effects::REGISTRY;
+use crate::model::{Model, Operation};
 use crate::scenario::{EffectSetting, Formulation, Scenario, Sweep};
 
 /// All parameters of the scenario: rig, contact, instrument, effects, sweep.
 pub fn parameters(scenario: &Scenario) -> Vec<ParameterView> {
-    let (rig, contact, instrument) = (&scenario.rig, &scenario.contact, &scenario.instrument);
+    let (model, mut at) = (Model::new(scenario), Operation { speed: 0.0, load: 0.0, drive: 0.0, frequency: 0.0 });
     let source = |key: &str| scenario.origins.get(key).unwrap_or(&scenario.provenance).clone();
     let number = |key: &str, symbol: &str, value: f64, unit: &str| ParameterView {
         key: key.into(),
@@ -18,32 +19,20 @@ pub fn parameters(scenario: &Scenario) -> Vec<ParameterView> {
         unit: unit.into(),
         source: source(key),
     };
-    let mut rows = vec![
-        number("rig.inertia", "J", rig.inertia, "kg m^2"),
-        number("rig.torsional_stiffness", "K₀", rig.torsional_stiffness, "N m/rad"),
-        number("rig.torsional_damping", "C₀", rig.torsional_damping, "N m s/rad"),
-        number("rig.spring_stiffness", "k₀", rig.spring_stiffness, "N/m"),
-        number("rig.spring_damping", "c₀", rig.spring_damping, "N s/m"),
-        number("rig.spring_arm", "a", rig.spring_arm, "m"),
-        number("rig.contact_arm", "b", rig.contact_arm, "m"),
-        number("contact.stiffness", "k_c", contact.stiffness, "N/m"),
-        number("contact.damping", "c_c", contact.damping, "N s/m"),
-        number("contact.friction", "μ", contact.friction, "1"),
-        words(
-            "contact.formulation",
-            "formulation of the contact",
-            formulation(contact.formulation),
-            &source("contact.formulation"),
-        ),
-    ];
-    let readings = [
-        ("instrument.drive_gain", "true over stated amplitude of the actuator", instrument.drive_gain, 1.0, "1"),
-        ("instrument.amplitude_gain", "reading over true amplitude", instrument.amplitude_gain, 1.0, "1"),
-        ("instrument.phase_offset", "reading minus true phase", instrument.phase_offset, 0.0, "rad"),
-    ];
-    for (key, name, value, neutral, unit) in readings {
-        let own = if value == neutral { "ideal instrument".into() } else { source(key) };
-        rows.push(ParameterView { name: name.into(), source: own, ..number(key, "", value, unit) });
+    let mut rows = Vec::new();
+    for (key, index, info) in model.base_parameters() {
+        let value = model.clone().parameter(&mut at, index).map_or(f64::NAN, |value| *value);
+        let symbol = info.symbol.replace("kc", "k_c").replace("cc", "c_c");
+        let row = ParameterView { name: info.meaning.into(), ..number(&key, &symbol, value, info.unit) };
+
+        // Of an instrument nobody has said anything of.
+        let neutral = if info.key == "phase_offset" { 0.0 } else { 1.0 };
+        let ideal = key.starts_with("instrument.") && !info.key.contains("sensitivity") && value == neutral;
+        rows.push(if ideal { ParameterView { source: "ideal instrument".into(), ..row } } else { row });
+    }
+    if let Some(contact) = scenario.contact {
+        let key = "contact.formulation";
+        rows.push(words(key, "formulation of the contact", formulation(contact.formulation), &source(key)));
     }
     rows.extend(scenario.effects.iter().flat_map(|effect| of_effect(effect, &scenario.provenance)));
     rows.extend(scenario.sweep.iter().flat_map(of_sweep));

@@ -3,13 +3,14 @@
 use super::LoadOptions;
 use super::diagnostic::{nearest, quote, suggestion};
 use super::embedded;
-use super::parameters::{COLUMNS, CONTACT, INSTRUMENT, RIG};
+use super::parameters::{COLUMNS, CONTACT, RIG};
 use super::reader::{Reader, Table};
+use super::rig::Rig;
 use super::source::Store;
-use super::types::{EffectSetting, MeasurementSource};
+use super::types::{EffectSetting, Instrument, MeasurementSource, Scenario};
 use super::validate::units;
 use super::written::{Entry, Node, Value};
-use crate::effects::{Effect, compatible, in_paper_formulation};
+use crate::effects::{Effect, compatible, find, in_paper_formulation};
 
 /// The list `[[effect]]`, each from the catalogue and none twice.
 pub(crate) fn effects(reader: &mut Reader<'_>, node: Option<&Node>, options: &LoadOptions<'_>) -> Vec<EffectSetting> {
@@ -167,6 +168,7 @@ fn columns(reader: &mut Reader<'_>, node: &Node) -> Option<Vec<(String, String)>
 pub(crate) fn free(
     reader: &mut Reader<'_>,
     entries: &[Entry],
+    of: (Option<&Rig>, bool, Option<&Instrument>),
     effects: &[EffectSetting],
     options: &LoadOptions<'_>,
 ) -> Vec<String> {
@@ -175,17 +177,31 @@ pub(crate) fn free(
     let Some(node) = table.get("free") else { return Vec::new() };
     let present = |name: &str| effects.iter().any(|setting| setting.name == name);
     let present: Vec<_> = options.effects.iter().filter(|effect| present(effect.name())).copied().collect();
-    let known = parameter_keys(&present);
+    let known = parameter_keys(of, &present);
     let known: Vec<&str> = known.iter().map(String::as_str).collect();
     reader.names("free", node, &known, "a parameter of this scenario")
 }
 
-/// Keys of all parameters that a calibration may move: of the rig, the contact, the instrument, and of `effects`.
-pub fn parameter_keys(effects: &[&dyn Effect]) -> Vec<String> {
-    let base = [("rig", RIG), ("contact", CONTACT), ("instrument", INSTRUMENT)];
-    let base = base.iter().flat_map(|(table, infos)| infos.iter().map(move |info| format!("{table}.{}", info.key)));
-    let added = effects.iter().flat_map(|effect| {
-        effect.parameters().iter().map(move |info| format!("effect.{}.{}", effect.name(), info.key))
-    });
-    base.chain(added).collect()
+/// Keys of all parameters that a calibration may move: of the rig, the contact where there is one, the instrument, and of
+/// `effects`. A table that is not sound has those of the paper's rig.
+fn parameter_keys(of: (Option<&Rig>, bool, Option<&Instrument>), effects: &[&dyn Effect]) -> Vec<String> {
+    let (rig, contact, instrument) = of;
+    let rig: Vec<&str> = rig.map_or_else(
+        || RIG.iter().map(|info| info.key).collect(),
+        |rig| rig.parameters().into_iter().map(|(_, info)| info.key).collect(),
+    );
+    let contact: Vec<&str> = CONTACT.iter().map(|info| info.key).filter(|_| contact).collect();
+    let instrument = instrument.copied().unwrap_or_default().parameters().map(|info| info.key);
+    let base = [("rig", rig), ("contact", contact), ("instrument", instrument.to_vec())];
+    let base = base.into_iter().flat_map(|(table, keys)| keys.into_iter().map(move |key| format!("{table}.{key}")));
+    base.chain(effects.iter().flat_map(|effect| effect.keys())).collect()
+}
+
+impl Scenario {
+    /// Keys of all parameters that a calibration may move, those of its effects included.
+    pub fn parameter_keys(&self) -> Vec<String> {
+        let effects: Vec<&dyn Effect> =
+            self.effects.iter().filter_map(|e| find(&e.name).map(|e| e as &dyn Effect)).collect();
+        parameter_keys((Some(&self.rig), self.contact.is_some(), Some(&self.instrument)), &effects)
+    }
 }

@@ -54,14 +54,32 @@ impl Sweep {
 }
 
 /// Reads `[sweep]`.
-pub(crate) fn sweep(reader: &mut Reader<'_>, table: &Table<'_>, contact: Option<&Contact>) -> Option<Sweep> {
-    let (needed, optional) = SWEEP.split_at(4);
-    let needed: Vec<_> = needed.iter().map(|info| (info.key, info.unit)).collect();
-    let optional: Vec<_> = optional.iter().map(|info| info.key).chain(["formulation"]).collect();
+///
+/// Without a contact there is neither speed nor load. `contact` is `None` where its table is not sound; `drive` is the unit of
+/// what drives the rig.
+pub(crate) fn sweep(
+    reader: &mut Reader<'_>,
+    table: &Table<'_>,
+    drive: &'static str,
+    contact: Option<Option<Contact>>,
+) -> Option<Sweep> {
+    let alone = matches!(contact, Some(None));
+    let contact = contact.map(|contact| contact.unwrap_or(Contact::NONE));
+    let infos: Vec<ParameterInfo> = SWEEP
+        .iter()
+        .map(|info| ParameterInfo { unit: if info.key == "drive" { drive } else { info.unit }, ..*info })
+        .collect();
+    let of_contact = |info: &&ParameterInfo| !["frequency", "drive"].contains(&info.key);
+    let needed: Vec<_> =
+        infos[..4].iter().filter(|info| !alone || !of_contact(info)).map(|info| (info.key, info.unit)).collect();
+    let optional: Vec<_> = infos[4..].iter().map(|info| info.key).chain(["formulation"]).filter(|_| !alone).collect();
     reader.keys(table, &needed, &optional);
 
     let mut read = |key: &str| -> Option<Option<Axis>> {
-        let info = SWEEP.iter().find(|info| info.key == key)?;
+        let info = infos.iter().find(|info| info.key == key)?;
+        if alone && of_contact(&info) {
+            return Some((info.key != "friction" && info.key != "euler_steps").then(|| Axis::List(vec![0.0])));
+        }
         table.get(key).map_or(Some(None), |node| axis(reader, node, info).map(Some))
     };
     let (frequency, speed, load) = (read("frequency"), read("speed"), read("load"));

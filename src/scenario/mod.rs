@@ -16,7 +16,9 @@ mod listing;
 mod literal;
 pub mod parameters;
 mod question;
+mod read_rig;
 mod reader;
+mod rig;
 pub(crate) mod source;
 mod splice;
 mod types;
@@ -25,9 +27,9 @@ mod written;
 
 use std::path::Path;
 
-pub use additions::parameter_keys;
 pub use embedded::{FILES as EMBEDDED_FILES, TEMPLATE, file as embedded_file, text as embedded_text};
 pub use listing::{discover, embedded_names};
+pub use rig::*;
 pub use types::*;
 
 use crate::effects::{Effect, REGISTRY};

@@ -1,6 +1,14 @@
 //! Every base parameter stated once: key, symbol, unit, physical range, meaning. Parser, documentation and reports follow it.
 
+use super::rig::Coordinate;
 use crate::effects::ParameterInfo;
+
+/// Values that are positive, however small or large the rig.
+const POSITIVE: (f64, f64) = (f64::MIN_POSITIVE, f64::MAX);
+/// Values that are zero or more.
+const ZERO_OR_MORE: (f64, f64) = (0.0, f64::MAX);
+/// Values of either sign.
+const ANY: (f64, f64) = (-f64::MAX, f64::MAX);
 
 const fn info(
     (key, symbol, unit): (&'static str, &'static str, &'static str),
@@ -10,38 +18,128 @@ const fn info(
     ParameterInfo { key, symbol, unit, minimum, maximum, range: None, signed: false, meaning }
 }
 
-/// The table `[rig]`.
+/// The table `[rig]` of kind `torsional-arm`.
 pub const RIG: &[ParameterInfo] = &[
-    info(("inertia", "J", "kg m^2"), (1e-9, 1e3), "inertia of the arm about the torsional axis"),
-    info(("torsional_stiffness", "K₀", "N m/rad"), (1e-3, 1e9), "stiffness of the torsional spring"),
-    info(("torsional_damping", "C₀", "N m s/rad"), (0.0, 1e6), "damping of the torsional spring"),
-    info(("spring_stiffness", "k₀", "N/m"), (1e-3, 1e10), "stiffness of each pinching spring"),
-    info(("spring_damping", "c₀", "N s/m"), (0.0, 1e6), "damping of each pinching spring"),
-    info(("spring_arm", "a", "m"), (1e-5, 10.0), "arm of the pinching springs about the axis"),
-    info(("contact_arm", "b", "m"), (1e-5, 10.0), "arm of the contact about the axis"),
+    info(("inertia", "J", "kg m^2"), POSITIVE, "inertia of the arm about the torsional axis"),
+    info(("torsional_stiffness", "K₀", "N m/rad"), POSITIVE, "stiffness of the torsional spring"),
+    info(("torsional_damping", "C₀", "N m s/rad"), ZERO_OR_MORE, "damping of the torsional spring"),
+    info(("spring_stiffness", "k₀", "N/m"), POSITIVE, "stiffness of each pinching spring"),
+    info(("spring_damping", "c₀", "N s/m"), ZERO_OR_MORE, "damping of each pinching spring"),
+    info(("spring_arm", "a", "m"), POSITIVE, "arm of the pinching springs about the axis"),
+    info(("contact_arm", "b", "m"), POSITIVE, "arm of the contact about the axis"),
 ];
+
+/// Words of the table `[rig]` of kind `oscillator`, with what each may be.
+pub const OSCILLATOR_WORDS: &[(&str, &[&str])] = &[
+    ("coordinate", &["displacement", "angle"]),
+    ("drive", &["force", "base", "spring"]),
+    ("reading", &["relative", "absolute"]),
+];
+
+const FREQUENCY_OF_MODE: ParameterInfo =
+    info(("natural_frequency", "f₀", "Hz"), POSITIVE, "natural frequency without damping");
+const QUALITY_FACTOR: ParameterInfo = info(("quality_factor", "Q", "1"), POSITIVE, "quality factor of the resonance");
+const DAMPING_RATIO: ParameterInfo =
+    info(("damping_ratio", "ζ", "1"), ZERO_OR_MORE, "damping over the critical damping, 1/(2Q)");
+
+/// The numbers of the table `[rig]` of kind `oscillator` for a displacement.
+const OF_DISPLACEMENT: &[ParameterInfo] = &[
+    info(("mass", "M", "kg"), POSITIVE, "modal mass"),
+    info(("stiffness", "K", "N/m"), POSITIVE, "stiffness of the mode"),
+    FREQUENCY_OF_MODE,
+    info(("damping", "C", "N s/m"), ZERO_OR_MORE, "damping of the mode"),
+    QUALITY_FACTOR,
+    DAMPING_RATIO,
+    info(("spring_stiffness", "k_s", "N/m"), POSITIVE, "stiffness of the driving spring, part of the stiffness"),
+    info(("spring_damping", "c_s", "N s/m"), ZERO_OR_MORE, "damping of the driving spring, part of the damping"),
+    info(("contact_factor", "q", "1"), POSITIVE, "motion at the contact per unit of the coordinate"),
+];
+
+/// The same for an angle.
+const OF_ANGLE: &[ParameterInfo] = &[
+    info(("inertia", "M", "kg m^2"), POSITIVE, "moment of inertia of the mode"),
+    info(("stiffness", "K", "N m/rad"), POSITIVE, "stiffness of the mode"),
+    FREQUENCY_OF_MODE,
+    info(("damping", "C", "N m s/rad"), ZERO_OR_MORE, "damping of the mode"),
+    QUALITY_FACTOR,
+    DAMPING_RATIO,
+    info(("spring_stiffness", "k_s", "N m/rad"), POSITIVE, "stiffness of the driving spring, part of the stiffness"),
+    info(("spring_damping", "c_s", "N m s/rad"), ZERO_OR_MORE, "damping of the driving spring, part of the damping"),
+    info(("contact_factor", "q", "m/rad"), POSITIVE, "motion at the contact per unit of the coordinate"),
+];
+
+/// The numbers of the table `[rig]` of kind `oscillator`.
+pub const fn oscillator(coordinate: Coordinate) -> &'static [ParameterInfo] {
+    match coordinate {
+        Coordinate::Displacement => OF_DISPLACEMENT,
+        Coordinate::Angle => OF_ANGLE,
+    }
+}
 
 /// The numbers of the table `[contact]`; its key `formulation` is a word.
 pub const CONTACT: &[ParameterInfo] = &[
-    info(("stiffness", "kc", "N/m"), (1e-3, 1e12), "tangential stiffness of the bristles"),
-    info(("damping", "cc", "N s/m"), (0.0, 1e6), "tangential damping of the bristles"),
-    info(("friction", "μ", "1"), (0.0, 10.0), "coefficient of friction"),
+    info(("stiffness", "kc", "N/m"), POSITIVE, "tangential stiffness of the bristles"),
+    info(("damping", "cc", "N s/m"), ZERO_OR_MORE, "tangential damping of the bristles"),
+    info(("friction", "μ", "1"), ZERO_OR_MORE, "coefficient of friction"),
 ];
 
 /// The table `[instrument]`; each has a default.
 pub const INSTRUMENT: &[ParameterInfo] = &[
-    info(("drive_gain", "", "1"), (0.01, 100.0), "true amplitude of the actuator over the stated one"),
-    info(("amplitude_gain", "", "1"), (0.01, 100.0), "amplitude read over the true one"),
+    info(("drive_gain", "", "1"), POSITIVE, "true amplitude of the drive over the stated one"),
+    info(("amplitude_gain", "", "1"), POSITIVE, "amplitude read over the true one"),
     info(("phase_offset", "", "rad"), (-6.3, 6.3), "phase read minus the true one"),
+];
+
+/// Sensitivity of a drive that is read in volts, in place of `drive_gain`; its unit is V over that of the drive.
+pub const DRIVE_SENSITIVITY: &[ParameterInfo] = &[
+    info(("drive_sensitivity", "", "V/N"), POSITIVE, "voltage read per drive"),
+    info(("drive_sensitivity", "", "V/(N m)"), POSITIVE, "voltage read per drive"),
+    info(("drive_sensitivity", "", "V/m"), POSITIVE, "voltage read per drive"),
+    info(("drive_sensitivity", "", "V/rad"), POSITIVE, "voltage read per drive"),
+    info(("drive_sensitivity", "", "V s^2/m"), POSITIVE, "voltage read per drive"),
+    info(("drive_sensitivity", "", "V s^2/rad"), POSITIVE, "voltage read per drive"),
+];
+
+/// Sensitivity of a reading in volts, in place of `amplitude_gain`; by the order of the reading, displacement before angle.
+pub const SENSITIVITY: &[ParameterInfo] = &[
+    info(("sensitivity", "", "V/m"), POSITIVE, "voltage read per motion"),
+    info(("sensitivity", "", "V s/m"), POSITIVE, "voltage read per motion"),
+    info(("sensitivity", "", "V s^2/m"), POSITIVE, "voltage read per motion"),
+    info(("sensitivity", "", "V/rad"), POSITIVE, "voltage read per motion"),
+    info(("sensitivity", "", "V s/rad"), POSITIVE, "voltage read per motion"),
+    info(("sensitivity", "", "V s^2/rad"), POSITIVE, "voltage read per motion"),
+];
+
+/// Keys of all parameters that rigs and instruments may have, as in `[fit] free`.
+pub const BASE_KEYS: &[&str] = &[
+    "rig.inertia",
+    "rig.torsional_stiffness",
+    "rig.torsional_damping",
+    "rig.spring_stiffness",
+    "rig.spring_damping",
+    "rig.spring_arm",
+    "rig.contact_arm",
+    "rig.mass",
+    "rig.stiffness",
+    "rig.natural_frequency",
+    "rig.damping",
+    "rig.quality_factor",
+    "rig.damping_ratio",
+    "rig.contact_factor",
+    "instrument.drive_gain",
+    "instrument.drive_sensitivity",
+    "instrument.amplitude_gain",
+    "instrument.sensitivity",
+    "instrument.phase_offset",
 ];
 
 /// The numeric axes of `[sweep]`; its key `formulation` is a list of words.
 pub const SWEEP: &[ParameterInfo] = &[
-    info(("frequency", "f", "Hz"), (1e-3, 1e5), "frequency of the drive"),
-    info(("speed", "V", "m/s"), (0.0, 10.0), "peripheral speed of the roller"),
-    info(("load", "W", "N"), (0.0, 1e5), "normal load; 0 means no contact"),
-    info(("drive", "u₀", "m"), (1e-12, 1e-2), "amplitude of the actuator"),
-    info(("friction", "μ", "1"), (0.0, 10.0), "coefficient of friction, in place of the contact's"),
+    info(("frequency", "f", "Hz"), POSITIVE, "frequency of the drive"),
+    info(("speed", "V", "m/s"), ZERO_OR_MORE, "peripheral speed of the roller"),
+    info(("load", "W", "N"), ZERO_OR_MORE, "normal load; 0 means no contact"),
+    info(("drive", "u₀", "m"), POSITIVE, "amplitude of the drive"),
+    info(("friction", "μ", "1"), ZERO_OR_MORE, "coefficient of friction, in place of the contact's"),
     info(("euler_steps", "", "1"), (16.0, 1e6), "steps per cycle of the published Euler procedure"),
 ];
 
@@ -50,7 +148,7 @@ pub const GATE: &[ParameterInfo] = &[
     info(("max_rms_error", "", "1"), (0.0, 1.0), "largest root mean square error of the amplitude, relative"),
     info(("max_chi2_per_point", "", "1"), (1e-3, 1e9), "largest mean square of the residuals in standard deviations"),
     info(("amplitude_tolerance", "", "1"), (0.0, 1.0), "largest error of any amplitude, relative to its reading"),
-    info(("amplitude_floor", "", "rad"), (0.0, 1.0), "error of an amplitude that always passes"),
+    info(("amplitude_floor", "", "rad"), ZERO_OR_MORE, "error of an amplitude that always passes"),
     info(("phase_tolerance", "", "rad"), (0.0, 3.2), "largest error of any phase"),
 ];
 
@@ -59,7 +157,7 @@ pub const VERDICTS: &[&str] = &["nothing-missing", "recalibrate", "effect-missin
 
 /// The table `[question]`.
 pub const QUESTION: &[ParameterInfo] = &[
-    info(("resembles", "V", "m/s"), (1e-9, 10.0), "speed at which the model's own curve is the one to resemble"),
+    info(("resembles", "V", "m/s"), POSITIVE, "speed at which the model's own curve is the one to resemble"),
     info(("tolerance", "", "1"), (1e-3, 0.3), "relative difference of two amplitudes that counts as none"),
 ];
 
@@ -73,11 +171,11 @@ pub const MEASURED: &[ParameterInfo] = &[
     SWEEP[2],
     SWEEP[3],
     SWEEP[0],
-    info(("amplitude", "A", "rad"), (0.0, 1.0), "amplitude of the arm's angle at the frequency of the drive"),
-    info(("phase", "φ", "rad"), (-12.6, 12.6), "phase of the arm's angle relative to the actuator"),
-    info(("amplitude_sd", "", "rad"), (0.0, 1.0), "standard deviation of the amplitude"),
+    info(("amplitude", "A", "rad"), ZERO_OR_MORE, "amplitude of the arm's angle at the frequency of the drive"),
+    info(("phase", "φ", "rad"), (-12.6, 12.6), "phase of the reading relative to the drive"),
+    info(("amplitude_sd", "", "rad"), ZERO_OR_MORE, "standard deviation of the amplitude"),
     info(("phase_sd", "", "rad"), (0.0, 12.6), "standard deviation of the phase"),
-    info(("mean", "", "rad"), (-1.0, 1.0), "mean angle of the arm"),
+    info(("mean", "", "rad"), ANY, "mean angle of the arm"),
 ];
 
 /// Names of figures that a scenario may ask for.

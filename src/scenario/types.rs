@@ -1,26 +1,10 @@
 //! What is meant: the validated scenario in SI, the type that every later step starts from.
 
+use super::parameters::{DRIVE_SENSITIVITY, INSTRUMENT, SENSITIVITY};
+use super::rig::{Rig, Signals};
+use crate::effects::ParameterInfo;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-
-/// The rig (paper Eqs. 1-8), SI units.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Rig {
-    /// J, inertia of the arm about the torsional axis \[kg m^2\].
-    pub inertia: f64,
-    /// K0, stiffness of the torsional spring \[N m/rad\].
-    pub torsional_stiffness: f64,
-    /// C0, damping of the torsional spring \[N m s/rad\].
-    pub torsional_damping: f64,
-    /// k0, stiffness of each translational (pinching) spring \[N/m\].
-    pub spring_stiffness: f64,
-    /// c0, damping of each translational spring \[N s/m\].
-    pub spring_damping: f64,
-    /// a, arm of the translational springs \[m\].
-    pub spring_arm: f64,
-    /// b, arm of the contact \[m\].
-    pub contact_arm: f64,
-}
 
 /// How the contact equations are discretised and coupled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
@@ -45,20 +29,40 @@ pub struct Contact {
     pub formulation: Formulation,
 }
 
-/// How the reading relates to the motion.
+impl Contact {
+    /// That of a rig without one.
+    pub const NONE: Self = Self { stiffness: 0.0, damping: 0.0, friction: 0.0, formulation: Formulation::Series };
+}
+
+/// How the reading relates to the motion, and the drive to what is stated of it.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Instrument {
-    /// True u0 over stated u0 \[-\].
+    /// True drive over stated drive \[-\]; of a drive in volts, its sensitivity (volts per drive).
     pub drive_gain: f64,
-    /// Reading over true amplitude \[-\].
+    /// Reading over true amplitude \[-\]; of a reading in volts, its sensitivity (volts per motion).
     pub amplitude_gain: f64,
     /// Reading minus true phase \[rad\].
     pub phase_offset: f64,
+    /// Which of [`DRIVE_SENSITIVITY`] the drive's gain is, where it is one.
+    pub drive_sensitivity: Option<usize>,
+    /// Which of [`SENSITIVITY`] the amplitude's gain is, where it is one.
+    pub sensitivity: Option<usize>,
 }
 
 impl Default for Instrument {
     fn default() -> Self {
-        Self { drive_gain: 1.0, amplitude_gain: 1.0, phase_offset: 0.0 }
+        Self { drive_gain: 1.0, amplitude_gain: 1.0, phase_offset: 0.0, drive_sensitivity: None, sensitivity: None }
+    }
+}
+
+impl Instrument {
+    /// Gain of the drive, gain of the reading, offset of the phase, as they are stated.
+    pub fn parameters(&self) -> [&'static ParameterInfo; 3] {
+        [
+            self.drive_sensitivity.map_or(&INSTRUMENT[0], |at| &DRIVE_SENSITIVITY[at]),
+            self.sensitivity.map_or(&INSTRUMENT[1], |at| &SENSITIVITY[at]),
+            &INSTRUMENT[2],
+        ]
     }
 }
 
@@ -72,7 +76,7 @@ pub struct Sweep {
     pub speed: Vec<f64>,
     /// W, normal loads \[N\]; 0 means no contact.
     pub load: Vec<f64>,
-    /// u0, amplitudes of the actuator \[m\].
+    /// Amplitudes of the drive, of the paper's actuator u0 \[m\].
     pub drive: Vec<f64>,
     /// mu, coefficients of friction \[-\]; the scenario's own where the file gives no list.
     pub friction: Vec<f64>,
@@ -167,10 +171,12 @@ pub struct Scenario {
     pub origins: BTreeMap<String, String>,
     /// The rig.
     pub rig: Rig,
-    /// The contact.
-    pub contact: Contact,
+    /// The contact, where there is one.
+    pub contact: Option<Contact>,
     /// The instrument.
     pub instrument: Instrument,
+    /// What is driven and what is read.
+    pub signals: Signals,
     /// What to sweep; absent where only measurements are compared.
     pub sweep: Option<Sweep>,
     /// Effects beyond the base law.

@@ -6,12 +6,13 @@ use super::additions::{effects, fits_formulation, free, measurement};
 use super::axes;
 use super::extends::Document;
 use super::gate::gate;
-use super::parameters::{CONTACT, INSTRUMENT, RIG};
 use super::question::question;
+use super::read_rig::{self, contact, instrument, rig};
 use super::reader::{Reader, TOP_LEVEL, Table, WHOLE};
+use super::rig::Signals;
 use super::source::Store;
-use super::types::{Contact, Formulation, Instrument, Rig, Scenario, Sweep};
-use super::written::{Entry, Node, inside};
+use super::types::{Formulation, Scenario, Sweep};
+use super::written::{Node, inside};
 use super::{LoadOptions, Role};
 use crate::effects::ParameterInfo;
 use crate::error::{Error, Result};
@@ -58,23 +59,27 @@ fn read(
         get("figures").map(|node| reader.names("figures", node, options.figure_names, "a figure that can be drawn"));
 
     let rig = rig(reader, entries);
-    let contact = contact(reader, entries);
+    // The paper's rig is nothing without a contact; of another it is unknown while the rig is.
+    let contact = contact(reader, entries, rig.is_none_or(|rig| rig.is_arm()));
     let instrument = instrument(reader, entries);
+    let signals = rig.zip(instrument).map(|(rig, instrument)| read_rig::signals(&rig, &instrument));
+    let drive = signals.map_or(Signals::ARM, |signals| signals).drive.unit;
     let table = reader.table(entries, "sweep");
     let sweep: Option<Option<Sweep>> = match &table {
-        Some(table) => axes::sweep(reader, table, contact.as_ref()).map(Some),
+        Some(table) => axes::sweep(reader, table, drive, contact).map(Some),
         None => Some(None),
     };
     let effects = effects(reader, get("effect"), options);
     let swept = sweep.iter().flatten().any(|sweep| sweep.formulation.contains(&Formulation::Paper));
     let paper = match sweep {
         Some(Some(_)) => swept,
-        _ => contact.is_some_and(|contact| contact.formulation == Formulation::Paper),
+        _ => contact.flatten().is_some_and(|contact| contact.formulation == Formulation::Paper),
     };
     fits_formulation(reader, get("effect"), &effects, paper, options);
     let measurement = measurement(reader, entries, store);
     let question = question(reader, entries, sweep.as_ref().and_then(Option::as_ref));
-    let free = free(reader, entries, &effects, options);
+    let free =
+        free(reader, entries, (rig.as_ref(), contact.flatten().is_some(), instrument.as_ref()), &effects, options);
     let gate = gate(reader, entries, options);
     if get("sweep").is_none() && get("measurement").is_none() && role == Role::Complete {
         let help = "add [sweep] with frequency, speed, load and drive, or [measurement] with file; \
@@ -93,6 +98,7 @@ fn read(
         rig: rig?,
         contact: contact?,
         instrument: instrument?,
+        signals: signals?,
         sweep: sweep?,
         effects,
         measurement: measurement?,
@@ -127,78 +133,7 @@ fn title(reader: &mut Reader<'_>, node: &Node) -> Option<String> {
     Some(text)
 }
 
-/// Reads the numbers of a table in the order of `infos`, all of them needed.
-fn numbers<const N: usize>(
-    reader: &mut Reader<'_>,
-    table: &Table<'_>,
-    infos: &[ParameterInfo],
-    optional: &[&str],
-) -> Option<[f64; N]> {
-    reader.keys(table, &units(infos), optional);
-    let values: Vec<_> =
-        infos.iter().map(|info| table.get(info.key).and_then(|node| reader.quantity(node, info))).collect();
-    values.into_iter().collect::<Option<Vec<_>>>()?.try_into().ok()
-}
-
 /// Keys with their units.
 pub(crate) fn units(infos: &[ParameterInfo]) -> Vec<(&'static str, &'static str)> {
     infos.iter().map(|info| (info.key, info.unit)).collect()
-}
-
-/// A table that has to be there.
-fn needed<'a>(reader: &mut Reader<'_>, entries: &'a [Entry], key: &str, infos: &[ParameterInfo]) -> Option<Table<'a>> {
-    if !entries.iter().any(|entry| entry.key == key) {
-        let name = |(key, unit)| if unit == "1" { String::from(key) } else { format!("{key} ({unit})") };
-        let keys: Vec<_> = units(infos).into_iter().map(name).collect();
-        let help = format!("no value is assumed; add [{key}] with {}, or extend a file that has it", keys.join(", "));
-        reader.fail(
-            &reader.top(),
-            &format!("the table [{key}] is missing"),
-            "neither here nor in a file it extends",
-            &help,
-        );
-    }
-    reader.table(entries, key)
-}
-
-fn rig(reader: &mut Reader<'_>, entries: &[Entry]) -> Option<Rig> {
-    let table = needed(reader, entries, "rig", RIG)?;
-    let [inertia, torsional_stiffness, torsional_damping, spring_stiffness, spring_damping, spring_arm, contact_arm] =
-        numbers(reader, &table, RIG, &[])?;
-    Some(Rig {
-        inertia,
-        torsional_stiffness,
-        torsional_damping,
-        spring_stiffness,
-        spring_damping,
-        spring_arm,
-        contact_arm,
-    })
-}
-
-fn contact(reader: &mut Reader<'_>, entries: &[Entry]) -> Option<Contact> {
-    let table = needed(reader, entries, "contact", CONTACT)?;
-    let values = numbers(reader, &table, CONTACT, &["formulation"]);
-    let formulation = match table.get("formulation") {
-        Some(node) => axes::formulation(reader, node)?,
-        None => Formulation::Series,
-    };
-    let [stiffness, damping, friction] = values?;
-    Some(Contact { stiffness, damping, friction, formulation })
-}
-
-fn instrument(reader: &mut Reader<'_>, entries: &[Entry]) -> Option<Instrument> {
-    if !entries.iter().any(|entry| entry.key == "instrument") {
-        return Some(Instrument::default());
-    }
-    let table = reader.table(entries, "instrument")?;
-    let keys: Vec<_> = INSTRUMENT.iter().map(|info| info.key).collect();
-    reader.keys(&table, &[], &keys);
-    let default = Instrument::default();
-    let mut read = |at: usize, default: f64| -> Option<f64> {
-        table.get(INSTRUMENT[at].key).map_or(Some(default), |node| reader.quantity(node, &INSTRUMENT[at]))
-    };
-    let (drive_gain, amplitude_gain) = (read(0, default.drive_gain), read(1, default.amplitude_gain));
-    let phase_offset = read(2, default.phase_offset);
-    Some(Instrument { drive_gain: drive_gain?, amplitude_gain: amplitude_gain?, phase_offset: phase_offset? })
 }

@@ -215,27 +215,28 @@ fn progress_bar(options: &Options, points: usize, label: &str) -> ProgressBar {
     bar
 }
 
-/// The oscillator of a limiting case for one drive.
+/// The oscillator of a limiting case for one drive, of the paper's kind of rig.
 pub fn limiting_oscillator(model: &Model, case: LimitingCase, drive: f64) -> Oscillator {
     let at = Operation { speed: 0.0, load: 0.0, drive, frequency: 1.0 };
     let lumps = Lumps::new(model, &at);
-    let b2 = model.rig.contact_arm.powi(2);
+    let rig = model.rig.arm();
+    let b2 = rig.contact_arm.powi(2);
     let (kc, cc) = match case {
         LimitingCase::FreeOrFullSlip => (0.0, 0.0),
         LimitingCase::StaticContact => (model.contact.stiffness, model.contact.damping),
     };
     Oscillator {
-        inertia: model.rig.inertia,
-        damping: model.rig.torsional_damping + 2.0 * model.rig.spring_arm.powi(2) * model.rig.spring_damping + b2 * cc,
+        inertia: rig.inertia,
+        damping: rig.torsional_damping + 2.0 * rig.spring_arm.powi(2) * rig.spring_damping + b2 * cc,
         stiffness: lumps.stiffness.value + b2 * kc,
-        lever: model.rig.spring_arm * drive * model.instrument.drive_gain,
-        spring_stiffness: model.rig.spring_stiffness,
-        spring_damping: model.rig.spring_damping,
+        lever: rig.spring_arm * drive * model.instrument.drive_gain,
+        spring_stiffness: rig.spring_stiffness,
+        spring_damping: rig.spring_damping,
     }
 }
 
 fn limits(model: &Model, scenario: &Scenario) -> Vec<LimitCurve> {
-    let Some(sweep) = &scenario.sweep else { return Vec::new() };
+    let Some(sweep) = scenario.sweep.as_ref().filter(|_| model.rig.is_arm()) else { return Vec::new() };
     let from = sweep.frequency.iter().copied().fold(f64::INFINITY, f64::min);
     let to = sweep.frequency.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let mut out = Vec::new();
@@ -249,7 +250,7 @@ fn limits(model: &Model, scenario: &Scenario) -> Vec<LimitCurve> {
 
 fn limit_curve(o: &Oscillator, model: &Model, case: LimitingCase, drive: f64, from: f64, to: f64) -> LimitCurve {
     let gain = model.instrument.amplitude_gain;
-    let b = model.rig.contact_arm;
+    let b = model.rig.lever();
     let count = if to > from { LIMIT_POINTS } else { 1 };
     let frequency: Vec<f64> = (0..count).map(|i| from + (to - from) * i as f64 / (count.max(2) - 1) as f64).collect();
     let response: Vec<(f64, f64)> = frequency.iter().map(|&f| o.response(f)).collect();

@@ -63,7 +63,11 @@ impl Bench {
         if !scenario.effects.is_empty() {
             return refuse("a trial plants effects itself", "take the tables [[effect]] out of the scenario");
         }
-        if scenario.contact.formulation == Formulation::Paper {
+        if !scenario.rig.is_arm() {
+            let help = "trials plant effects in the paper's kind of rig; give a scenario of kind = \"torsional-arm\"";
+            return refuse("a rig of kind \"oscillator\"", help);
+        }
+        if scenario.contact.is_some_and(|contact| contact.formulation == Formulation::Paper) {
             return refuse("the published procedure carries no effects", "use formulation = \"series\"");
         }
         let mut operations = Vec::new();

@@ -43,7 +43,7 @@ pub fn table(bench: &Bench, readings: &[Reading], noise: f64, outliers: f64, pha
 
 /// The scenario beside it: the rig as stated, nothing of what is planted.
 pub fn scenario(bench: &Bench) -> String {
-    let (r, c, i) = (&bench.model.rig, &bench.model.contact, &bench.model.instrument);
+    let (r, c, i) = (bench.model.rig.arm(), &bench.model.contact, &bench.model.instrument);
     let free: Vec<String> = bench.free.iter().map(|key| format!("\"{key}\"")).collect();
     format!(
         "title = \"Blind trial\"\nprovenance = \"synthetic, hidden cause\"\n\n[rig]\ninertia = {}\ntorsional_stiffness = {}\n\

@@ -21,6 +21,7 @@ pub fn noiseless(bench: &Bench, readings: &[Reading], noise: f64, phase: bool) -
         phase_sd: phase.then_some(noise),
         mean: None,
         replicates: 1,
+        series: 0,
     };
     bench.operations.iter().zip(readings).enumerate().map(point).collect()
 }

@@ -18,22 +18,22 @@ pub fn with(name: &str, parameters: &[f64]) -> Model {
 
 /// An arm so heavy and stiff that the contact does not change its harmonic motion, nor its natural frequencies.
 pub fn hold(model: &mut Model, factor: f64) {
-    model.rig.inertia *= factor;
-    model.rig.torsional_stiffness *= factor;
-    model.rig.torsional_damping *= factor;
-    model.rig.spring_stiffness *= factor;
-    model.rig.spring_damping *= factor;
+    model.rig.arm_mut().inertia *= factor;
+    model.rig.arm_mut().torsional_stiffness *= factor;
+    model.rig.arm_mut().torsional_damping *= factor;
+    model.rig.arm_mut().spring_stiffness *= factor;
+    model.rig.arm_mut().spring_damping *= factor;
 }
 
 /// K, stiffness of the arm without contact \[N m/rad\].
 pub fn arm_stiffness(model: &Model) -> f64 {
-    model.rig.torsional_stiffness + 2.0 * model.rig.spring_arm.powi(2) * model.rig.spring_stiffness
+    model.rig.arm().torsional_stiffness + 2.0 * model.rig.arm().spring_arm.powi(2) * model.rig.arm().spring_stiffness
 }
 
 /// Amplitude and phase of the contact point of the arm without contact at 60 Hz, roller at rest.
 pub fn free_stroke(model: &Model) -> (f64, f64) {
     let state = steady(model, &Operation { load: 0.0, ..at(0.0, 60.0) }, Tolerance::default());
-    (model.rig.contact_arm * state.amplitude, state.phase)
+    (model.rig.lever() * state.amplitude, state.phase)
 }
 
 /// Complex dynamic stiffness of the contact \[N/m\] that turns the free arm into the arm of amplitude a:
@@ -43,7 +43,7 @@ pub fn dynamic_stiffness(model: &Model, operation: &Operation, tolerance: Tolera
     if state.status != Status::Steady {
         return Complex::new(f64::NAN, f64::NAN);
     }
-    let (rig, w) = (&model.rig, TAU * operation.frequency);
+    let (rig, w) = (model.rig.arm(), TAU * operation.frequency);
     let torque = Complex::new(rig.spring_stiffness, rig.spring_damping * w) * rig.spring_arm * operation.drive;
     let damping = rig.torsional_damping + 2.0 * rig.spring_arm.powi(2) * rig.spring_damping;
     let arm = Complex::new(arm_stiffness(model) - rig.inertia * w * w, w * damping);

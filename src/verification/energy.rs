@@ -89,7 +89,7 @@ fn works(model: &Model, at: &Operation) -> Option<Works> {
             let resisting: f64 =
                 model.effects.iter().filter_map(|(e, p)| e.torque(p, th, w)).map(|law| law.value).sum();
             sum.drive += h * torque * w;
-            sum.on_arm += h * force * model.rig.contact_arm * w;
+            sum.on_arm += h * force * model.rig.lever() * w;
             sum.roller += h * force * at.speed;
             sum.lost += h * (lumps.damping.value * w * w - resisting * w);
         }

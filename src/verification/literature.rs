@@ -32,13 +32,13 @@ fn den_hartog_peak(r: f64, zeta: f64, beta: f64) -> f64 {
     let mut model = Model::new(&scenario::paper());
     // Springs without damping make the drive torque a u0 k0 = P. The contact is as good as rigid, and critically damped so
     // that it does not ring.
-    let (stiffness, inertia, b) = (arm_stiffness(&model), model.rig.inertia, model.rig.contact_arm);
-    model.rig.spring_damping = 0.0;
-    model.rig.torsional_damping = 2.0 * zeta * (inertia * stiffness).sqrt();
+    let (stiffness, inertia, b) = (arm_stiffness(&model), model.rig.arm().inertia, model.rig.lever());
+    model.rig.arm_mut().spring_damping = 0.0;
+    model.rig.arm_mut().torsional_damping = 2.0 * zeta * (inertia * stiffness).sqrt();
     model.contact.stiffness = RIGID * stiffness / (b * b);
     model.contact.damping = 2.0 * (model.contact.stiffness * inertia).sqrt() / b;
     let drive = 2.5e-6;
-    let torque = model.rig.spring_arm * drive * model.rig.spring_stiffness;
+    let torque = model.rig.arm().spring_arm * drive * model.rig.arm().spring_stiffness;
     let load = beta * torque / b / model.contact.friction;
     let operation = Operation { speed: 0.0, load, drive, frequency: r * (stiffness / inertia).sqrt() / TAU };
     let path = orbit(&model, &operation, 0, &Tolerance::default(), 4000);
@@ -94,7 +94,7 @@ fn jenkins_loop(ratio: f64) -> [f64; 3] {
         let angle = TAU * operation.frequency * t + phase;
         sums[0] -= share * force * angle.sin();
         sums[1] -= share * force * angle.cos();
-        sums[2] -= 0.5 * share * force * model.rig.contact_arm * w / operation.frequency;
+        sums[2] -= 0.5 * share * force * model.rig.lever() * w / operation.frequency;
     }
     let scale = model.contact.stiffness * stroke;
     // An empty orbit is no loop.
@@ -164,9 +164,9 @@ pub fn duffing() -> Vec<Check> {
     // A lightly damped arm in full slip under hardly any load, so that the static angle is nothing.
     let k3 = 2e9;
     let mut model = with("cubic-stiffness", &[k3]);
-    model.rig.torsional_damping = 0.03;
-    model.rig.spring_damping = 0.0;
-    let (stiffness, inertia) = (arm_stiffness(&model), model.rig.inertia);
+    model.rig.arm_mut().torsional_damping = 0.03;
+    model.rig.arm_mut().spring_damping = 0.0;
+    let (stiffness, inertia) = (arm_stiffness(&model), model.rig.arm().inertia);
     let natural = |alpha: f64| ((stiffness + 0.75 * k3 * alpha * alpha) / inertia).sqrt() / TAU;
     let (frequency, alpha) = resonance(&model).unwrap_or((f64::NAN, f64::NAN));
     let how =

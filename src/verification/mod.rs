@@ -111,7 +111,7 @@ fn largest(
 fn peaks(model: &Model) -> Vec<Check> {
     let free = limiting_oscillator(model, LimitingCase::FreeOrFullSlip, 2.5e-6);
     let stuck = limiting_oscillator(model, LimitingCase::StaticContact, 2.5e-6);
-    let b = model.rig.contact_arm;
+    let b = model.rig.lever();
     let how = "closed form against an independent program (five digits)";
     vec![
         value("Peak frequency, case I/III", how, "Hz", 71.194, free.peak(50.0, 100.0, 0).0, 2e-5),

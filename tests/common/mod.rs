@@ -2,7 +2,7 @@
 #![allow(dead_code)]
 
 use stickslip::model::{Model, Operation};
-use stickslip::scenario::{Contact, Formulation, Instrument, Rig};
+use stickslip::scenario::{Contact, Formulation, Instrument, Rig, Signals, TorsionalArm};
 use stickslip::solver::{SteadyState, Warm, cycle::Tolerance, solve};
 
 /// Steps per cycle of the Euler procedure where a test does not say.
@@ -11,7 +11,7 @@ pub const EULER_STEPS: usize = 20_000;
 /// The paper's printed values, no effect.
 pub fn paper_model(formulation: Formulation) -> Model {
     Model {
-        rig: Rig {
+        rig: Rig::TorsionalArm(TorsionalArm {
             inertia: 5.0e-3,
             torsional_stiffness: 990.0,
             torsional_damping: 0.43,
@@ -19,8 +19,10 @@ pub fn paper_model(formulation: Formulation) -> Model {
             spring_damping: 12.0,
             spring_arm: 0.03,
             contact_arm: 0.06,
-        },
+        }),
         contact: Contact { stiffness: 8.9e4, damping: 26.0, friction: 0.5, formulation },
+        has_contact: true,
+        signals: Signals::ARM,
         instrument: Instrument::default(),
         effects: Vec::new(),
     }

@@ -1,11 +1,11 @@
 //! Plausible outcomes without a solver: closed-form limiting cases, and an interpolation between them for the contact.
 
 use std::f64::consts::TAU;
-use stickslip::scenario::{Contact, Formulation, Instrument, Rig, Scenario, Sweep};
+use stickslip::scenario::{Contact, Formulation, Instrument, Rig, Scenario, Signals, Sweep, TorsionalArm};
 use stickslip::solver::{Method, Orbit, Status, SteadyState};
 use stickslip::sweep::{Condition, Curve, LimitCurve, LimitingCase, Outcome};
 
-pub const RIG: Rig = Rig {
+pub const RIG: TorsionalArm = TorsionalArm {
     inertia: 5.0e-3,
     torsional_stiffness: 990.0,
     torsional_damping: 0.43,
@@ -187,9 +187,10 @@ fn scenario(sweep: Sweep) -> Scenario {
         description: String::new(),
         provenance: String::new(),
         origins: std::collections::BTreeMap::new(),
-        rig: RIG,
-        contact: Contact { stiffness: 8.9e4, damping: 26.0, friction: 0.5, formulation: Formulation::Series },
+        rig: Rig::TorsionalArm(RIG),
+        contact: Some(Contact { stiffness: 8.9e4, damping: 26.0, friction: 0.5, formulation: Formulation::Series }),
         instrument: Instrument::default(),
+        signals: Signals::ARM,
         sweep: Some(sweep),
         effects: Vec::new(),
         measurement: None,

@@ -5,7 +5,9 @@ use stickslip::report::{
     Agreement, CheckView, ClaimView, FigureInput, Provenance, ReportView, ScenarioView, Verdict, anchor, effect_view,
     scenario_view,
 };
-use stickslip::scenario::{Contact, EffectSetting, Formulation, Instrument, Rig, Scenario, Sweep};
+use stickslip::scenario::{
+    Contact, EffectSetting, Formulation, Instrument, Rig, Scenario, Signals, Sweep, TorsionalArm,
+};
 use stickslip::solver::{Method, Status, SteadyState};
 use stickslip::sweep::{Condition, Curve, LimitCurve, LimitingCase, Outcome};
 
@@ -20,7 +22,7 @@ pub fn scenario(id: &str, title: &str) -> Scenario {
             .into(),
         provenance: "printed in the paper".into(),
         origins: std::collections::BTreeMap::new(),
-        rig: Rig {
+        rig: Rig::TorsionalArm(TorsionalArm {
             inertia: 5.0e-3,
             torsional_stiffness: 990.0,
             torsional_damping: 0.43,
@@ -28,9 +30,10 @@ pub fn scenario(id: &str, title: &str) -> Scenario {
             spring_damping: 12.0,
             spring_arm: 0.03,
             contact_arm: 0.06,
-        },
-        contact: Contact { stiffness: 8.9e4, damping: 26.0, friction: 0.5, formulation: Formulation::Series },
+        }),
+        contact: Some(Contact { stiffness: 8.9e4, damping: 26.0, friction: 0.5, formulation: Formulation::Series }),
         instrument: Instrument::default(),
+        signals: Signals::ARM,
         sweep: Some(Sweep {
             frequency: (0..101).map(|i| 50.0 + 0.5 * f64::from(i)).collect(),
             speed: SPEEDS.to_vec(),

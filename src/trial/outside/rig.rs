@@ -81,7 +81,7 @@ struct Rig<'a> {
 
 impl<'a> Rig<'a> {
     fn new(model: &Model, departure: &'a Departure, at: &Operation, steps: usize) -> Self {
-        let (r, omega) = (&model.rig, TAU * at.frequency);
+        let (r, omega) = (model.rig.arm(), TAU * at.frequency);
         let k = r.torsional_stiffness + 2.0 * r.spring_arm.powi(2) * r.spring_stiffness;
         let c = r.torsional_damping + 2.0 * r.spring_arm.powi(2) * r.spring_damping;
         let drive = at.drive * model.instrument.drive_gain;
