@@ -69,6 +69,7 @@ fn resonance(noise: &mut Noise, relative: f64, turn: Option<f64>) -> Vec<Point> 
             phase_sd,
             mean: None,
             replicates: 1,
+            series: 0,
         }
     };
     (0..24).map(point).collect()
