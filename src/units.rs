@@ -284,6 +284,11 @@ fn kind(dimension: Dimension) -> String {
     text
 }
 
+/// A unit of the scenario files in print: `kg m^2` becomes `kg m²`; that of a pure number stays `1`.
+pub fn printed(unit: &str) -> String {
+    unit.replace("^2", "²").replace("^3", "³").replace("^5", "⁵").replace("^-1", "⁻¹")
+}
+
 /// A value in SI with a prefix and digits for people: `2.5e-6 m` becomes `2.5 µm`, `1e-4 m/s` becomes `0.1 mm/s`.
 /// Six significant digits; the text can be parsed again.
 pub fn format(value: f64, si_unit: &str) -> String {
@@ -303,7 +308,10 @@ pub fn format(value: f64, si_unit: &str) -> String {
     if !matches!(si_unit, "m" | "s" | "N" | "Hz" | "W" | "rad" | "m/s" | "V" | "m/s^2" | "rad/s" | "rad/s^2") {
         return format!("{} {si_unit}", digits(value));
     }
-    let (prefix, scale) = SCALES.iter().find(|(_, scale)| size >= scale * 0.999_999_5).unwrap_or(&("n", 1e-9));
+    // Nobody writes krad or km/s^2.
+    let largest = if matches!(si_unit, "rad" | "rad/s" | "rad/s^2" | "m/s" | "m/s^2") { 1.0 } else { f64::INFINITY };
+    let mut scales = SCALES.iter().filter(|(_, scale)| *scale <= largest);
+    let (prefix, scale) = scales.find(|(_, scale)| size >= scale * 0.999_999_5).unwrap_or(&("n", 1e-9));
     format!("{} {prefix}{si_unit}", digits(value / scale))
 }
 
@@ -455,6 +463,9 @@ mod tests {
         assert_eq!(format(0.5, "1"), "0.5");
         assert_eq!(format(5e-3, "kg m^2"), "0.005 kg m^2");
         assert_eq!(format(1e9, "N m/rad^3"), "1e9 N m/rad^3");
+        assert_eq!(format(1500.0, "m/s^2"), "1500 m/s^2");
+        assert_eq!(format(0.0015, "m/s^2"), "1.5 mm/s^2");
+        assert_eq!(printed("N s^2/m^2"), "N s²/m²");
     }
 
     #[test]

@@ -20,14 +20,14 @@ impl Effect for SensorDelay {
         "measured phase = φ − ωτ"
     }
     fn meaning(&self) -> &'static str {
-        "Filters, sampling and cables delay the signal of the angle (τ > 0) or that of the actuator (τ < 0). The \
+        "Filters, sampling and cables delay the signal of the reading (τ > 0) or that of the drive (τ < 0). The \
          motion itself is unchanged."
     }
     fn source(&self) -> &'static str {
         "Specification: a constant delay between two channels."
     }
     fn fingerprint(&self) -> &'static str {
-        "V = 0, partial stick and full slip: the amplitude is unchanged; the phase falls by ωτ, a straight line \
+        "Without contact, V = 0, partial stick and full slip: the amplitude is unchanged; the phase falls by ωτ, a straight line \
          over frequency, the same at every load, speed and drive."
     }
     fn zero(&self) -> &'static [Zero] {
@@ -38,7 +38,7 @@ impl Effect for SensorDelay {
             ("tau", "τ", "s"),
             (-1.0, 1.0),
             (1e-6, 1e-2),
-            "delay of the angle behind the actuator in the readings",
+            "delay of the reading behind the drive",
         )
         .either_sign()];
         LIST

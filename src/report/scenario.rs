@@ -6,9 +6,8 @@ use super::glossary::meaning;
 use super::parameters::{formulation, parameters};
 use super::verdict::Completeness;
 use super::view::{AxisView, CurveView, FigureView, FileView, LimitView, NoteView, Quantity, ScenarioView};
-use crate::effects;
-use crate::scenario::EffectSetting;
-use crate::scenario::Formulation;
+use crate::effects::{self, ParameterInfo};
+use crate::scenario::{Coordinate, EffectSetting, Formulation};
 use crate::solver::{Status, SteadyState};
 use crate::sweep::{Curve, LimitCurve, LimitingCase, Outcome};
 use crate::units;
@@ -60,7 +59,7 @@ pub fn scenario_view(outcome: &Outcome, figures: &[FigureInput]) -> ScenarioView
         title: scenario.title.clone(),
         description: scenario.description.clone(),
         provenance: scenario.provenance.clone(),
-        effects: scenario.effects.iter().map(effect).collect(),
+        effects: scenario.effects.iter().map(|setting| effect(setting, scenario.rig.coordinate())).collect(),
         status,
         points,
         steady: points - self_excited - failed,
@@ -110,10 +109,11 @@ fn reading(texts: &[String; 3]) -> Vec<NoteView> {
 }
 
 /// An effect with its parameters in one line.
-fn effect(setting: &EffectSetting) -> String {
+fn effect(setting: &EffectSetting, coordinate: Coordinate) -> String {
     let infos = effects::find(&setting.name).map_or(&[][..], |effect| effect.parameters());
     let values = infos.iter().zip(&setting.parameters);
-    let values: Vec<String> = values.map(|(p, v)| format!("{} = {}", p.symbol, units::format(*v, p.unit))).collect();
+    let one = |(p, v): (&ParameterInfo, &f64)| format!("{} = {}", p.symbol, units::format(*v, p.unit_for(coordinate)));
+    let values: Vec<String> = values.map(one).collect();
     format!("{} ({})", setting.name, values.join(", "))
 }
 

@@ -69,7 +69,8 @@ fn read(
         Some(table) => axes::sweep(reader, table, drive, contact).map(Some),
         None => Some(None),
     };
-    let effects = effects(reader, get("effect"), options);
+    let of = (rig.map(|rig| rig.coordinate()), contact.map(|contact| contact.is_some()));
+    let effects = effects(reader, get("effect"), of, options);
     let swept = sweep.iter().flatten().any(|sweep| sweep.formulation.contains(&Formulation::Paper));
     let paper = match sweep {
         Some(Some(_)) => swept,
