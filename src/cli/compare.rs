@@ -98,10 +98,16 @@ pub(super) fn compare(scenario: &Scenario, table: &Table) -> Comparison {
 }
 
 /// Said where a scenario with measurements leaves everything as stated.
-pub(super) fn uncalibrated(scenario: &Scenario) -> Option<&'static str> {
-    scenario.free.is_empty().then_some(
-        "nothing is calibrated: [fit] free names no parameter; contact.stiffness and contact.damping are the usual ones",
-    )
+pub(super) fn uncalibrated(scenario: &Scenario) -> Option<String> {
+    // What nobody knows before the measurement: a contact, or resonance and damping of a rig.
+    let usual = if scenario.contact.is_some() {
+        "contact.stiffness and contact.damping".into()
+    } else {
+        let of_mode = scenario.rig.parameters().into_iter().filter(|(at, _)| [1, 2].contains(at));
+        of_mode.map(|(_, info)| format!("rig.{}", info.key)).collect::<Vec<_>>().join(" and ")
+    };
+    let told = || format!("nothing is calibrated: [fit] free names no parameter; {usual} are the usual ones");
+    scenario.free.is_empty().then(told)
 }
 
 /// chi2 per reading without what stands out, in words.
@@ -126,7 +132,7 @@ pub(super) fn words(c: &Comparison) -> Vec<String> {
     let m = &c.overall;
     let (points, conditions) = (count(m.points, "point"), count(c.conditions.len(), "condition"));
     let mut lines = vec![format!("{}: {points}, {conditions}", c.scenario.title)];
-    let notes = c.table.notes.iter().map(String::as_str).chain(uncalibrated(&c.scenario));
+    let notes = c.table.notes.iter().cloned().chain(uncalibrated(&c.scenario));
     lines.extend(notes.map(|note| format!("  note: {note}")));
     if !c.fit.parameters.is_empty() {
         lines.push(format!("calibrated ({}):", interval_words(c)));

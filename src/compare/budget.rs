@@ -48,7 +48,7 @@ pub(super) fn budget(
     let square = differences.iter().map(|d| d * d).sum::<f64>() / differences.len().max(1) as f64;
     let total = overall.rms_error_percent;
     let numerical = square.sqrt().min(total);
-    let stands_out = |p: &&Compared| outliers.iter().any(|o| o.row == p.point.row && o.column == "amplitude_rad");
+    let stands_out = |p: &&Compared| outliers.iter().any(|o| o.row == p.point.row && !o.is_phase());
     let errors = usable.iter().copied().filter(stands_out).map(|p| p.error_percent().powi(2));
     let thrown = errors.sum::<f64>() / usable.len().max(1) as f64;
     // Residuals may by chance be smaller than the stated noise.

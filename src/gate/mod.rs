@@ -87,9 +87,8 @@ pub fn of_comparison(gate: &Gate, c: &Comparison) -> Vec<Judged> {
 }
 
 /// Readings that are judged one by one: all but those that stand out of their neighbours, which no model follows.
-fn judged<'a>(c: &'a Comparison, column: &'static str) -> impl Iterator<Item = &'a Compared> {
-    let outlier = move |row: usize| c.outliers.iter().any(|o| o.row == row && o.column == column);
-    c.points.iter().filter(move |p| !outlier(p.point.row))
+fn judged(c: &Comparison, phase: bool) -> impl Iterator<Item = &Compared> {
+    c.points.iter().filter(move |p| !c.stands_out(p.point.row, phase))
 }
 
 /// The amplitude that is furthest beyond what its tolerance allows.
@@ -108,9 +107,9 @@ fn amplitudes(gate: &Gate, c: &Comparison) -> Option<Judged> {
         0.0 => 0.0,
         e => e / allowed(p),
     };
-    let worst = judged(c, "amplitude_rad").max_by(|a, b| excess(a).total_cmp(&excess(b)))?;
+    let worst = judged(c, false).max_by(|a, b| excess(a).total_cmp(&excess(b)))?;
     let key = if gate.amplitude_tolerance.is_some() { "amplitude_tolerance" } else { "amplitude_floor" };
-    let show = |value: f64| units::format(value.abs(), "rad");
+    let show = |value: f64| units::format(value.abs(), c.table.signals.reading.unit);
     let mut result = largest(&c.scenario.id, key, error(worst), allowed(worst), show);
     result.found = format!("{} off at row {}", result.found, worst.point.row);
     result.demanded += " there";
@@ -123,7 +122,7 @@ fn phases(gate: &Gate, c: &Comparison) -> Option<Judged> {
     let floor = gate.amplitude_floor.unwrap_or(0.0);
     let show = |value: f64| format!("{}°", digits(value.to_degrees()));
     let error = |p: &Compared| p.phase_error().map(|e| if e.is_nan() { f64::INFINITY } else { e.abs() });
-    let errors = judged(c, "phase_rad").filter(|p| p.point.amplitude >= floor);
+    let errors = judged(c, true).filter(|p| p.point.amplitude >= floor);
     let worst = errors.filter_map(|p| Some((error(p)?, p.point.row))).max_by(|a, b| a.0.total_cmp(&b.0));
     let Some((value, row)) = worst else {
         let found = "no phase to judge".into();

@@ -51,6 +51,7 @@ pub fn comparison_view(c: &Comparison, figures: &[FigureInput]) -> ComparisonVie
         model_peak: None,
         measured_peak: None,
         measured_peak_sd: 0.0,
+        measured_width: 0.0,
     };
     ComparisonView {
         anchor: anchor::comparison(id),
@@ -148,7 +149,7 @@ fn metrics(condition: &ConditionMetrics) -> MatchView {
 fn peak(peak: Option<Peak>) -> PeakView {
     PeakView {
         frequency: peak.map_or(none(), |p| computed(p.frequency_hz, "Hz")),
-        amplitude: peak.map_or(none(), |p| computed(p.amplitude_rad, "rad")),
+        amplitude: peak.map_or(none(), |p| computed(p.amplitude, "rad")),
     }
 }
 

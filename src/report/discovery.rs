@@ -157,9 +157,9 @@ fn not_testable(n: &NotTestable) -> NotTestableView {
 fn next(n: &NextMeasurement) -> NextView {
     let meaning = n.meaning();
     NextView {
-        speed: rounded(n.speed_m_s, "m/s"),
-        load: rounded(n.load_n, "N"),
-        drive: rounded(n.drive_m, "m"),
+        speed: rounded(n.setting.speed, "m/s"),
+        load: rounded(n.setting.load, "N"),
+        drive: rounded(n.setting.drive, n.setting.signal.unit),
         frequency: rounded(n.frequency_hz, "Hz"),
         separates: n.separates.to_vec(),
         sigma: shown(n.sigma, "σ", 2),

@@ -117,7 +117,7 @@ pub struct Gate {
     pub max_chi2_per_point: Option<f64>,
     /// Largest error of any amplitude, relative to its reading.
     pub amplitude_tolerance: Option<f64>,
-    /// Largest error of an amplitude that passes however small its reading \[rad\].
+    /// Largest error of an amplitude that passes however small its reading, in the unit of the reading.
     pub amplitude_floor: Option<f64>,
     /// Largest error of any phase \[rad\]; phases of amplitudes below the floor are not judged.
     pub phase_tolerance: Option<f64>,

@@ -81,7 +81,8 @@ fn read(
     let question = question(reader, entries, sweep.as_ref().and_then(Option::as_ref));
     let free =
         free(reader, entries, (rig.as_ref(), contact.flatten().is_some(), instrument.as_ref()), &effects, options);
-    let gate = gate(reader, entries, options);
+    let reading = signals.map_or(Signals::ARM, |signals| signals).reading.unit;
+    let gate = gate(reader, entries, reading, options);
     if get("sweep").is_none() && get("measurement").is_none() && role == Role::Complete {
         let help = "add [sweep] with frequency, speed, load and drive, or [measurement] with file; \
                     a file with neither can only be extended by others";

@@ -33,7 +33,7 @@ impl<'a> Data<'a> {
 
     /// Frequency and height of the measured and the modelled peak, as shown.
     fn values(&self, condition: &ConditionMetrics) -> [Option<[f64; 2]>; 2] {
-        let show = |peak: Peak| [peak.frequency_hz, self.amplitude.value(peak.amplitude_rad, &condition.setting)];
+        let show = |peak: Peak| [peak.frequency_hz, self.amplitude.value(peak.amplitude, &condition.setting)];
         [condition.measured_peak.map(show), condition.model_peak.map(show)]
     }
 
@@ -121,7 +121,7 @@ impl<'a> Data<'a> {
         let mut table = Table::new(&header);
         for condition in self.all {
             let s = condition.setting;
-            let numbers = |peak: Option<Peak>| peak.map_or([f64::NAN; 2], |p| [p.frequency_hz, p.amplitude_rad]);
+            let numbers = |peak: Option<Peak>| peak.map_or([f64::NAN; 2], |p| [p.frequency_hz, p.amplitude]);
             let [a, b] = [numbers(condition.measured_peak), numbers(condition.model_peak)];
             table.row([s.speed, s.load, s.drive, a[0], a[1], b[0], b[1]].map(cell));
         }
@@ -132,7 +132,7 @@ impl<'a> Data<'a> {
     fn notes(&self) -> Vec<(String, String)> {
         let both = || self.all.iter().filter_map(|c| Some((c.model_peak?, c.measured_peak?, &c.setting)));
         let shift = both().map(|(a, b, s)| (a.frequency_hz - b.frequency_hz, s));
-        let height = both().map(|(a, b, s)| (100.0 * (a.amplitude_rad / b.amplitude_rad - 1.0), s));
+        let height = both().map(|(a, b, s)| (100.0 * (a.amplitude / b.amplitude - 1.0), s));
         let largest = |values: &mut dyn Iterator<Item = (f64, &'a crate::compare::Setting)>, unit: &str| {
             let worst = values.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
             worst.map_or_else(
