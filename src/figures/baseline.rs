@@ -82,7 +82,7 @@ pub fn draw(pairs: &[Pair], id: &str, tolerance: f64) -> Result<Drawing, FigureE
     let svg = document((LEFT + width + legend_width(&entries) + 50.0, TOP + 330.0 + 66.0), (&title, &alt), |canvas| {
         let frequencies = differing.iter().flat_map(|p| p.before.iter().chain(&p.after)).map(|p| p.0);
         let (low, high) = super::axes::range(frequencies);
-        let x = Axis::linear("drive frequency f [Hz]", low, high);
+        let x = Axis::frequency("drive frequency f", low, high);
         let y = Axis::around(format!("amplitude α [{}]", unit.label), amplitudes().map(|a| unit.of(a)));
         let panel = Panel { left: LEFT, top: TOP, width, height: 330.0, x, y };
         panel.frame(canvas, true, true);

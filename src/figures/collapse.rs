@@ -92,7 +92,7 @@ impl<'a> Data<'a> {
         let width = WIDTH - 92.0 - 50.0 - legend_width(&entries);
         let curves = || self.groups.iter().flat_map(|group| &group.curves);
         let (low, high) = range(curves().flat_map(|curve| curve.frequency.iter().copied()));
-        let axis = || Axis::linear("frequency f [Hz]", low, high);
+        let axis = || Axis::frequency("frequency f", low, high);
         let values: Vec<f64> = curves().flat_map(|curve| self.points(curve)).map(|point| point.1).collect();
         let y = Axis::around(format!("compliance α/u₀ [{}]", self.unit.label), values);
         let upper = Panel { left: 92.0, top: 24.0, width, height: 430.0, x: axis(), y };

@@ -95,7 +95,7 @@ impl<'a> Data<'a> {
         let (lowest, highest) = range(points().map(|point| 100.0 * point.1).chain([0.0]));
         let pad = 0.08 * (highest - lowest);
         let y = Axis::linear("α paper / α series − 1 [%]", lowest - pad, highest + pad);
-        let x = Axis::linear("frequency f [Hz]", low, high);
+        let x = Axis::frequency("frequency f", low, high);
         let panel = Panel { left: 92.0, top: 44.0, width, height: 554.0, x, y };
         panel.frame(canvas, true, true);
         panel.heading(canvas, &format!("Euler, {} steps a cycle", self.finest()));

@@ -73,7 +73,7 @@ impl<'a> Data<'a> {
         let entries = self.legend();
         let width = WIDTH - 92.0 - 50.0 - legend_width(&entries).max(178.0);
         let (low, high) = range(self.curves.iter().flat_map(|curve| curve.frequency.iter().copied()));
-        let axis = || Axis::linear("frequency f [Hz]", low, high);
+        let axis = || Axis::frequency("frequency f", low, high);
         let values = self.curves.iter().flat_map(|curve| curve.states.iter().map(|s| self.unit.of(s.amplitude)));
         let y = Axis::around(format!("amplitude α [{}]", self.unit.label), values);
         let upper = Panel { left: 92.0, top: 24.0, width, height: 270.0, x: axis(), y };

@@ -58,7 +58,7 @@ impl<'a> Data<'a> {
         let edges = edges(&speeds, self.log);
         let (low, high) = (edges[0], edges[edges.len() - 1]);
         let y = Axis { log: self.log, ..Axis::linear("roller speed V [mm/s]", low, high) };
-        let x = Axis::linear("frequency f [Hz]", self.span.0, self.span.1);
+        let x = Axis::frequency("frequency f", self.span.0, self.span.1);
         let panel = Panel { left: 92.0, top: 24.0, width: WIDTH - 92.0 - 132.0, height: 536.0, x, y };
         document((WIDTH, HEIGHT), (title, alt), |canvas| {
             canvas.areas(&panel, |canvas| self.cells(&panel, canvas, &edges));

@@ -74,7 +74,7 @@ impl<'a> Data<'a> {
         let entries = self.legend();
         let column = legend_width(&entries);
         let width = WIDTH - 92.0 - 30.0 - column - 20.0;
-        let axis = || Axis::linear("frequency f [Hz]", self.span.0, self.span.1);
+        let axis = || Axis::frequency("frequency f", self.span.0, self.span.1);
         let states = || self.scheme.curves.iter().flat_map(|s| &s.curve.states);
         let of_limits =
             self.limits.iter().flat_map(|(l, _)| limit_points(l, &l.amplitude, self.span, 1.0)).map(|p| p.1);

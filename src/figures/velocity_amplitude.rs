@@ -90,7 +90,7 @@ impl<'a> Data<'a> {
             entries.push((Key::Line(Stroke::dashed(if single { ROLLER } else { INK }, 2.0, DASH_ROLLER)), text));
         }
         let width = WIDTH - 92.0 - 50.0 - legend_width(&entries);
-        let x = Axis::linear("frequency f [Hz]", self.span.0, self.span.1);
+        let x = Axis::frequency("frequency f", self.span.0, self.span.1);
         let panel = Panel {
             left: 92.0,
             top: 24.0,

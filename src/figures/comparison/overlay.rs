@@ -24,6 +24,10 @@ pub const MEASURED: &str = "measured, 95 % bars";
 const AMPLITUDES: &str = "error of amplitude";
 const PHASES: &str = "error of phase";
 
+/// What to do where there is no contact.
+const ALONE: &str = "See whether the swing is in every panel or grows with the drive: the first is a number of the rig or the \
+                     instrument, the second a force that is not linear. Then read the missing force below.";
+
 /// Amplitudes, or their companion for phases.
 pub struct Overlay {
     phase: bool,
@@ -77,13 +81,12 @@ impl<'a> Data<'a> {
 
     /// Frequency, value and half the length of the bar.
     pub fn measured(&self, condition: usize) -> Vec<(f64, f64, f64)> {
-        let setting = *self.setting(condition);
         let of = |p: &Compared| {
             let f = p.point.frequency;
             if self.phase {
                 return Some((f, self.degrees(p.point.phase?), BAR * p.point.phase_sd.unwrap_or(0.0).to_degrees()));
             }
-            let value = |a: f64| self.amplitude.value(a, &setting);
+            let value = |a: f64| self.amplitude.value(a, p.point.drive);
             Some((f, value(p.point.amplitude), BAR * value(p.point.amplitude_sd)))
         };
         self.points(condition).filter_map(of).collect()
@@ -92,11 +95,9 @@ impl<'a> Data<'a> {
     /// The curve of the model, as shown.
     pub fn curve(&self, condition: usize) -> Vec<Point> {
         let curve = &self.c.curves[condition];
-        let setting = *self.setting(condition);
+        let drive = self.setting(condition).drive;
         let pairs = curve.frequency.iter().zip(if self.phase { &curve.phase } else { &curve.amplitude });
-        pairs
-            .map(|(&f, &y)| (f, if self.phase { self.degrees(y) } else { self.amplitude.value(y, &setting) }))
-            .collect()
+        pairs.map(|(&f, &y)| (f, if self.phase { self.degrees(y) } else { self.amplitude.value(y, drive) })).collect()
     }
 
     /// Name and unit of the values.
@@ -131,10 +132,10 @@ impl<'a> Data<'a> {
         let multiples = Multiples {
             legend: self.legend(),
             label: self.label(),
-            x: frequencies("frequency f [Hz]", self.c.points.iter().map(|p| p.point.frequency)),
+            x: frequencies("frequency f", self.c.points.iter().map(|p| p.point.frequency)),
             y: self.axis(&self.shown, curves),
             scale: &self.scale,
-            shown: self.shown.iter().map(|&i| (i, self.setting(i))).collect(),
+            shown: self.shown.iter().map(|&i| (i, words::heading(self.c, i))).collect(),
         };
         let values = |canvas: &mut Canvas, panel: &Panel, condition| self.main(canvas, panel, condition);
         multiples.draw((title, alt), values, |canvas, panel, condition| self.strip(canvas, panel, condition))
@@ -152,10 +153,9 @@ impl<'a> Data<'a> {
 
     /// Places of the readings that stand out.
     fn outliers(&self, condition: usize) -> impl Iterator<Item = Point> + '_ {
-        let column = if self.phase { "phase_rad" } else { "amplitude_rad" };
-        let rows: Vec<usize> = self.c.outliers.iter().filter(|o| o.column == column).map(|o| o.row).collect();
-        self.points(condition).filter(move |p| rows.contains(&p.point.row)).filter_map(move |p| {
-            let amplitude = self.amplitude.value(p.point.amplitude, self.setting(condition));
+        let far = |p: &&Compared| self.c.stands_out(p.point.row, self.phase);
+        self.points(condition).filter(far).filter_map(move |p| {
+            let amplitude = self.amplitude.value(p.point.amplitude, p.point.drive);
             let y = if self.phase { self.degrees(p.point.phase?) } else { amplitude };
             Some((p.point.frequency, y))
         })
@@ -225,12 +225,17 @@ impl Figure<Comparison> for Overlay {
             return Err(FigureError::missing(self.name(), "measured phases"));
         }
         let data = Data::of(comparison, self.phase);
+        let alone = !comparison.model.has_contact;
         let alt = format!(
             "Small multiples, {}: measured points with error bars and a line for the model against frequency, and below \
              each a strip of errors with a band of plus and minus two standard deviations.",
             count(data.shown.len(), "panel")
         );
         let svg = data.draw(self.title(), &alt)?;
-        Ok(Drawing::of(self, (data.caption(), alt), (svg, data.csv()), data.notes()))
+        let mut drawing = Drawing::of(self, (data.caption(), alt), (svg, data.csv()), data.notes());
+        if alone {
+            drawing.reading[2] = ALONE.into();
+        }
+        Ok(drawing)
     }
 }
