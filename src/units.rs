@@ -371,6 +371,11 @@ impl Frequencies {
         Self { factor, unit, decimals }
     }
 
+    /// Number and unit, with all decimals.
+    pub fn fixed(&self, frequency: f64) -> String {
+        format!("{:.*} {}", self.decimals, frequency / self.factor, self.unit)
+    }
+
     /// The number alone, without needless digits.
     pub fn number(&self, frequency: f64) -> String {
         let text = format!("{:.*}", self.decimals, frequency / self.factor);

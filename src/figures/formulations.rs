@@ -41,9 +41,11 @@ struct Data<'a> {
 
 impl<'a> Data<'a> {
     fn of(outcome: &'a Outcome) -> Result<Self, FigureError> {
+        data::with_contact(outcome, "formulations")?;
         let all = data::curves(outcome);
         let groups = data::groups(&all, Field::Formulation);
-        let fields: Vec<Field> = data::varying(&all).into_iter().filter(|field| *field != Field::Formulation).collect();
+        let fields: Vec<Field> =
+            data::varying(&all, outcome).into_iter().filter(|field| *field != Field::Formulation).collect();
         let pairs: Vec<Pair<'_>> = groups.iter().filter_map(|group| Pair::of(group, &fields)).collect();
         if pairs.is_empty() {
             let need = "the same condition in both formulations (sweep.formulation = [\"series\", \"paper\"])";
@@ -252,6 +254,6 @@ impl Figure for Formulations {
         }
         let alt = "Left: relative difference in amplitude between two formulations against frequency. Right: the error of the Euler procedure against steps per cycle on logarithmic axes.".to_string();
         let svg = data.draw(self.title(), &alt)?;
-        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
+        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes).told_of(&outcome.scenario))
     }
 }

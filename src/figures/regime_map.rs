@@ -29,6 +29,7 @@ struct Data<'a> {
 
 impl<'a> Data<'a> {
     fn of(outcome: &'a Outcome) -> Result<Self, FigureError> {
+        data::with_contact(outcome, "regime-map")?;
         let all = data::curves(outcome);
         let groups = data::groups(&all, Field::Speed);
         let positive = |group: &[&'a Curve]| -> Vec<&'a Curve> {
@@ -225,6 +226,6 @@ impl Figure for RegimeMap {
         }
         let alt = "Colour map of the stick fraction over frequency and roller speed; a resonance-shaped line marks where the arm in full slip is as fast as the roller.".to_string();
         let svg = data.draw(self.title(), &alt)?;
-        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
+        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes).told_of(&outcome.scenario))
     }
 }

@@ -26,6 +26,7 @@ struct Data<'a> {
 
 impl<'a> Data<'a> {
     fn of(outcome: &'a Outcome) -> Result<Self, FigureError> {
+        data::with_contact(outcome, "velocity-amplitude")?;
         let all = data::curves(outcome);
         let groups = data::groups(&all, Field::Speed);
         let Some(group) = groups.first() else {
@@ -226,6 +227,6 @@ impl Figure for VelocityAmplitude {
         caption += &health(&data.curves.iter().map(|(curve, _)| *curve).collect::<Vec<_>>());
         let alt = "Graph of the arm's speed amplitude against frequency: a lower and a higher dashed resonance peak, the roller's speed as a horizontal line, and the computed curve in between.".to_string();
         let svg = data.draw(self.title(), &alt)?;
-        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
+        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes).told_of(&outcome.scenario))
     }
 }

@@ -157,6 +157,27 @@ impl Signal {
     /// A reading in volts; its order is that of the sensitivity's unit.
     pub const VOLTAGE: Self = Self { name: "voltage", symbol: "U", unit: "V", order: 0 };
 
+    /// Everything that may be read.
+    pub const READINGS: [Self; 7] = [
+        Self::ANGLE,
+        Self::ANGULAR_VELOCITY,
+        Self::ANGULAR_ACCELERATION,
+        Self::DISPLACEMENT,
+        Self::VELOCITY,
+        Self::ACCELERATION,
+        Self::VOLTAGE,
+    ];
+    /// Everything that may drive a rig.
+    pub const DRIVES: [Self; 7] = [
+        Self::DRIVE_DISPLACEMENT,
+        Self::DRIVE_ANGLE,
+        Self::DRIVE_ACCELERATION,
+        Self::DRIVE_ANGULAR_ACCELERATION,
+        Self::FORCE,
+        Self::TORQUE,
+        Self::DRIVE_VOLTAGE,
+    ];
+
     /// Its column in a table as the reading, in SI.
     pub fn reading_column(&self) -> &'static str {
         match self.unit {

@@ -1,6 +1,7 @@
 //! How conditions are named, and which of many are shown.
 
 use crate::compare::{Comparison, Setting};
+use crate::figures::data::{reading, reading_per_drive};
 use crate::figures::style::{Unit, cell, significant};
 use crate::measurement::{Direction, Series};
 use crate::scenario::Signals;
@@ -141,22 +142,6 @@ pub fn shown(comparison: &Comparison) -> (Vec<usize>, String) {
 pub fn per_drive(comparison: &Comparison) -> bool {
     comparison.conditions.windows(2).any(|pair| pair[0].setting.drive != pair[1].setting.drive)
         || comparison.table.series.iter().any(|series| series.drives.0 != series.drives.1)
-}
-
-/// Name and symbol of what is read, as on an axis.
-pub fn reading(signals: &Signals) -> String {
-    let reading = &signals.reading;
-    if signals.of_arm() {
-        return format!("amplitude {}", reading.symbol);
-    }
-    format!("{} amplitude {}", reading.name, reading.symbol)
-}
-
-/// The same per drive.
-pub fn reading_per_drive(signals: &Signals) -> String {
-    let (drive, reading) = (&signals.drive, &signals.reading);
-    let name = if signals.of_arm() { "amplitude" } else { reading.name };
-    format!("{name} per {} {}/{}", drive.name, reading.symbol, drive.symbol)
 }
 
 /// How amplitudes are shown: per drive, or in a unit with prefix.
