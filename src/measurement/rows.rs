@@ -1,24 +1,28 @@
 //! Cells become readings in SI; every cell that is no such number is told with its place.
 
 use super::columns::{Layout, Slot, layout};
+use super::frame::{Frame, amplitude_header, kind};
 use super::header::{AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LOAD, MEAN, PHASE, PHASE_SD, SPEED, Unit};
 use super::pool::{Reading, Readings};
+use super::series::Direction;
 use super::sheet::{Complaints, Row, Sheet};
 use crate::error::Result;
 use crate::scenario::Sweep;
 use crate::scenario::diagnostic::quote;
-use crate::scenario::parameters::MEASURED;
+use crate::scenario::parameters::{MEASURED, needed_range};
 use crate::units;
 
 /// The readings of a sheet.
 pub(crate) fn readings(
     sheet: &Sheet,
     mapping: &[(String, String)],
+    frame: &Frame<'_>,
     sweep: Option<&Sweep>,
     notes: &mut Vec<String>,
 ) -> Result<Readings> {
     let mut complaints = Complaints::of(&sheet.source);
-    let mut layout = layout(sheet, mapping, sweep, &mut complaints, notes);
+    let mut layout = layout(sheet, mapping, frame, sweep, &mut complaints, notes);
+    same_quantity(sheet, &mut layout, &mut complaints, notes);
     if layout.slots[PHASE].is_none() && layout.slots[PHASE_SD].take().is_some() {
         notes.push("the standard deviation of the phase is not used: there is no phase".into());
     }
@@ -34,12 +38,36 @@ pub(crate) fn readings(
         notes.push(format!("{blank} of {} rows have no phase", list.len()));
     }
     let stated = |column: usize| layout.slots[column].is_some();
+    let si = |column: usize| layout.slots[column].as_ref().map_or("", Slot::si);
     Ok(Readings {
         source: sheet.source.clone(),
         list,
+        signals: frame.signals(si(DRIVE), si(AMPLITUDE)),
         amplitude_stated: stated(AMPLITUDE_SD),
         phase_stated: stated(PHASE_SD),
     })
+}
+
+/// A standard deviation and a mean are of what is read.
+fn same_quantity(sheet: &Sheet, layout: &mut Layout, complaints: &mut Complaints<'_>, notes: &mut Vec<String>) {
+    let Some(si) = layout.slots[AMPLITUDE].as_ref().map(Slot::si) else { return };
+    for column in [AMPLITUDE_SD, MEAN] {
+        let Some(Slot::Cells(index, unit)) = &mut layout.slots[column] else { continue };
+        if unit.relative || unit.si == si {
+            continue;
+        }
+        let (index, header) = (*index, quote(&sheet.header.cells[*index]));
+        if column == MEAN {
+            notes.push(format!("{header} is not used: it holds {}, and what is read is {}", kind(unit.si), kind(si)));
+            layout.slots[MEAN] = None;
+            continue;
+        }
+        let title = format!("the standard deviation in column {header} is not one of the amplitude");
+        let label =
+            format!("{}{}, where the amplitude is {}", sheet.cell_name(&sheet.header, index), kind(unit.si), kind(si));
+        let help = "state it in the unit of the amplitude, or in percent of it: amplitude_sd_percent";
+        complaints.add(&sheet.place(&sheet.header, index), &title, &label, help);
+    }
 }
 
 /// Whether commas are decimal ones: only between semicolons, and not beside decimal points.
@@ -67,7 +95,7 @@ impl Slot {
     fn index(&self) -> Option<usize> {
         match self {
             Self::Cells(index, _) => Some(*index),
-            Self::Value(_) => None,
+            Self::Value(..) => None,
         }
     }
 }
@@ -83,12 +111,13 @@ struct Cells<'a, 'b> {
 
 impl Cells<'_, '_> {
     fn reading(&mut self, number: usize) -> Option<Reading> {
-        let (speed, load, drive) = (self.number(SPEED), self.number(LOAD), self.number(DRIVE));
+        let (speed, load, drive) = (self.setting(SPEED), self.setting(LOAD), self.number(DRIVE));
+        let (name, sweep) = (self.layout.series.map_or(String::new(), |at| self.row.cells[at].clone()), self.sweep());
         let (frequency, amplitude) = (self.number(FREQUENCY), self.number(AMPLITUDE));
         let (phase, mean) = (self.optional(PHASE), self.optional(MEAN));
         let share = self.layout.slots[AMPLITUDE_SD].as_ref().is_some_and(|slot| match slot {
             Slot::Cells(_, unit) => unit.relative,
-            Slot::Value(_) => false,
+            Slot::Value(..) => false,
         });
         let amplitude_sd = self.deviation(AMPLITUDE_SD, true);
         let phase_sd = self.deviation(PHASE_SD, !matches!(phase, Some(None)));
@@ -109,6 +138,8 @@ impl Cells<'_, '_> {
             amplitude_sd: amplitude_sd?.map(|sd| if share { sd * amplitude.unwrap_or(0.0) } else { sd }),
             phase_sd: phase_sd?,
             mean: mean?,
+            name,
+            sweep: sweep?,
             aside,
         })
     }
@@ -116,8 +147,29 @@ impl Cells<'_, '_> {
     /// A number that every row needs.
     fn number(&mut self, column: usize) -> Option<f64> {
         match self.layout.slots[column].as_ref()? {
-            Slot::Value(value) => Some(*value),
+            Slot::Value(value, _) => Some(*value),
             Slot::Cells(index, unit) => self.cell(column, *index, unit),
+        }
+    }
+
+    /// Speed or load, zero where there is no such column.
+    fn setting(&mut self, column: usize) -> Option<f64> {
+        if self.layout.slots[column].is_none() { Some(0.0) } else { self.number(column) }
+    }
+
+    /// The direction of the sweep; the outer option tells whether the cell is sound.
+    fn sweep(&mut self) -> Option<Option<Direction>> {
+        let Some(index) = self.layout.sweep else { return Some(None) };
+        let written = self.row.cells[index].as_str();
+        match written.to_lowercase().as_str() {
+            "up" => Some(Some(Direction::Up)),
+            "down" => Some(Some(Direction::Down)),
+            _ => {
+                let title = format!("{} is not a direction", quote(written));
+                let help = "a column `sweep` says which way the frequency was swept: up or down; rename it if it holds anything else";
+                self.fail(index, &title, "`up` or `down` is needed", help);
+                None
+            }
         }
     }
 
@@ -155,9 +207,11 @@ impl Cells<'_, '_> {
             && relative
             && let Some(index) = self.layout.slots[AMPLITUDE].as_ref().and_then(Slot::index)
         {
+            let unit = self.layout.slots[AMPLITUDE].as_ref().map_or("rad", Slot::si);
+            let header = amplitude_header(unit).replacen("amplitude", "amplitude_sd", 1);
             let help =
-                "its standard deviation cannot be a share of it; state one in amplitude_sd_rad, or remove the row";
-            self.fail(index, "the amplitude is zero", "zero", help);
+                format!("its standard deviation cannot be a share of it; state one in {header}, or remove the row");
+            self.fail(index, "the amplitude is zero", "zero", &help);
         }
     }
 
@@ -200,13 +254,11 @@ impl Cells<'_, '_> {
                 return None;
             }
         };
-        let maximum = if unit.relative { 1e3 } else { info.maximum };
-        if !(info.minimum..=maximum).contains(&value) {
-            let si = if unit.relative { "1" } else { info.unit };
-            let limit = |value| units::format(value, si);
+        if !(info.minimum..=info.maximum).contains(&value) {
+            let si = if unit.relative { "1" } else { unit.si };
             let name = if matches!(column, AMPLITUDE_SD | PHASE_SD) { info.meaning } else { info.key };
-            let title = format!("the {name} is outside its physical range: {}", limit(value));
-            let label = format!("needs {} to {}", limit(info.minimum), limit(maximum));
+            let title = format!("the {name} is outside its physical range: {}", units::format(value, si));
+            let label = needed_range((info.minimum, info.maximum), si);
             let help = format!("{what}, here read in {shown}; check the number, and the unit in the header");
             self.fail(index, &title, &label, &help);
             return None;
