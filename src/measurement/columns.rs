@@ -1,8 +1,10 @@
 //! Which column of a table is which: by its header, by the scenario's mapping, or from the scenario where it is one value.
 
 use super::frame::{Frame, kind};
-use super::header::{self, ALL, AMPLITUDE, DRIVE, LOAD, Meaning, NUMBERS, SERIES, SPEED, SWEEP, Unit};
+use super::header::{self, ALL, AMPLITUDE, DRIVE, FREQUENCY, LOAD, Meaning, NUMBERS, SERIES, SPEED, SWEEP};
+use super::samples;
 use super::sheet::{Complaints, Sheet};
+use super::unit::Unit;
 use crate::scenario::Sweep;
 use crate::scenario::diagnostic::{nearest, quote};
 use crate::scenario::parameters::{COLUMNS, MEASURED};
@@ -71,6 +73,14 @@ pub(crate) fn layout(
 ) -> Layout {
     let taken = vec![false; sheet.header.cells.len()];
     let (slots, words, told) = (Default::default(), Default::default(), [false; ALL]);
+    let known = |header: &String| {
+        let found = header::meaning(header, frame);
+        matches!(found, Meaning::Column(FREQUENCY, ..) | Meaning::Alias(FREQUENCY, ..) | Meaning::BadUnit(FREQUENCY, _))
+    };
+    let named = mapping.iter().any(|(key, _)| column_of(key) == Some(FREQUENCY));
+    if !named && !sheet.header.cells.iter().any(known) && samples::refuse(sheet, complaints) {
+        return Layout { slots: Default::default(), series: None, sweep: None, aside: Vec::new() };
+    }
     let mut search = Search { sheet, frame, complaints, notes, slots, words, taken, told };
     search.map(mapping);
     search.find();
@@ -99,6 +109,7 @@ impl Search<'_, '_> {
     /// Columns whose headers say what they are.
     fn find(&mut self) {
         let mut candidates: [Vec<Candidate>; NUMBERS] = Default::default();
+        let mut aliases: [Vec<Candidate>; NUMBERS] = Default::default();
         let mut unsuited = Vec::new();
         for (index, header) in self.sheet.header.cells.iter().enumerate() {
             if self.taken[index] {
@@ -110,6 +121,11 @@ impl Search<'_, '_> {
                         candidates[column].push(Candidate { index, unit, stated });
                     } else {
                         unsuited.push((index, column, Err(unit.si)));
+                    }
+                }
+                Meaning::Alias(column, unit, stated) if !self.told[column] => {
+                    if self.frame.serving(column).contains(&unit.si) {
+                        aliases[column].push(Candidate { index, unit, stated });
                     }
                 }
                 Meaning::NoUnit(column) if !self.told[column] => {
@@ -127,8 +143,13 @@ impl Search<'_, '_> {
                 _ => {}
             }
         }
-        for (column, candidates) in candidates.into_iter().enumerate() {
-            self.choose(column, candidates);
+        let with_speed = !self.frame.has_contact() || self.told[SPEED] || !candidates[SPEED].is_empty();
+        for (column, (candidates, aliases)) in candidates.into_iter().zip(aliases).enumerate() {
+            if candidates.is_empty() {
+                self.choose_alias(column, aliases, with_speed);
+            } else {
+                self.choose(column, candidates);
+            }
         }
         for (index, column, why) in unsuited {
             if self.slots[column].is_none() && !self.told[column] {
@@ -157,6 +178,42 @@ impl Search<'_, '_> {
                 self.notes.push(format!("{header} states no unit and is read in {}", unit.si));
             }
             self.slots[column] = Some(Slot::Cells(index, unit));
+        }
+    }
+
+    /// The one column that a name of another custom means; of several, none is more likely than the others.
+    fn choose_alias(&mut self, column: usize, mut candidates: Vec<Candidate>, with_speed: bool) {
+        let sheet = self.sheet;
+        let header = |candidate: &Candidate| quote(&sheet.header.cells[candidate.index]);
+        if candidates.iter().any(|candidate| candidate.unit.si != "V") {
+            candidates.retain(|candidate| candidate.unit.si != "V");
+        }
+        if !with_speed {
+            // A velocity may be the roller's.
+            candidates.retain(|candidate| column != AMPLITUDE || candidate.unit.si != "m/s");
+        }
+        match candidates.as_slice() {
+            [] => {}
+            [one] => {
+                let (header, key) = (header(one), COLUMNS[column]);
+                let unit =
+                    if one.stated { one.unit.text.clone() } else { format!("{}, no unit being stated", one.unit.si) };
+                self.notes.push(format!("{header} is read as {key} in {unit}"));
+                self.taken[one.index] = true;
+                self.slots[column] = Some(Slot::Cells(one.index, one.unit.clone()));
+            }
+            [first, second, ..] if column <= AMPLITUDE => {
+                let title = format!("which column is the {}?", COLUMNS[column]);
+                let label = format!("{}this or {}", sheet.cell_name(&sheet.header, second.index), header(first));
+                let help = format!(
+                    "name it {}, or say which with [measurement] columns = {{ {} = \"…\" }}",
+                    self.frame.standard(column),
+                    COLUMNS[column]
+                );
+                self.complaints.add(&sheet.place(&sheet.header, second.index), &title, &label, &help);
+                self.told[column] = true;
+            }
+            _ => {}
         }
     }
 

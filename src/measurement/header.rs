@@ -1,8 +1,8 @@
 //! What a header says: which column it is and in which unit its numbers are.
 
 use super::frame::{DRIVES, Frame, READINGS, kind};
+use super::unit::{Unit, Wanted, gravity, known, suffix};
 use crate::scenario::parameters::MEASURED;
-use crate::units::{self, UnitError};
 
 /// Position of a column in [`MEASURED`] and in `scenario::parameters::COLUMNS`.
 pub(crate) const SPEED: usize = 0;
@@ -37,48 +37,97 @@ const NAMES: &[(&str, usize)] = &[
     ("mean", MEAN),
 ];
 
-/// Symbols that are read in whatever case they are written, unless two differ in nothing else.
-const SYMBOLS: &[&str] = &[
-    "m", "mm", "um", "nm", "cm", "km", "s", "ms", "min", "N", "mN", "uN", "kN", "MN", "Hz", "kHz", "rad", "mrad",
-    "urad", "nrad", "deg", "V", "mV", "uV", "kV",
+/// Another name of a column, as laboratories' programs write it.
+struct Alias {
+    name: &'static str,
+    column: usize,
+    /// SI units with which it is that column; all of the column where there are none.
+    units: &'static [&'static str],
+    /// Whether it is the column where no unit is stated, too.
+    bare: bool,
+}
+
+const fn alias(name: &'static str, column: usize, units: &'static [&'static str], bare: bool) -> Alias {
+    Alias { name, column, units, bare }
+}
+
+const LENGTH: &[&str] = &["m"];
+const VELOCITY: &[&str] = &["m/s"];
+const ACCELERATION: &[&str] = &["m/s^2"];
+const ANY_ACCELERATION: &[&str] = &["m/s^2", "rad/s^2"];
+const HERTZ: &[&str] = &["Hz"];
+const RADIAN: &[&str] = &["rad"];
+const NEWTON: &[&str] = &["N"];
+const TORQUE: &[&str] = &["N m"];
+
+/// A unit decides wherever a name alone could be another quantity.
+const ALIASES: &[Alias] = &[
+    alias("f", FREQUENCY, HERTZ, true),
+    alias("freq", FREQUENCY, HERTZ, true),
+    alias("frequenz", FREQUENCY, HERTZ, true),
+    alias("drive_frequency", FREQUENCY, HERTZ, true),
+    alias("excitation_frequency", FREQUENCY, HERTZ, true),
+    alias("f", DRIVE, NEWTON, false),
+    alias("kraft", DRIVE, NEWTON, false),
+    alias("excitation_force", DRIVE, NEWTON, false),
+    alias("drive_force", DRIVE, NEWTON, false),
+    alias("drehmoment", DRIVE, TORQUE, false),
+    alias("moment", DRIVE, TORQUE, false),
+    alias("excitation", DRIVE, &[], false),
+    alias("drive_level", DRIVE, &[], false),
+    alias("base_displacement", DRIVE, &["m", "rad"], false),
+    alias("base_acceleration", DRIVE, ANY_ACCELERATION, false),
+    alias("base_accel", DRIVE, ANY_ACCELERATION, false),
+    alias("ampl", AMPLITUDE, &[], true),
+    alias("response", AMPLITUDE, &[], false),
+    alias("displacement", AMPLITUDE, LENGTH, false),
+    alias("deflection", AMPLITUDE, LENGTH, false),
+    alias("auslenkung", AMPLITUDE, LENGTH, false),
+    alias("x", AMPLITUDE, LENGTH, false),
+    alias("velocity", AMPLITUDE, VELOCITY, false),
+    alias("vel", AMPLITUDE, VELOCITY, false),
+    alias("v", AMPLITUDE, VELOCITY, false),
+    alias("acceleration", AMPLITUDE, ACCELERATION, false),
+    alias("accel", AMPLITUDE, ACCELERATION, false),
+    alias("acc", AMPLITUDE, ACCELERATION, false),
+    alias("beschleunigung", AMPLITUDE, ACCELERATION, false),
+    alias("a", AMPLITUDE, ACCELERATION, false),
+    alias("angle", AMPLITUDE, RADIAN, false),
+    alias("angular_velocity", AMPLITUDE, &["rad/s"], false),
+    alias("angular_acceleration", AMPLITUDE, &["rad/s^2"], false),
+    alias("phi", PHASE, RADIAN, true),
+    alias("φ", PHASE, RADIAN, true),
+    alias("ϕ", PHASE, RADIAN, true),
+    alias("phase_angle", PHASE, RADIAN, true),
+    alias("phasenwinkel", PHASE, RADIAN, true),
+    alias("roller_speed", SPEED, VELOCITY, false),
+    alias("normal_load", LOAD, NEWTON, false),
+    alias("normal_force", LOAD, NEWTON, false),
 ];
 
-/// Standard gravity \[m/s^2\].
-const GRAVITY: f64 = 9.806_65;
-
-/// The unit of a column's numbers.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Unit {
-    /// As it is shown and handed to [`units::parse`].
-    pub text: String,
-    /// What its numbers become.
-    pub si: &'static str,
-    /// A share of the amplitude.
-    pub relative: bool,
-    /// The prefix of a unit of standard gravity.
-    gravity: Option<&'static str>,
-}
-
-impl Unit {
-    /// A unit in SI.
-    pub fn of(si: &'static str) -> Self {
-        Self { text: si.into(), si, relative: false, gravity: None }
-    }
-
-    /// A number of this unit in SI, rounded once.
-    pub fn convert(&self, number: &str) -> Result<f64, UnitError> {
-        match self.gravity {
-            Some(prefix) => Ok(GRAVITY * units::parse(&format!("{number} {prefix}m/s^2"), self.si)?),
-            None => units::parse(&format!("{number} {}", self.text), if self.relative { "1" } else { self.si }),
-        }
-    }
-}
+/// Words in names that say what is held, with its SI unit; the first that is there decides.
+const SAYING: &[(&str, &str)] = &[
+    ("angular_velocity", "rad/s"),
+    ("angular_acceleration", "rad/s^2"),
+    ("velocity", "m/s"),
+    ("acceleration", "m/s^2"),
+    ("accel", "m/s^2"),
+    ("displacement", "m"),
+    ("deflection", "m"),
+    ("torque", "N m"),
+    ("force", "N"),
+    ("voltage", "V"),
+    ("angle", "rad"),
+    ("frequency", "Hz"),
+];
 
 /// What a header may be.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Meaning {
     /// A column, its unit, and whether the header states the unit.
     Column(usize, Unit, bool),
+    /// The same by another name, which serves where no column has the name itself.
+    Alias(usize, Unit, bool),
     /// A column whose unit neither the header states nor the scenario implies.
     NoUnit(usize),
     /// A column whose unit does not serve, and why.
@@ -101,25 +150,85 @@ pub(crate) fn meaning(header: &str, frame: &Frame<'_>) -> Meaning {
     if is_harmonic(&name) {
         return Meaning::Harmonic;
     }
+    match by_name(header, &name, bracket, frame) {
+        Meaning::Unknown => by_alias(header, &name, bracket, frame).unwrap_or(Meaning::Unknown),
+        found => found,
+    }
+}
+
+/// One of [`NAMES`].
+fn by_name(header: &str, name: &str, bracket: Option<&str>, frame: &Frame<'_>) -> Meaning {
     let exact = NAMES.iter().find(|(key, _)| *key == name);
-    match (exact, bracket.filter(|text| !text.is_empty())) {
-        (Some((key, column)), Some(text)) => match unit(text, key, *column, frame) {
-            Ok(unit) => Meaning::Column(*column, unit, true),
-            Err(why) => Meaning::BadUnit(*column, why),
-        },
-        (Some((key, column)), None) => match natural(key, *column, frame) {
-            Some(si) => Meaning::Column(*column, Unit::of(si), false),
-            None => Meaning::NoUnit(*column),
-        },
-        (None, bracket) => match (by_suffix(header, &name, frame), bracket) {
-            (Some((key, Meaning::Column(column, suffix, _))), Some(text)) => match unit(text, key, column, frame) {
+    let Some(&(key, column)) = exact else {
+        return match (by_suffix(header, name, frame), bracket) {
+            (Some((wanted, Meaning::Column(column, suffix, _))), Some(text)) => match wanted.unit(text) {
                 Ok(unit) if unit.convert("1") == suffix.convert("1") => Meaning::Column(column, unit, true),
                 Ok(_) => Meaning::BadUnit(column, "the name and the brackets state different units".into()),
                 Err(why) => Meaning::BadUnit(column, why),
             },
             (found, _) => found.map_or(Meaning::Unknown, |(_, meaning)| meaning),
+        };
+    };
+    let wanted = wanted(key, column, frame);
+    match bracket {
+        Some(text) => match wanted.unit(text) {
+            Ok(unit) => Meaning::Column(column, unit, true),
+            Err(why) => Meaning::BadUnit(column, why),
+        },
+        None => match wanted.natural {
+            Some(si) => Meaning::Column(column, Unit::of(si), false),
+            None => Meaning::NoUnit(column),
         },
     }
+}
+
+/// `amplitude_sd_percent`: the longest known name, then a unit.
+fn by_suffix(header: &str, name: &str, frame: &Frame<'_>) -> Option<(Wanted, Meaning)> {
+    let rest = |key: &str| name.strip_prefix(key).and_then(|rest| rest.strip_prefix('_'));
+    let found = NAMES.iter().filter(|(key, _)| rest(key).is_some());
+    let (key, column) = *found.max_by_key(|(key, _)| key.len())?;
+    let wanted = wanted(key, column, frame);
+    // The unit as it was written, in capitals where it has them.
+    let written = split(header).0.trim();
+    let tail = written.get(key.len() + 1..).unwrap_or_default();
+    if tail == "MN" && !header.contains(char::is_lowercase) {
+        let why = "capitals do not tell milli from mega; write [mN] or [MN]".into();
+        return Some((wanted, Meaning::BadUnit(column, why)));
+    }
+    let parts: Vec<&str> = tail.split(['_', ' ']).collect();
+    let read: Vec<_> = suffix(&parts).map(|text| (wanted.unit(&text), known(&text))).collect();
+    if let Some((Ok(unit), _)) = read.iter().find(|(unit, _)| unit.is_ok()) {
+        return Some((wanted, Meaning::Column(column, unit.clone(), true)));
+    }
+    let why = read.into_iter().find_map(|(unit, known)| unit.err().filter(|_| known));
+    Some((wanted, why.map_or(Meaning::Unknown, |why| Meaning::BadUnit(column, why))))
+}
+
+/// One of [`ALIASES`], also as an amplitude of it.
+fn by_alias(header: &str, name: &str, bracket: Option<&str>, frame: &Frame<'_>) -> Option<Meaning> {
+    let swings = |rest: &'_ str| ["_amplitude", "_ampl"].iter().find_map(|end| rest.strip_prefix(end).map(str::len));
+    for alias in ALIASES {
+        let Some(rest) = name.strip_prefix(alias.name) else { continue };
+        let rest = &rest[rest.len() - swings(rest).unwrap_or(rest.len())..];
+        let possible = if alias.units.is_empty() { possible("", alias.column) } else { alias.units };
+        let natural = frame.natural(alias.column).filter(|si| possible.contains(si));
+        let wanted = Wanted { possible, natural, share: false };
+        let of = |unit: Unit, stated| Some(Meaning::Alias(alias.column, unit, stated));
+        let found = match (rest, bracket) {
+            ("", Some(text)) => wanted.unit(text).ok().and_then(|unit| of(unit, true)),
+            // A capital F is a force as well.
+            ("", None) if alias.bare && split(header).0 != "F" => natural.and_then(|si| of(Unit::of(si), false)),
+            (rest, None) if alias.name.chars().count() > 1 || rest == "_hz" => {
+                let parts: Vec<&str> = rest.strip_prefix('_').map_or(Vec::new(), |tail| tail.split('_').collect());
+                suffix(&parts).find_map(|text| wanted.unit(&text).ok()).and_then(|unit| of(unit, true))
+            }
+            _ => None,
+        };
+        if found.is_some() {
+            return found;
+        }
+    }
+    None
 }
 
 /// The column of words that a name stands for.
@@ -138,6 +247,16 @@ fn is_harmonic(name: &str) -> bool {
     rest.and_then(|rest| rest.split('_').next()).is_some_and(|order| matches!(order.as_bytes(), [b'2'..=b'9']))
 }
 
+/// What the unit of a column may be that has this name, or that the scenario maps to this key.
+fn wanted(key: &str, column: usize, frame: &Frame<'_>) -> Wanted {
+    let natural = match key {
+        "force" => Some("N"),
+        "torque" => Some("N m"),
+        _ => frame.natural(column),
+    };
+    Wanted { possible: possible(key, column), natural, share: column == AMPLITUDE_SD }
+}
+
 /// SI units in which a column of this name may be.
 fn possible(key: &str, column: usize) -> &'static [&'static str] {
     match (key, column) {
@@ -149,164 +268,76 @@ fn possible(key: &str, column: usize) -> &'static [&'static str] {
     }
 }
 
-/// The SI unit of a column of this name that states none.
-fn natural(key: &str, column: usize, frame: &Frame<'_>) -> Option<&'static str> {
-    match key {
-        "force" => Some("N"),
-        "torque" => Some("N m"),
-        _ => frame.natural(column),
-    }
-}
-
-/// The unit of a header that the scenario maps to a column: its bracket, its suffix, or nothing and thus SI.
+/// The unit of a header that the scenario maps to a column: its bracket, what its name says, or nothing and thus SI. A unit
+/// of another dimension is never taken for anything else.
 pub(crate) fn mapped(header: &str, key: &str, column: usize, frame: &Frame<'_>) -> Result<(Unit, bool), String> {
     let (name, bracket) = split(header);
-    if let Some(text) = bracket.filter(|text| !text.is_empty()) {
-        return unit(text, key, column, frame).map(|unit| (unit, true));
+    let wanted = wanted(key, column, frame);
+    if let Some(text) = bracket {
+        return wanted.unit(text).map(|unit| (unit, true));
     }
-    let parts: Vec<&str> = name.trim().split(['_', ' ']).collect();
+    let parts: Vec<&str> = name.split(['_', ' ']).collect();
     let suffixes = (1..parts.len()).flat_map(|from| suffix(&parts[from..]));
-    let found = suffixes.filter_map(|text| unit(&text, key, column, frame).ok()).next();
-    let si = natural(key, column, frame).unwrap_or("m");
-    Ok(found.map_or_else(|| (Unit::of(si), false), |unit| (unit, true)))
-}
-
-/// `amplitude_sd_percent`: the longest known name, then a unit.
-fn by_suffix(header: &str, name: &str, frame: &Frame<'_>) -> Option<(&'static str, Meaning)> {
-    let rest = |key: &str| name.strip_prefix(key).and_then(|rest| rest.strip_prefix('_'));
-    let found = NAMES.iter().filter(|(key, _)| rest(key).is_some());
-    let (key, column) = *found.max_by_key(|(key, _)| key.len())?;
-    // The unit as it was written, in capitals where it has them.
-    let written = split(header).0.trim();
-    let tail = written.get(key.len() + 1..).unwrap_or_default();
-    let parts: Vec<&str> = tail.split(['_', ' ']).collect();
-    let read: Vec<_> = suffix(&parts).map(|text| (unit(&text, key, column, frame), known(&text))).collect();
-    if let Some((Ok(unit), _)) = read.iter().find(|(unit, _)| unit.is_ok()) {
-        return Some((key, Meaning::Column(column, unit.clone(), true)));
+    let mut stated = suffixes.filter(|text| known(text) || gravity(text).is_some());
+    if let Some(first) = stated.next() {
+        // Of a quotient and a product of the same words, the one that serves.
+        let second = stated.next().filter(|second| *second == first.replace('/', " "));
+        let unit = wanted.unit(&first).or_else(|why| second.map_or(Err(why), |second| wanted.unit(&second)));
+        return unit.map(|unit| (unit, true)).map_err(|why| format!("its name ends in a unit: {why}"));
     }
-    let why = read.into_iter().find_map(|(unit, known)| unit.err().filter(|_| known));
-    Some((key, why.map_or(Meaning::Unknown, |why| Meaning::BadUnit(column, why))))
+    let said = plain(name);
+    if matches!(column, DRIVE | AMPLITUDE | AMPLITUDE_SD | MEAN)
+        && let Some((word, si)) = SAYING.iter().find(|(word, _)| said.contains(word))
+    {
+        let unit = wanted.possible.iter().find(|possible| *possible == si).map(|si| (Unit::of(si), false));
+        return unit.ok_or_else(|| format!("its name says `{word}`: {}", kind(si)));
+    }
+    Ok((Unit::of(wanted.natural.unwrap_or("m")), false))
 }
 
-/// `mm`, `mm_s` and `mm_per_s` as units, `n_m` as a quotient and as a product; anything longer is none.
-fn suffix(parts: &[&str]) -> impl Iterator<Item = String> {
-    let list = match parts {
-        [one] if !one.is_empty() => vec![(*one).to_string()],
-        [above, "per", below] => vec![format!("{above}/{below}")],
-        [above, below] => vec![format!("{above}/{below}"), format!("{above} {below}")],
-        _ => Vec::new(),
-    };
-    list.into_iter()
+/// The unit of a column of times; none of any other column.
+pub(crate) fn time_unit(header: &str) -> Option<String> {
+    let (name, bracket) = split(header);
+    let name = plain(name);
+    let wanted = Wanted { possible: &["s"], natural: Some("s"), share: false };
+    if let Some(rest) = ["timestamp", "time", "zeit", "t"].iter().find_map(|key| name.strip_prefix(key)) {
+        return match (rest, bracket) {
+            ("", None) => Some("s".into()),
+            ("", Some(text)) => wanted.unit(text).ok().map(|unit| unit.text),
+            (rest, None) => wanted.unit(rest.strip_prefix('_')?).ok().map(|unit| unit.text),
+            _ => None,
+        };
+    }
+    None
 }
 
-/// Name and bracket of `speed [mm/s]` and `speed (mm/s)`.
+/// Name and unit of `speed [mm/s]`, `speed (mm/s)`, `speed / mm/s` and `speed in mm/s`.
 fn split(header: &str) -> (&str, Option<&str>) {
     let header = header.trim();
     for (open, close) in [('[', ']'), ('(', ')')] {
         if let Some(inner) = header.strip_suffix(close)
             && let Some(at) = inner.rfind(open)
         {
-            return (header[..at].trim(), Some(inner[at + 1..].trim()));
+            let name = header[..at].trim().trim_end_matches('/').trim_end();
+            return (name, Some(inner[at + 1..].trim()).filter(|unit| !unit.is_empty()));
         }
     }
-    (header, None)
+    if let Some((name, unit)) = header.split_once('/') {
+        let spaced = name.ends_with(char::is_whitespace) && !name.trim().is_empty();
+        let short = !name.is_empty() && !name.contains(|c: char| c.is_whitespace() || c == '_') && known(unit);
+        if spaced || short {
+            return (name.trim_end(), Some(unit.trim()).filter(|unit| !unit.is_empty()));
+        }
+    }
+    match header.rsplit_once(" in ") {
+        Some((name, unit)) if known(unit) || gravity(unit).is_some() => (name.trim_end(), Some(unit.trim())),
+        _ => (header, None),
+    }
 }
 
 /// Lower case, words joined by underscores.
 fn plain(name: &str) -> String {
     name.to_lowercase().replace([' ', '-'], "_")
-}
-
-/// Whether the text is a unit of anything, apart from the symbol `1`.
-fn known(text: &str) -> bool {
-    matches!(units::parse(&format!("1 {}", spelt(text)), "m"), Ok(_) | Err(UnitError::Dimension { .. }))
-}
-
-/// The unit of a column from its text, or why it does not serve.
-fn unit(text: &str, key: &str, column: usize, frame: &Frame<'_>) -> Result<Unit, String> {
-    let possible = possible(key, column);
-    let si = natural(key, column, frame).unwrap_or(possible[0]);
-    if let (Some(prefix), true) = (gravity(text), possible.contains(&"m/s^2")) {
-        return Ok(Unit { text: text.into(), si: "m/s^2", relative: false, gravity: Some(prefix) });
-    }
-    let mut text = spelt(text);
-    if key == "torque" && matches!(text.as_str(), "nm" | "mnm") {
-        text = if text == "nm" { "N m".into() } else { "mN m".into() };
-    }
-    let text = text;
-    let angle = |text: &str| ["rad", "deg", "°"].iter().any(|unit| text.contains(unit));
-    if text == "%" {
-        return if column == AMPLITUDE_SD {
-            Ok(Unit { text, si, relative: true, gravity: None })
-        } else {
-            Err(format!("a share in % serves only for the amplitude's standard deviation, {si} is needed here"))
-        };
-    }
-    // Angles have no dimension: they need to be named.
-    let fits = |si: &str| {
-        let named = si == "Hz" || angle(&text) == si.contains("rad");
-        named && units::parse(&format!("1 {text}"), si).is_ok()
-    };
-    if let Some(si) = possible.iter().find(|si| fits(si)) {
-        return Ok(Unit { text, si, relative: false, gravity: None });
-    }
-    units::parse(&format!("1 {text}"), si).map_err(|error| error.to_string())?;
-    let wrong = if si == "rad" { "is no unit of an angle; use rad, mrad, urad or deg" } else { "is no such unit" };
-    Err(format!("`{text}` {wrong}{}", if si == "rad" { String::new() } else { format!(": {} is needed", kind(si)) }))
-}
-
-/// The prefix of a unit of standard gravity.
-fn gravity(text: &str) -> Option<&'static str> {
-    match text {
-        "g" | "G" | "gn" | "g_n" | "g0" => Some(""),
-        "mg" => Some("m"),
-        "ug" | "µg" | "μg" => Some("u"),
-        _ => None,
-    }
-}
-
-/// The unit in the spelling of [`units`]: words and capitals are forgiven, and powers without their sign.
-fn spelt(text: &str) -> String {
-    let mut spelt = String::new();
-    let mut symbol = String::new();
-    let mut chars = text.chars().chain([' ']).peekable();
-    while let Some(c) = chars.next() {
-        if c.is_alphabetic() || matches!(c, '°' | 'º' | '%') {
-            symbol.push(c);
-            continue;
-        }
-        let power = c.is_ascii_digit() || matches!(c, '-' | '−') && chars.peek().is_some_and(char::is_ascii_digit);
-        let raised = !symbol.is_empty() && power;
-        spelt += &canonical(&std::mem::take(&mut symbol));
-        if raised {
-            spelt.push('^');
-        }
-        spelt.push(if c == '−' { '-' } else { c });
-    }
-    spelt.trim().into()
-}
-
-fn canonical(symbol: &str) -> String {
-    match symbol.to_lowercase().as_str() {
-        "percent" | "pct" => return "%".into(),
-        "degree" | "degrees" | "º" => return "deg".into(),
-        "sec" => return "s".into(),
-        _ => {}
-    }
-    let symbol = symbol.replace(['µ', 'μ'], "u");
-    if let Some(prefix) = symbol.strip_suffix("Nm") {
-        return format!("{prefix}N m");
-    }
-    if SYMBOLS.contains(&symbol.as_str()) {
-        return symbol;
-    }
-    let mut alike = SYMBOLS.iter().filter(|known| known.eq_ignore_ascii_case(&symbol));
-    match (alike.next(), alike.next()) {
-        (Some(one), None) => (*one).into(),
-        // `mn` in small letters: a mega would be written as a capital.
-        (Some(milli), Some(_)) if symbol.chars().all(char::is_lowercase) => (*milli).into(),
-        _ => symbol,
-    }
 }
 
 #[cfg(test)]

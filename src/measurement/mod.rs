@@ -14,9 +14,11 @@ mod header;
 mod noise;
 mod pool;
 mod rows;
+mod samples;
 mod scatter;
 mod series;
 mod sheet;
+mod unit;
 mod universal;
 mod workbook;
 

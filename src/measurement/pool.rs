@@ -156,12 +156,9 @@ fn refuse_copies(source: &Source, list: &[Reading]) -> Result<()> {
         let place = Place { file: 0, span: reading.span.clone() };
         let help = "remove one of the two; a repeated reading differs in its last digits, \
                     or tell them apart by a column of your own such as `run`";
-        complaints.add(
-            &place,
-            "the row repeats another, number by number",
-            &format!("duplicate of line {first}"),
-            help,
-        );
+        let label = format!("duplicate of line {first}");
+        let words = ["the row repeats another, number by number", &label, help];
+        complaints.add_row((0, "copy"), reading.line, &place, words);
     }
     complaints.check()
 }

@@ -2,10 +2,11 @@
 
 use super::columns::{Layout, Slot, layout};
 use super::frame::{Frame, amplitude_header, kind};
-use super::header::{AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LOAD, MEAN, PHASE, PHASE_SD, SPEED, Unit};
+use super::header::{AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LOAD, MEAN, PHASE, PHASE_SD, SPEED};
 use super::pool::{Reading, Readings};
 use super::series::Direction;
 use super::sheet::{Complaints, Row, Sheet};
+use super::unit::Unit;
 use crate::error::Result;
 use crate::scenario::Sweep;
 use crate::scenario::diagnostic::quote;
@@ -27,6 +28,7 @@ pub(crate) fn readings(
         notes.push("the standard deviation of the phase is not used: there is no phase".into());
     }
     let commas = decimal_commas(sheet, &layout, &mut complaints);
+    written(sheet, commas, notes);
     let mut list = Vec::with_capacity(sheet.rows.len());
     for (at, row) in sheet.rows.iter().enumerate() {
         let mut cells = Cells { sheet, layout: &layout, row, commas, complaints: &mut complaints };
@@ -70,11 +72,8 @@ fn same_quantity(sheet: &Sheet, layout: &mut Layout, complaints: &mut Complaints
     }
 }
 
-/// Whether commas are decimal ones: only between semicolons, and not beside decimal points.
+/// Whether commas are decimal ones: inside of cells, and not beside decimal points.
 fn decimal_commas(sheet: &Sheet, layout: &Layout, complaints: &mut Complaints<'_>) -> bool {
-    if sheet.delimiter != b';' {
-        return false;
-    }
     let used: Vec<usize> = layout.slots.iter().flatten().filter_map(Slot::index).collect();
     let find = |mark: char| {
         let cells = sheet.rows.iter().flat_map(|row| used.iter().map(move |index| (row, *index)));
@@ -89,6 +88,19 @@ fn decimal_commas(sheet: &Sheet, layout: &Layout, complaints: &mut Complaints<'_
         complaints.add(&sheet.place(row, index), &title, &label, help);
     }
     find(',').is_some()
+}
+
+/// Says how the file was taken apart where that is not as the documentation has it.
+fn written(sheet: &Sheet, commas: bool, notes: &mut Vec<String>) {
+    let cells = match sheet.delimiter {
+        b';' => Some("semicolons separate the cells"),
+        b'\t' if !sheet.workbook => Some("tabs separate the cells"),
+        _ => None,
+    };
+    let said: Vec<&str> = cells.into_iter().chain(commas.then_some("commas are decimal ones")).collect();
+    if !said.is_empty() {
+        notes.push(said.join(", "));
+    }
 }
 
 impl Slot {
@@ -167,7 +179,7 @@ impl Cells<'_, '_> {
             _ => {
                 let title = format!("{} is not a direction", quote(written));
                 let help = "a column `sweep` says which way the frequency was swept: up or down; rename it if it holds anything else";
-                self.fail(index, &title, "`up` or `down` is needed", help);
+                self.fail(index, "direction", &title, "`up` or `down` is needed", help);
                 None
             }
         }
@@ -195,7 +207,7 @@ impl Cells<'_, '_> {
             let index = self.layout.slots[column].as_ref().and_then(Slot::index).unwrap_or(0);
             let label = "needs to be more than zero";
             let help = "a reading without uncertainty would outweigh all others; remove the column to have the noise estimated";
-            self.fail(index, "the standard deviation is zero", label, help);
+            self.fail(index, "deviation", "the standard deviation is zero", label, help);
             return None;
         }
         Some(Some(sd))
@@ -211,7 +223,7 @@ impl Cells<'_, '_> {
             let header = amplitude_header(unit).replacen("amplitude", "amplitude_sd", 1);
             let help =
                 format!("its standard deviation cannot be a share of it; state one in {header}, or remove the row");
-            self.fail(index, "the amplitude is zero", "zero", &help);
+            self.fail(index, "zero", "the amplitude is zero", "zero", &help);
         }
     }
 
@@ -225,19 +237,16 @@ impl Cells<'_, '_> {
                 AMPLITUDE_SD | PHASE_SD => format!("{what}; state it in every row, or in none to have it estimated"),
                 _ => format!("{what}; write it, or remove the row"),
             };
-            self.fail(index, "the cell is empty", &format!("a number in {shown} is needed"), &help);
+            self.fail(index, "empty", "the cell is empty", &format!("a number in {shown} is needed"), &help);
             return None;
         }
         let number = written.replace('−', "-");
         let number = if self.commas { number.replace(',', ".") } else { number };
         let Ok(value) = number.parse::<f64>() else {
-            let help = if number.contains(',') && self.sheet.delimiter != b';' {
-                "decimal commas are read only where semicolons separate the cells; use decimal points".into()
-            } else {
-                format!("{what}; its unit belongs in the header; remove the row if there is no reading")
-            };
+            let help = format!("{what}; its unit belongs in the header; remove the row if there is no reading");
             self.fail(
                 index,
+                "number",
                 &format!("{} is not a number", quote(written)),
                 &format!("a number in {shown} is needed"),
                 &help,
@@ -250,7 +259,7 @@ impl Cells<'_, '_> {
             _ => {
                 let label = format!("a finite number in {shown} is needed");
                 let help = format!("{what}; remove the row if there is no reading");
-                self.fail(index, &format!("{} is not finite", quote(written)), &label, &help);
+                self.fail(index, "finite", &format!("{} is not finite", quote(written)), &label, &help);
                 return None;
             }
         };
@@ -260,17 +269,17 @@ impl Cells<'_, '_> {
             let title = format!("the {name} is outside its physical range: {}", units::format(value, si));
             let label = needed_range((info.minimum, info.maximum), si);
             let help = format!("{what}, here read in {shown}; check the number, and the unit in the header");
-            self.fail(index, &title, &label, &help);
+            self.fail(index, "range", &title, &label, &help);
             return None;
         }
         Some(value)
     }
 
-    /// Notes a problem of a cell, with the name of its column.
-    fn fail(&mut self, index: usize, title: &str, label: &str, help: &str) {
+    /// Notes a problem of a cell, with the name of its column; those of one kind are told once.
+    fn fail(&mut self, index: usize, kind: &'static str, title: &str, label: &str, help: &str) {
         let place = self.sheet.place(self.row, index);
         let title = format!("column {}: {title}", quote(&self.sheet.header.cells[index]));
         let label = self.sheet.cell_name(self.row, index) + label;
-        self.complaints.add(&place, &title, &label, help);
+        self.complaints.add_row((index, kind), self.row.line, &place, [&title, &label, help]);
     }
 }
