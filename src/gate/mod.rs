@@ -81,9 +81,26 @@ pub fn of_comparison(gate: &Gate, c: &Comparison) -> Vec<Judged> {
         judged.found += &format!(" (no steady state at {unsolved} of {all} points)");
         judged.holds &= unsolved as f64 <= UNSOLVED * all as f64;
     }
-    list.extend(amplitudes(gate, c));
-    list.extend(phases(gate, c));
+    match of_another_reading(gate, c) {
+        Some(judged) => list.push(judged),
+        None => list.extend(amplitudes(gate, c).into_iter().chain(phases(gate, c))),
+    }
     list
+}
+
+/// A floor of another quantity than the one that was read lets nothing be judged.
+fn of_another_reading(gate: &Gate, c: &Comparison) -> Option<Judged> {
+    let unit = c.table.signals.reading.unit;
+    let stated = gate.floor_unit.filter(|stated| *stated != unit)?;
+    Some(Judged {
+        scenario: c.scenario.id.clone(),
+        gate: "amplitude_floor".into(),
+        found: format!("a floor in {stated}, while the readings are in {unit}"),
+        demanded: format!("a floor in {unit}"),
+        value: None,
+        limit: None,
+        holds: false,
+    })
 }
 
 /// Readings that are judged one by one: all but those that stand out of their neighbours, which no model follows.
@@ -99,6 +116,7 @@ fn amplitudes(gate: &Gate, c: &Comparison) -> Option<Judged> {
         (None, Some(_), Some(_)) => return None,
         (relative, floor, _) => (relative.unwrap_or(0.0), floor.unwrap_or(0.0)),
     };
+    let unit = c.table.signals.reading.unit;
     let allowed = |p: &Compared| (relative * p.point.amplitude).max(floor);
     let error = |p: &Compared| (p.model.amplitude - p.point.amplitude).abs();
     let excess = |p: &&Compared| match error(p) {
@@ -109,7 +127,7 @@ fn amplitudes(gate: &Gate, c: &Comparison) -> Option<Judged> {
     };
     let worst = judged(c, false).max_by(|a, b| excess(a).total_cmp(&excess(b)))?;
     let key = if gate.amplitude_tolerance.is_some() { "amplitude_tolerance" } else { "amplitude_floor" };
-    let show = |value: f64| units::format(value.abs(), c.table.signals.reading.unit);
+    let show = |value: f64| units::format(value.abs(), unit);
     let mut result = largest(&c.scenario.id, key, error(worst), allowed(worst), show);
     result.found = format!("{} off at row {}", result.found, worst.point.row);
     result.demanded += " there";

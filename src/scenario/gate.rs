@@ -7,15 +7,17 @@ use super::reader::{Reader, Table};
 use super::types::Gate;
 use super::written::{Entry, Value};
 use crate::effects::ParameterInfo;
+use crate::units;
 
 /// Keys of the table that are no numbers.
 const WORDS: [&str; 3] = ["verdict", "effects", "claims"];
 
-/// The table, or nothing asked for; `None` where it is not sound. `reading` is the unit of what is read of the rig.
+/// The table, or nothing asked for; `None` where it is not sound. `readings` are the units of what may be read of the rig: which
+/// of them is, the measured table says.
 pub(crate) fn gate(
     reader: &mut Reader<'_>,
     entries: &[Entry],
-    reading: &'static str,
+    readings: &[&'static str],
     options: &LoadOptions<'_>,
 ) -> Option<Gate> {
     if !entries.iter().any(|entry| entry.key == "gate") {
@@ -24,8 +26,12 @@ pub(crate) fn gate(
     let table = reader.table(entries, "gate")?;
     let keys: Vec<_> = GATE.iter().map(|info| info.key).chain(WORDS).collect();
     reader.keys(&table, &[], &keys);
+    let floor_unit = table.get("amplitude_floor").and_then(|node| match &node.value {
+        Value::Text(text) => readings.iter().copied().find(|unit| units::parse(text, unit).is_ok()),
+        _ => None,
+    });
     let in_unit = |info: &ParameterInfo| match info.key {
-        "amplitude_floor" => ParameterInfo { unit: reading, ..*info },
+        "amplitude_floor" => ParameterInfo { unit: floor_unit.unwrap_or(readings[0]), ..*info },
         _ => *info,
     };
     let numbers: Vec<Option<f64>> = GATE
@@ -37,6 +43,7 @@ pub(crate) fn gate(
         max_chi2_per_point: numbers[1],
         amplitude_tolerance: numbers[2],
         amplitude_floor: numbers[3],
+        floor_unit,
         phase_tolerance: numbers[4],
         verdict: verdict(reader, &table)?,
         effects: table.get("effects").map(|node| {
@@ -45,7 +52,7 @@ pub(crate) fn gate(
         }),
         claims: claims(reader, &table),
     };
-    sound(reader, &table, entries, (&gate, reading));
+    sound(reader, &table, entries, (&gate, readings[0]));
     Some(gate)
 }
 
