@@ -125,11 +125,12 @@ fn check_shape(sheet: &Sheet) -> Result<()> {
             }
         };
         let help = if surplus.is_some() && sheet.delimiter == b',' {
-            "every row needs one cell per column; if these are decimal commas, separate the cells by semicolons"
+            "every row needs one cell per column; if these are decimal commas, separate the cells by semicolons or tabs"
         } else {
             "every row needs one cell per column; leave the cell empty where an optional reading is missing"
         };
-        complaints.add(&place, &title, &label, help);
+        let cause = (row.cells.len(), if surplus.is_some() { "surplus" } else { "lacking" });
+        complaints.add_row(cause, row.line, &place, [&title, &label, help]);
     }
     complaints.check()
 }

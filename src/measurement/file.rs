@@ -43,9 +43,11 @@ pub(crate) fn bytes(path: &Path) -> Result<Vec<u8>> {
 pub(crate) fn text(path: &Path, bytes: &[u8], notes: &mut Vec<String>) -> Result<Source> {
     let name = path.display().to_string();
     let refuse = |title: String, help: &str| Err(Error::Input(whole_file(&title, help)));
-    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
-        return refuse(format!("`{name}` is UTF-16 text"), "save it as UTF-8, e.g. in Excel as \"CSV UTF-8\"");
+    let wide = utf_16(bytes);
+    if wide.is_some() {
+        notes.push("the file is UTF-16 text".into());
     }
+    let bytes = wide.as_deref().map_or(bytes, str::as_bytes);
     if let Some(at) = bytes.iter().position(|byte| *byte == 0) {
         let help = "save the table as text: CSV, or a universal file in its ASCII form (dataset 58, not 58b)";
         return refuse(format!("`{name}` is a binary file: byte {at} is zero"), help);
@@ -62,4 +64,15 @@ pub(crate) fn text(path: &Path, bytes: &[u8], notes: &mut Vec<String>) -> Result
     }
     let text = if text.contains('\r') { text.replace("\r\n", "\n").replace('\r', "\n") } else { text };
     Ok(Source { name, path: path.into(), text })
+}
+
+/// Text in UTF-16 with its byte order mark, as some programs write "Unicode".
+fn utf_16(bytes: &[u8]) -> Option<String> {
+    let of: fn([u8; 2]) -> u16 = match bytes {
+        [0xff, 0xfe, ..] => u16::from_le_bytes,
+        [0xfe, 0xff, ..] => u16::from_be_bytes,
+        _ => return None,
+    };
+    let units = bytes[2..].chunks_exact(2).map(|pair| of([pair[0], pair[1]]));
+    Some(char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect())
 }

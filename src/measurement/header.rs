@@ -1,7 +1,8 @@
 //! What a header says: which column it is and in which unit its numbers are.
 
+use super::frame::{DRIVES, Frame, READINGS, kind};
+use super::unit::{Unit, Wanted, gravity, known, suffix};
 use crate::scenario::parameters::MEASURED;
-use crate::units::{self, UnitError};
 
 /// Position of a column in [`MEASURED`] and in `scenario::parameters::COLUMNS`.
 pub(crate) const SPEED: usize = 0;
@@ -13,131 +14,325 @@ pub(crate) const PHASE: usize = 5;
 pub(crate) const AMPLITUDE_SD: usize = 6;
 pub(crate) const PHASE_SD: usize = 7;
 pub(crate) const MEAN: usize = 8;
+/// How many columns hold numbers.
+pub(crate) const NUMBERS: usize = 9;
+/// Position in `scenario::parameters::COLUMNS` of the columns that hold words.
+pub(crate) const SERIES: usize = 9;
+pub(crate) const SWEEP: usize = 10;
+/// How many columns a table may have.
+pub(crate) const ALL: usize = 11;
 
-/// Headers in SI as the documentation has them, in the order of the columns.
-pub(crate) const STANDARD: [&str; 9] = [
-    "speed_m_s",
-    "load_n",
-    "drive_m",
-    "frequency_hz",
-    "amplitude_rad",
-    "phase_rad",
-    "amplitude_sd_rad",
-    "phase_sd_rad",
-    "mean_rad",
+/// Names of columns in headers, and which column each is.
+const NAMES: &[(&str, usize)] = &[
+    ("speed", SPEED),
+    ("load", LOAD),
+    ("drive", DRIVE),
+    ("force", DRIVE),
+    ("torque", DRIVE),
+    ("frequency", FREQUENCY),
+    ("amplitude", AMPLITUDE),
+    ("phase", PHASE),
+    ("amplitude_sd", AMPLITUDE_SD),
+    ("phase_sd", PHASE_SD),
+    ("mean", MEAN),
 ];
 
-/// Symbols that are read in whatever case they are written, unless two differ in nothing else.
-const SYMBOLS: &[&str] = &[
-    "m", "mm", "um", "nm", "cm", "km", "s", "ms", "min", "N", "mN", "uN", "kN", "MN", "Hz", "kHz", "rad", "mrad",
-    "urad", "nrad", "deg",
+/// Another name of a column, as laboratories' programs write it.
+struct Alias {
+    name: &'static str,
+    column: usize,
+    /// SI units with which it is that column; all of the column where there are none.
+    units: &'static [&'static str],
+    /// Whether it is the column where no unit is stated, too.
+    bare: bool,
+}
+
+const fn alias(name: &'static str, column: usize, units: &'static [&'static str], bare: bool) -> Alias {
+    Alias { name, column, units, bare }
+}
+
+const LENGTH: &[&str] = &["m"];
+const VELOCITY: &[&str] = &["m/s"];
+const ACCELERATION: &[&str] = &["m/s^2"];
+const ANY_ACCELERATION: &[&str] = &["m/s^2", "rad/s^2"];
+const HERTZ: &[&str] = &["Hz"];
+const RADIAN: &[&str] = &["rad"];
+const NEWTON: &[&str] = &["N"];
+const TORQUE: &[&str] = &["N m"];
+
+/// A unit decides wherever a name alone could be another quantity.
+const ALIASES: &[Alias] = &[
+    alias("f", FREQUENCY, HERTZ, true),
+    alias("freq", FREQUENCY, HERTZ, true),
+    alias("frequenz", FREQUENCY, HERTZ, true),
+    alias("drive_frequency", FREQUENCY, HERTZ, true),
+    alias("excitation_frequency", FREQUENCY, HERTZ, true),
+    alias("f", DRIVE, NEWTON, false),
+    alias("kraft", DRIVE, NEWTON, false),
+    alias("excitation_force", DRIVE, NEWTON, false),
+    alias("drive_force", DRIVE, NEWTON, false),
+    alias("drehmoment", DRIVE, TORQUE, false),
+    alias("moment", DRIVE, TORQUE, false),
+    alias("excitation", DRIVE, &[], false),
+    alias("drive_level", DRIVE, &[], false),
+    alias("base_displacement", DRIVE, &["m", "rad"], false),
+    alias("base_acceleration", DRIVE, ANY_ACCELERATION, false),
+    alias("base_accel", DRIVE, ANY_ACCELERATION, false),
+    alias("ampl", AMPLITUDE, &[], true),
+    alias("response", AMPLITUDE, &[], false),
+    alias("displacement", AMPLITUDE, LENGTH, false),
+    alias("deflection", AMPLITUDE, LENGTH, false),
+    alias("auslenkung", AMPLITUDE, LENGTH, false),
+    alias("x", AMPLITUDE, LENGTH, false),
+    alias("velocity", AMPLITUDE, VELOCITY, false),
+    alias("vel", AMPLITUDE, VELOCITY, false),
+    alias("v", AMPLITUDE, VELOCITY, false),
+    alias("acceleration", AMPLITUDE, ACCELERATION, false),
+    alias("accel", AMPLITUDE, ACCELERATION, false),
+    alias("acc", AMPLITUDE, ACCELERATION, false),
+    alias("beschleunigung", AMPLITUDE, ACCELERATION, false),
+    alias("a", AMPLITUDE, ACCELERATION, false),
+    alias("angle", AMPLITUDE, RADIAN, false),
+    alias("angular_velocity", AMPLITUDE, &["rad/s"], false),
+    alias("angular_acceleration", AMPLITUDE, &["rad/s^2"], false),
+    alias("phi", PHASE, RADIAN, true),
+    alias("φ", PHASE, RADIAN, true),
+    alias("ϕ", PHASE, RADIAN, true),
+    alias("phase_angle", PHASE, RADIAN, true),
+    alias("phasenwinkel", PHASE, RADIAN, true),
+    alias("roller_speed", SPEED, VELOCITY, false),
+    alias("normal_load", LOAD, NEWTON, false),
+    alias("normal_force", LOAD, NEWTON, false),
 ];
 
-/// The unit of a column's numbers.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Unit {
-    /// As it is handed to [`units::parse`].
-    pub text: String,
-    /// What its numbers become.
-    pub si: &'static str,
-    /// A share of the amplitude.
-    pub relative: bool,
-}
-
-impl Unit {
-    /// The SI unit of a column.
-    pub fn si(column: usize) -> Self {
-        let si = MEASURED[column].unit;
-        Self { text: si.into(), si, relative: false }
-    }
-
-    /// A number of this unit in SI, rounded once.
-    pub fn convert(&self, number: &str) -> Result<f64, UnitError> {
-        units::parse(&format!("{number} {}", self.text), if self.relative { "1" } else { self.si })
-    }
-}
+/// Words in names that say what is held, with its SI unit; the first that is there decides.
+const SAYING: &[(&str, &str)] = &[
+    ("angular_velocity", "rad/s"),
+    ("angular_acceleration", "rad/s^2"),
+    ("velocity", "m/s"),
+    ("acceleration", "m/s^2"),
+    ("accel", "m/s^2"),
+    ("displacement", "m"),
+    ("deflection", "m"),
+    ("torque", "N m"),
+    ("force", "N"),
+    ("voltage", "V"),
+    ("angle", "rad"),
+    ("frequency", "Hz"),
+];
 
 /// What a header may be.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Meaning {
     /// A column, its unit, and whether the header states the unit.
     Column(usize, Unit, bool),
+    /// The same by another name, which serves where no column has the name itself.
+    Alias(usize, Unit, bool),
+    /// A column whose unit neither the header states nor the scenario implies.
+    NoUnit(usize),
     /// A column whose unit does not serve, and why.
     BadUnit(usize, String),
+    /// A column of words: [`SERIES`] or [`SWEEP`].
+    Words(usize),
+    /// Amplitude or phase of a harmonic.
+    Harmonic,
     /// Not one of the columns.
     Unknown,
 }
 
-/// The meaning of a header without help from the scenario.
-pub(crate) fn meaning(header: &str) -> Meaning {
+/// The meaning of a header without help from the scenario's mapping.
+pub(crate) fn meaning(header: &str, frame: &Frame<'_>) -> Meaning {
     let (name, bracket) = split(header);
     let name = plain(name);
-    let exact = MEASURED.iter().position(|info| info.key == name);
-    match (exact, bracket) {
-        (Some(column), Some(text)) => match unit(text, column) {
-            Ok(unit) => Meaning::Column(column, unit, true),
-            Err(why) => Meaning::BadUnit(column, why),
-        },
-        (Some(column), None) => Meaning::Column(column, Unit::si(column), false),
-        (None, bracket) => match (by_suffix(header, &name), bracket) {
-            (Meaning::Column(column, suffix, _), Some(text)) => match unit(text, column) {
+    if let (Some(column), None) = (words(&name), bracket) {
+        return Meaning::Words(column);
+    }
+    if is_harmonic(&name) {
+        return Meaning::Harmonic;
+    }
+    match by_name(header, &name, bracket, frame) {
+        Meaning::Unknown => by_alias(header, &name, bracket, frame).unwrap_or(Meaning::Unknown),
+        found => found,
+    }
+}
+
+/// One of [`NAMES`].
+fn by_name(header: &str, name: &str, bracket: Option<&str>, frame: &Frame<'_>) -> Meaning {
+    let exact = NAMES.iter().find(|(key, _)| *key == name);
+    let Some(&(key, column)) = exact else {
+        return match (by_suffix(header, name, frame), bracket) {
+            (Some((wanted, Meaning::Column(column, suffix, _))), Some(text)) => match wanted.unit(text) {
                 Ok(unit) if unit.convert("1") == suffix.convert("1") => Meaning::Column(column, unit, true),
                 Ok(_) => Meaning::BadUnit(column, "the name and the brackets state different units".into()),
                 Err(why) => Meaning::BadUnit(column, why),
             },
-            (meaning, _) => meaning,
+            (found, _) => found.map_or(Meaning::Unknown, |(_, meaning)| meaning),
+        };
+    };
+    let wanted = wanted(key, column, frame);
+    match bracket {
+        Some(text) => match wanted.unit(text) {
+            Ok(unit) => Meaning::Column(column, unit, true),
+            Err(why) => Meaning::BadUnit(column, why),
+        },
+        None => match wanted.natural {
+            Some(si) => Meaning::Column(column, Unit::of(si), false),
+            None => Meaning::NoUnit(column),
         },
     }
 }
 
-/// The unit of a header that the scenario maps to a column: its bracket, its suffix, or nothing and thus SI.
-pub(crate) fn mapped(header: &str, column: usize) -> Result<(Unit, bool), String> {
-    let (name, bracket) = split(header);
-    if let Some(text) = bracket {
-        return unit(text, column).map(|unit| (unit, true));
-    }
-    let parts: Vec<&str> = name.trim().split('_').collect();
-    let suffixes = (1..parts.len()).filter_map(|from| suffix(&parts[from..]));
-    let found = suffixes.filter_map(|text| unit(&text, column).ok()).next();
-    Ok(found.map_or_else(|| (Unit::si(column), false), |unit| (unit, true)))
-}
-
 /// `amplitude_sd_percent`: the longest known name, then a unit.
-fn by_suffix(header: &str, name: &str) -> Meaning {
+fn by_suffix(header: &str, name: &str, frame: &Frame<'_>) -> Option<(Wanted, Meaning)> {
     let rest = |key: &str| name.strip_prefix(key).and_then(|rest| rest.strip_prefix('_'));
-    let found = MEASURED.iter().enumerate().filter(|(_, info)| rest(info.key).is_some());
-    let Some((column, info)) = found.max_by_key(|(_, info)| info.key.len()) else { return Meaning::Unknown };
+    let found = NAMES.iter().filter(|(key, _)| rest(key).is_some());
+    let (key, column) = *found.max_by_key(|(key, _)| key.len())?;
+    let wanted = wanted(key, column, frame);
     // The unit as it was written, in capitals where it has them.
     let written = split(header).0.trim();
-    let tail = written.get(info.key.len() + 1..).unwrap_or_default();
-    let parts: Vec<&str> = tail.split('_').collect();
-    match suffix(&parts).map(|text| (unit(&text, column), known(&text))) {
-        Some((Ok(unit), _)) => Meaning::Column(column, unit, true),
-        Some((Err(why), true)) => Meaning::BadUnit(column, why),
-        _ => Meaning::Unknown,
+    let tail = written.get(key.len() + 1..).unwrap_or_default();
+    if tail == "MN" && !header.contains(char::is_lowercase) {
+        let why = "capitals do not tell milli from mega; write [mN] or [MN]".into();
+        return Some((wanted, Meaning::BadUnit(column, why)));
     }
+    let parts: Vec<&str> = tail.split(['_', ' ']).collect();
+    let read: Vec<_> = suffix(&parts).map(|text| (wanted.unit(&text), known(&text))).collect();
+    if let Some((Ok(unit), _)) = read.iter().find(|(unit, _)| unit.is_ok()) {
+        return Some((wanted, Meaning::Column(column, unit.clone(), true)));
+    }
+    let why = read.into_iter().find_map(|(unit, known)| unit.err().filter(|_| known));
+    Some((wanted, why.map_or(Meaning::Unknown, |why| Meaning::BadUnit(column, why))))
 }
 
-/// `mm`, `mm_s` and `mm_per_s` as units; anything longer is none.
-fn suffix(parts: &[&str]) -> Option<String> {
-    match parts {
-        [one] if !one.is_empty() => Some((*one).to_string()),
-        [above, below] | [above, "per", below] => Some(format!("{above}/{below}")),
+/// One of [`ALIASES`], also as an amplitude of it.
+fn by_alias(header: &str, name: &str, bracket: Option<&str>, frame: &Frame<'_>) -> Option<Meaning> {
+    let swings = |rest: &'_ str| ["_amplitude", "_ampl"].iter().find_map(|end| rest.strip_prefix(end).map(str::len));
+    for alias in ALIASES {
+        let Some(rest) = name.strip_prefix(alias.name) else { continue };
+        let rest = &rest[rest.len() - swings(rest).unwrap_or(rest.len())..];
+        let possible = if alias.units.is_empty() { possible("", alias.column) } else { alias.units };
+        let natural = frame.natural(alias.column).filter(|si| possible.contains(si));
+        let wanted = Wanted { possible, natural, share: false };
+        let of = |unit: Unit, stated| Some(Meaning::Alias(alias.column, unit, stated));
+        let found = match (rest, bracket) {
+            ("", Some(text)) => wanted.unit(text).ok().and_then(|unit| of(unit, true)),
+            // A capital F is a force as well.
+            ("", None) if alias.bare && split(header).0 != "F" => natural.and_then(|si| of(Unit::of(si), false)),
+            (rest, None) if alias.name.chars().count() > 1 || rest == "_hz" => {
+                let parts: Vec<&str> = rest.strip_prefix('_').map_or(Vec::new(), |tail| tail.split('_').collect());
+                suffix(&parts).find_map(|text| wanted.unit(&text).ok()).and_then(|unit| of(unit, true))
+            }
+            _ => None,
+        };
+        if found.is_some() {
+            return found;
+        }
+    }
+    None
+}
+
+/// The column of words that a name stands for.
+fn words(name: &str) -> Option<usize> {
+    match name {
+        "series" => Some(SERIES),
+        "sweep" => Some(SWEEP),
         _ => None,
     }
 }
 
-/// Name and bracket of `speed [mm/s]` and `speed (mm/s)`.
+/// `amplitude_2`, `phase_3_deg`: of a harmonic of the drive's frequency.
+fn is_harmonic(name: &str) -> bool {
+    let rest = name.strip_prefix("amplitude_").or_else(|| name.strip_prefix("phase_"));
+    let rest = rest.map(|rest| rest.strip_prefix("sd_").unwrap_or(rest));
+    rest.and_then(|rest| rest.split('_').next()).is_some_and(|order| matches!(order.as_bytes(), [b'2'..=b'9']))
+}
+
+/// What the unit of a column may be that has this name, or that the scenario maps to this key.
+fn wanted(key: &str, column: usize, frame: &Frame<'_>) -> Wanted {
+    let natural = match key {
+        "force" => Some("N"),
+        "torque" => Some("N m"),
+        _ => frame.natural(column),
+    };
+    Wanted { possible: possible(key, column), natural, share: column == AMPLITUDE_SD }
+}
+
+/// SI units in which a column of this name may be.
+fn possible(key: &str, column: usize) -> &'static [&'static str] {
+    match (key, column) {
+        ("force", _) => &["N", "V"],
+        ("torque", _) => &["N m", "V"],
+        (_, DRIVE) => DRIVES,
+        (_, AMPLITUDE | AMPLITUDE_SD | MEAN) => READINGS,
+        _ => std::slice::from_ref(&MEASURED[column].unit),
+    }
+}
+
+/// The unit of a header that the scenario maps to a column: its bracket, what its name says, or nothing and thus SI. A unit
+/// of another dimension is never taken for anything else.
+pub(crate) fn mapped(header: &str, key: &str, column: usize, frame: &Frame<'_>) -> Result<(Unit, bool), String> {
+    let (name, bracket) = split(header);
+    let wanted = wanted(key, column, frame);
+    if let Some(text) = bracket {
+        return wanted.unit(text).map(|unit| (unit, true));
+    }
+    let parts: Vec<&str> = name.split(['_', ' ']).collect();
+    let suffixes = (1..parts.len()).flat_map(|from| suffix(&parts[from..]));
+    let mut stated = suffixes.filter(|text| known(text) || gravity(text).is_some());
+    if let Some(first) = stated.next() {
+        // Of a quotient and a product of the same words, the one that serves.
+        let second = stated.next().filter(|second| *second == first.replace('/', " "));
+        let unit = wanted.unit(&first).or_else(|why| second.map_or(Err(why), |second| wanted.unit(&second)));
+        return unit.map(|unit| (unit, true)).map_err(|why| format!("its name ends in a unit: {why}"));
+    }
+    let said = plain(name);
+    if matches!(column, DRIVE | AMPLITUDE | AMPLITUDE_SD | MEAN)
+        && let Some((word, si)) = SAYING.iter().find(|(word, _)| said.contains(word))
+    {
+        let unit = wanted.possible.iter().find(|possible| *possible == si).map(|si| (Unit::of(si), false));
+        return unit.ok_or_else(|| format!("its name says `{word}`: {}", kind(si)));
+    }
+    Ok((Unit::of(wanted.natural.unwrap_or("m")), false))
+}
+
+/// The unit of a column of times; none of any other column.
+pub(crate) fn time_unit(header: &str) -> Option<String> {
+    let (name, bracket) = split(header);
+    let name = plain(name);
+    let wanted = Wanted { possible: &["s"], natural: Some("s"), share: false };
+    if let Some(rest) = ["timestamp", "time", "zeit", "t"].iter().find_map(|key| name.strip_prefix(key)) {
+        return match (rest, bracket) {
+            ("", None) => Some("s".into()),
+            ("", Some(text)) => wanted.unit(text).ok().map(|unit| unit.text),
+            (rest, None) => wanted.unit(rest.strip_prefix('_')?).ok().map(|unit| unit.text),
+            _ => None,
+        };
+    }
+    None
+}
+
+/// Name and unit of `speed [mm/s]`, `speed (mm/s)`, `speed / mm/s` and `speed in mm/s`.
 fn split(header: &str) -> (&str, Option<&str>) {
     let header = header.trim();
     for (open, close) in [('[', ']'), ('(', ')')] {
         if let Some(inner) = header.strip_suffix(close)
             && let Some(at) = inner.rfind(open)
         {
-            return (header[..at].trim(), Some(inner[at + 1..].trim()));
+            let name = header[..at].trim().trim_end_matches('/').trim_end();
+            return (name, Some(inner[at + 1..].trim()).filter(|unit| !unit.is_empty()));
         }
     }
-    (header, None)
+    if let Some((name, unit)) = header.split_once('/') {
+        let spaced = name.ends_with(char::is_whitespace) && !name.trim().is_empty();
+        let short = !name.is_empty() && !name.contains(|c: char| c.is_whitespace() || c == '_') && known(unit);
+        if spaced || short {
+            return (name.trim_end(), Some(unit.trim()).filter(|unit| !unit.is_empty()));
+        }
+    }
+    match header.rsplit_once(" in ") {
+        Some((name, unit)) if known(unit) || gravity(unit).is_some() => (name.trim_end(), Some(unit.trim())),
+        _ => (header, None),
+    }
 }
 
 /// Lower case, words joined by underscores.
@@ -145,72 +340,31 @@ fn plain(name: &str) -> String {
     name.to_lowercase().replace([' ', '-'], "_")
 }
 
-/// Whether the text is a unit of anything, apart from the symbol `1`.
-fn known(text: &str) -> bool {
-    matches!(units::parse(&format!("1 {}", spelt(text)), "m"), Ok(_) | Err(UnitError::Dimension { .. }))
-}
-
-/// The unit of a column from its text, or why it does not serve.
-pub(crate) fn unit(text: &str, column: usize) -> Result<Unit, String> {
-    if text.is_empty() {
-        return Ok(Unit::si(column));
-    }
-    let text = spelt(text);
-    let si = MEASURED[column].unit;
-    let angle = |text: &str| ["rad", "deg", "°"].iter().any(|unit| text.contains(unit));
-    if text == "%" {
-        return if column == AMPLITUDE_SD {
-            Ok(Unit { text, si, relative: true })
-        } else {
-            Err(format!("a share in % serves only for the amplitude's standard deviation, {si} is needed here"))
-        };
-    }
-    units::parse(&format!("1 {text}"), si).map_err(|error| error.to_string())?;
-    if si == "rad" && !angle(&text) {
-        return Err(format!("`{text}` is no unit of an angle; use rad, mrad, urad or deg"));
-    }
-    Ok(Unit { text, si, relative: false })
-}
-
-/// The unit in the spelling of [`units`]: words and capitals are forgiven.
-fn spelt(text: &str) -> String {
-    let mut spelt = String::new();
-    let mut symbol = String::new();
-    for c in text.chars().chain([' ']) {
-        if c.is_alphabetic() || matches!(c, '°' | 'º' | '%') {
-            symbol.push(c);
-        } else {
-            spelt += &canonical(&std::mem::take(&mut symbol));
-            spelt.push(c);
-        }
-    }
-    spelt.trim().into()
-}
-
-fn canonical(symbol: &str) -> String {
-    match symbol.to_lowercase().as_str() {
-        "percent" | "pct" => return "%".into(),
-        "degree" | "degrees" | "º" => return "deg".into(),
-        _ => {}
-    }
-    let symbol = symbol.replace(['µ', 'μ'], "u");
-    if SYMBOLS.contains(&symbol.as_str()) {
-        return symbol;
-    }
-    let mut alike = SYMBOLS.iter().filter(|known| known.eq_ignore_ascii_case(&symbol));
-    match (alike.next(), alike.next()) {
-        (Some(one), None) => (*one).into(),
-        _ => symbol,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use std::f64::consts::TAU;
 
+    /// Headers in SI as the documentation has them, in the order of the columns.
+    const STANDARD: [&str; NUMBERS] = [
+        "speed_m_s",
+        "load_n",
+        "drive_m",
+        "frequency_hz",
+        "amplitude_rad",
+        "phase_rad",
+        "amplitude_sd_rad",
+        "phase_sd_rad",
+        "mean_rad",
+    ];
+
+    /// The meaning for the paper's rig.
+    fn read(header: &str) -> Meaning {
+        meaning(header, &Frame::of(&crate::scenario::paper()))
+    }
+
     fn factor(header: &str, column: usize) -> f64 {
-        match meaning(header) {
+        match read(header) {
             Meaning::Column(found, unit, _) if found == column => unit.convert("1").expect("a number"),
             other => panic!("{header}: {other:?}"),
         }
@@ -231,6 +385,7 @@ mod tests {
             ("load_kN", LOAD, 1e3),
             ("load_kn", LOAD, 1e3),
             ("load [mN]", LOAD, 1e-3),
+            (LOAD, 1e-3),
             ("drive_um", DRIVE, 1e-6),
             ("drive [µm]", DRIVE, 1e-6),
             ("drive [μm]", DRIVE, 1e-6),
@@ -254,24 +409,80 @@ mod tests {
 
     #[test]
     fn what_is_no_column_or_no_unit_of_it() {
-        for header in ["", "rpm", "load_cell_temperature", "load_id", "phase2_rad", "speed_mms", "amplitude_v"] {
-            assert_eq!(meaning(header), Meaning::Unknown, "{header}");
+        for header in ["", "rpm", "load_cell_temperature", "load_id", "phase2_rad", "speed_mms"] {
+            assert_eq!(read(header), Meaning::Unknown, "{header}");
         }
-        let bad = ["speed [N]", "load_mm", "phase_percent", "phase [%]", "phase [1]", "load_mn", "drive [furlong]"];
+        let bad = ["speed [N]", "load_mm", "phase_percent", "phase [%]", "phase [1]", "drive [furlong]"];
         for header in bad {
-            assert!(matches!(meaning(header), Meaning::BadUnit(..) | Meaning::Unknown), "{header}");
+            assert!(matches!(read(header), Meaning::BadUnit(..) | Meaning::Unknown), "{header}");
         }
-        assert!(matches!(meaning("speed_mm_s [m/s]"), Meaning::BadUnit(SPEED, _)));
-        assert!(matches!(meaning("speed [N]"), Meaning::BadUnit(SPEED, _)));
+        assert!(matches!(read("speed_mm_s [m/s]"), Meaning::BadUnit(SPEED, _)));
+        assert!(matches!(read("speed [N]"), Meaning::BadUnit(SPEED, _)));
     }
 
     #[test]
     fn foreign_headers_bring_their_unit_or_si() {
+        let paper = crate::scenario::paper();
+        let frame = Frame::of(&paper);
+        let mapped = |header, column| mapped(header, MEASURED[column].key, column, &frame);
         let value = |header, column| mapped(header, column).expect("a unit").0.convert("1").expect("a number");
         assert_eq!(value("f [kHz]", FREQUENCY), 1e3);
         assert_eq!(value("roller_speed_mm_s", SPEED), 1e-3);
         assert_eq!(value("f", FREQUENCY), 1.0);
         assert_eq!(value("my_frequency", FREQUENCY), 1.0);
         assert!(mapped("f [N]", FREQUENCY).is_err());
+    }
+
+    #[test]
+    fn the_unit_tells_the_quantity() {
+        let all = [
+            ("force_n", DRIVE, "N", 1.0),
+            ("force_mn", DRIVE, "N", 1e-3),
+            ("force_kn", DRIVE, "N", 1e3),
+            ("Force [µN]", DRIVE, "N", 1e-6),
+            ("force_v", DRIVE, "V", 1.0),
+            ("torque_n_m", DRIVE, "N m", 1.0),
+            ("torque_mn_m", DRIVE, "N m", 1e-3),
+            ("torque_nm", DRIVE, "N m", 1.0),
+            ("torque [mNm]", DRIVE, "N m", 1e-3),
+            ("torque [N·m]", DRIVE, "N m", 1.0),
+            ("drive_rad", DRIVE, "rad", 1.0),
+            ("drive_m_s2", DRIVE, "m/s^2", 1.0),
+            ("drive_g", DRIVE, "m/s^2", 9.80665),
+            ("drive_rad_s2", DRIVE, "rad/s^2", 1.0),
+            ("drive_mv", DRIVE, "V", 1e-3),
+            ("amplitude_m", AMPLITUDE, "m", 1.0),
+            ("amplitude_um_s", AMPLITUDE, "m/s", 1e-6),
+            ("amplitude_mm_s2", AMPLITUDE, "m/s^2", 1e-3),
+            ("amplitude [m/s²]", AMPLITUDE, "m/s^2", 1.0),
+            ("amplitude [m s^-2]", AMPLITUDE, "m/s^2", 1.0),
+            ("amplitude [m/s2]", AMPLITUDE, "m/s^2", 1.0),
+            ("amplitude [m·s−2]", AMPLITUDE, "m/s^2", 1.0),
+            ("amplitude_g", AMPLITUDE, "m/s^2", 9.80665),
+            ("amplitude [mg]", AMPLITUDE, "m/s^2", 9.80665e-3),
+            ("amplitude_v", AMPLITUDE, "V", 1.0),
+            ("amplitude_rad_s", AMPLITUDE, "rad/s", 1.0),
+            ("amplitude_deg_s", AMPLITUDE, "rad/s", 1f64.to_radians()),
+            ("amplitude_urad_s2", AMPLITUDE, "rad/s^2", 1e-6),
+            ("amplitude_sd_mm", AMPLITUDE_SD, "m", 1e-3),
+            ("amplitude_sd_g", AMPLITUDE_SD, "m/s^2", 9.80665),
+        ];
+        let frame = Frame::any();
+        for (header, column, si, value) in all {
+            let Meaning::Column(found, unit, true) = meaning(header, &frame) else { panic!("{header}") };
+            assert_eq!((found, unit.si), (column, si), "{header}");
+            assert!((unit.convert("1").expect("a number") / value - 1.0).abs() < 1e-14, "{header}");
+        }
+        assert_eq!(meaning("amplitude", &frame), Meaning::NoUnit(AMPLITUDE));
+        assert_eq!(
+            (meaning("series", &frame), meaning("Sweep", &frame)),
+            (Meaning::Words(SERIES), Meaning::Words(SWEEP))
+        );
+        for header in ["amplitude_2_m", "phase_3_deg", "Amplitude 9 [mm]", "amplitude_sd_2_m"] {
+            assert_eq!(meaning(header, &frame), Meaning::Harmonic, "{header}");
+        }
+        for header in ["amplitude_hz", "amplitude [1/s]", "force_mm", "torque [N]", "drive_m_s", "amplitude_kg"] {
+            assert!(matches!(meaning(header, &frame), Meaning::BadUnit(..)), "{header}");
+        }
     }
 }

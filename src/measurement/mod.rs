@@ -9,13 +9,16 @@ mod columns;
 mod delimited;
 mod doubts;
 mod file;
+mod frame;
 mod header;
 mod noise;
 mod pool;
 mod rows;
+mod samples;
 mod scatter;
 mod series;
 mod sheet;
+mod unit;
 mod universal;
 mod workbook;
 
@@ -166,28 +169,35 @@ impl Table {
 pub fn load(scenario: &Scenario) -> Result<Option<Table>> {
     let Some(wanted) = &scenario.measurement else { return Ok(None) };
     let bytes = file::bytes(&wanted.file)?;
+    let frame = frame::Frame::of(scenario);
     let mut notes = Vec::new();
     let readings = match Format::of(&wanted.file)? {
         Format::Delimited => {
             let sheet = delimited::sheet(file::text(&wanted.file, &bytes, &mut notes)?, None)?;
-            rows::readings(&sheet, &wanted.columns, scenario.sweep.as_ref(), &mut notes)?
+            rows::readings(&sheet, &wanted.columns, &frame, scenario.sweep.as_ref(), &mut notes)?
         }
         Format::Workbook => {
             let sheet = workbook::sheet(&wanted.file, &bytes, wanted.sheet.as_deref(), &mut notes)?;
-            rows::readings(&sheet, &wanted.columns, scenario.sweep.as_ref(), &mut notes)?
+            rows::readings(&sheet, &wanted.columns, &frame, scenario.sweep.as_ref(), &mut notes)?
         }
         Format::Universal => {
             let source = file::text(&wanted.file, &bytes, &mut Vec::new())?;
-            universal::readings(&source, wanted.record, scenario.sweep.as_ref(), &mut notes)?
+            universal::readings(&source, wanted.record, &frame, scenario.sweep.as_ref(), &mut notes)?
         }
     };
     unused_keys(wanted, Format::of(&wanted.file)?, &mut notes);
+    let signals = readings.signals;
     let pooled = pool::pool(readings, &mut notes)?;
     let (mut points, amplitude_noise, phase_noise) = noise::assign(pooled, &wanted.file, &mut notes)?;
-    let series = series::by_condition(&mut points);
+    let mut series = series::by_condition(&mut points);
+    if scenario.contact.is_none() {
+        // Without a contact they tell series apart and nothing else.
+        points.iter_mut().for_each(|point| (point.speed, point.load) = (0.0, 0.0));
+        series.iter_mut().for_each(|one| (one.speed, one.load) = (0.0, 0.0));
+    }
     notes.extend(doubts::doubts(&points));
     let hash = blake3::hash(&bytes).to_hex().to_string();
-    let (file, signals) = (wanted.file.clone(), scenario.signals);
+    let file = wanted.file.clone();
     Ok(Some(Table { file, hash, points, series, signals, amplitude_noise, phase_noise, notes }))
 }
 

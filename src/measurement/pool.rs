@@ -3,9 +3,10 @@
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
-use super::Point;
 use super::sheet::Complaints;
+use super::{Direction, Point};
 use crate::error::Result;
+use crate::scenario::Signals;
 use crate::scenario::diagnostic::Place;
 use crate::scenario::source::Source;
 
@@ -25,6 +26,10 @@ pub(crate) struct Reading {
     pub amplitude_sd: Option<f64>,
     pub phase_sd: Option<f64>,
     pub mean: Option<f64>,
+    /// What the table calls its series.
+    pub name: String,
+    /// Which way the table says that the frequency was swept.
+    pub sweep: Option<Direction>,
     /// Cells of the columns that are not used; they tell a repetition from a copy.
     pub aside: Vec<String>,
 }
@@ -34,6 +39,8 @@ pub(crate) struct Reading {
 pub(crate) struct Readings {
     pub source: Source,
     pub list: Vec<Reading>,
+    /// What drive and amplitude are.
+    pub signals: Signals,
     pub amplitude_stated: bool,
     pub phase_stated: bool,
 }
@@ -79,7 +86,7 @@ pub(crate) fn wrap(angle: f64) -> f64 {
 
 /// Sorts, refuses copies of rows, unites repetitions.
 pub(crate) fn pool(readings: Readings, notes: &mut Vec<String>) -> Result<Pooled> {
-    let Readings { source, mut list, amplitude_stated, phase_stated } = readings;
+    let Readings { source, mut list, amplitude_stated, phase_stated, .. } = readings;
     let axes: [fn(&mut Reading) -> &mut f64; 4] =
         [|r| &mut r.load, |r| &mut r.speed, |r| &mut r.drive, |r| &mut r.frequency];
     for axis in axes {
@@ -149,12 +156,9 @@ fn refuse_copies(source: &Source, list: &[Reading]) -> Result<()> {
         let place = Place { file: 0, span: reading.span.clone() };
         let help = "remove one of the two; a repeated reading differs in its last digits, \
                     or tell them apart by a column of your own such as `run`";
-        complaints.add(
-            &place,
-            "the row repeats another, number by number",
-            &format!("duplicate of line {first}"),
-            help,
-        );
+        let label = format!("duplicate of line {first}");
+        let words = ["the row repeats another, number by number", &label, help];
+        complaints.add_row((0, "copy"), reading.line, &place, words);
     }
     complaints.check()
 }

@@ -1,28 +1,34 @@
 //! Cells become readings in SI; every cell that is no such number is told with its place.
 
 use super::columns::{Layout, Slot, layout};
-use super::header::{AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LOAD, MEAN, PHASE, PHASE_SD, SPEED, Unit};
+use super::frame::{Frame, amplitude_header, kind};
+use super::header::{AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LOAD, MEAN, PHASE, PHASE_SD, SPEED};
 use super::pool::{Reading, Readings};
+use super::series::Direction;
 use super::sheet::{Complaints, Row, Sheet};
+use super::unit::Unit;
 use crate::error::Result;
 use crate::scenario::Sweep;
 use crate::scenario::diagnostic::quote;
-use crate::scenario::parameters::MEASURED;
+use crate::scenario::parameters::{MEASURED, needed_range};
 use crate::units;
 
 /// The readings of a sheet.
 pub(crate) fn readings(
     sheet: &Sheet,
     mapping: &[(String, String)],
+    frame: &Frame<'_>,
     sweep: Option<&Sweep>,
     notes: &mut Vec<String>,
 ) -> Result<Readings> {
     let mut complaints = Complaints::of(&sheet.source);
-    let mut layout = layout(sheet, mapping, sweep, &mut complaints, notes);
+    let mut layout = layout(sheet, mapping, frame, sweep, &mut complaints, notes);
+    same_quantity(sheet, &mut layout, &mut complaints, notes);
     if layout.slots[PHASE].is_none() && layout.slots[PHASE_SD].take().is_some() {
         notes.push("the standard deviation of the phase is not used: there is no phase".into());
     }
     let commas = decimal_commas(sheet, &layout, &mut complaints);
+    written(sheet, commas, notes);
     let mut list = Vec::with_capacity(sheet.rows.len());
     for (at, row) in sheet.rows.iter().enumerate() {
         let mut cells = Cells { sheet, layout: &layout, row, commas, complaints: &mut complaints };
@@ -34,19 +40,40 @@ pub(crate) fn readings(
         notes.push(format!("{blank} of {} rows have no phase", list.len()));
     }
     let stated = |column: usize| layout.slots[column].is_some();
+    let si = |column: usize| layout.slots[column].as_ref().map_or("", Slot::si);
     Ok(Readings {
         source: sheet.source.clone(),
         list,
+        signals: frame.signals(si(DRIVE), si(AMPLITUDE)),
         amplitude_stated: stated(AMPLITUDE_SD),
         phase_stated: stated(PHASE_SD),
     })
 }
 
-/// Whether commas are decimal ones: only between semicolons, and not beside decimal points.
-fn decimal_commas(sheet: &Sheet, layout: &Layout, complaints: &mut Complaints<'_>) -> bool {
-    if sheet.delimiter != b';' {
-        return false;
+/// A standard deviation and a mean are of what is read.
+fn same_quantity(sheet: &Sheet, layout: &mut Layout, complaints: &mut Complaints<'_>, notes: &mut Vec<String>) {
+    let Some(si) = layout.slots[AMPLITUDE].as_ref().map(Slot::si) else { return };
+    for column in [AMPLITUDE_SD, MEAN] {
+        let Some(Slot::Cells(index, unit)) = &mut layout.slots[column] else { continue };
+        if unit.relative || unit.si == si {
+            continue;
+        }
+        let (index, header) = (*index, quote(&sheet.header.cells[*index]));
+        if column == MEAN {
+            notes.push(format!("{header} is not used: it holds {}, and what is read is {}", kind(unit.si), kind(si)));
+            layout.slots[MEAN] = None;
+            continue;
+        }
+        let title = format!("the standard deviation in column {header} is not one of the amplitude");
+        let label =
+            format!("{}{}, where the amplitude is {}", sheet.cell_name(&sheet.header, index), kind(unit.si), kind(si));
+        let help = "state it in the unit of the amplitude, or in percent of it: amplitude_sd_percent";
+        complaints.add(&sheet.place(&sheet.header, index), &title, &label, help);
     }
+}
+
+/// Whether commas are decimal ones: inside of cells, and not beside decimal points.
+fn decimal_commas(sheet: &Sheet, layout: &Layout, complaints: &mut Complaints<'_>) -> bool {
     let used: Vec<usize> = layout.slots.iter().flatten().filter_map(Slot::index).collect();
     let find = |mark: char| {
         let cells = sheet.rows.iter().flat_map(|row| used.iter().map(move |index| (row, *index)));
@@ -63,11 +90,24 @@ fn decimal_commas(sheet: &Sheet, layout: &Layout, complaints: &mut Complaints<'_
     find(',').is_some()
 }
 
+/// Says how the file was taken apart where that is not as the documentation has it.
+fn written(sheet: &Sheet, commas: bool, notes: &mut Vec<String>) {
+    let cells = match sheet.delimiter {
+        b';' => Some("semicolons separate the cells"),
+        b'\t' if !sheet.workbook => Some("tabs separate the cells"),
+        _ => None,
+    };
+    let said: Vec<&str> = cells.into_iter().chain(commas.then_some("commas are decimal ones")).collect();
+    if !said.is_empty() {
+        notes.push(said.join(", "));
+    }
+}
+
 impl Slot {
     fn index(&self) -> Option<usize> {
         match self {
             Self::Cells(index, _) => Some(*index),
-            Self::Value(_) => None,
+            Self::Value(..) => None,
         }
     }
 }
@@ -83,12 +123,13 @@ struct Cells<'a, 'b> {
 
 impl Cells<'_, '_> {
     fn reading(&mut self, number: usize) -> Option<Reading> {
-        let (speed, load, drive) = (self.number(SPEED), self.number(LOAD), self.number(DRIVE));
+        let (speed, load, drive) = (self.setting(SPEED), self.setting(LOAD), self.number(DRIVE));
+        let (name, sweep) = (self.layout.series.map_or(String::new(), |at| self.row.cells[at].clone()), self.sweep());
         let (frequency, amplitude) = (self.number(FREQUENCY), self.number(AMPLITUDE));
         let (phase, mean) = (self.optional(PHASE), self.optional(MEAN));
         let share = self.layout.slots[AMPLITUDE_SD].as_ref().is_some_and(|slot| match slot {
             Slot::Cells(_, unit) => unit.relative,
-            Slot::Value(_) => false,
+            Slot::Value(..) => false,
         });
         let amplitude_sd = self.deviation(AMPLITUDE_SD, true);
         let phase_sd = self.deviation(PHASE_SD, !matches!(phase, Some(None)));
@@ -109,6 +150,8 @@ impl Cells<'_, '_> {
             amplitude_sd: amplitude_sd?.map(|sd| if share { sd * amplitude.unwrap_or(0.0) } else { sd }),
             phase_sd: phase_sd?,
             mean: mean?,
+            name,
+            sweep: sweep?,
             aside,
         })
     }
@@ -116,8 +159,29 @@ impl Cells<'_, '_> {
     /// A number that every row needs.
     fn number(&mut self, column: usize) -> Option<f64> {
         match self.layout.slots[column].as_ref()? {
-            Slot::Value(value) => Some(*value),
+            Slot::Value(value, _) => Some(*value),
             Slot::Cells(index, unit) => self.cell(column, *index, unit),
+        }
+    }
+
+    /// Speed or load, zero where there is no such column.
+    fn setting(&mut self, column: usize) -> Option<f64> {
+        if self.layout.slots[column].is_none() { Some(0.0) } else { self.number(column) }
+    }
+
+    /// The direction of the sweep; the outer option tells whether the cell is sound.
+    fn sweep(&mut self) -> Option<Option<Direction>> {
+        let Some(index) = self.layout.sweep else { return Some(None) };
+        let written = self.row.cells[index].as_str();
+        match written.to_lowercase().as_str() {
+            "up" => Some(Some(Direction::Up)),
+            "down" => Some(Some(Direction::Down)),
+            _ => {
+                let title = format!("{} is not a direction", quote(written));
+                let help = "a column `sweep` says which way the frequency was swept: up or down; rename it if it holds anything else";
+                self.fail(index, "direction", &title, "`up` or `down` is needed", help);
+                None
+            }
         }
     }
 
@@ -143,7 +207,7 @@ impl Cells<'_, '_> {
             let index = self.layout.slots[column].as_ref().and_then(Slot::index).unwrap_or(0);
             let label = "needs to be more than zero";
             let help = "a reading without uncertainty would outweigh all others; remove the column to have the noise estimated";
-            self.fail(index, "the standard deviation is zero", label, help);
+            self.fail(index, "deviation", "the standard deviation is zero", label, help);
             return None;
         }
         Some(Some(sd))
@@ -155,9 +219,11 @@ impl Cells<'_, '_> {
             && relative
             && let Some(index) = self.layout.slots[AMPLITUDE].as_ref().and_then(Slot::index)
         {
+            let unit = self.layout.slots[AMPLITUDE].as_ref().map_or("rad", Slot::si);
+            let header = amplitude_header(unit).replacen("amplitude", "amplitude_sd", 1);
             let help =
-                "its standard deviation cannot be a share of it; state one in amplitude_sd_rad, or remove the row";
-            self.fail(index, "the amplitude is zero", "zero", help);
+                format!("its standard deviation cannot be a share of it; state one in {header}, or remove the row");
+            self.fail(index, "zero", "the amplitude is zero", "zero", &help);
         }
     }
 
@@ -171,19 +237,16 @@ impl Cells<'_, '_> {
                 AMPLITUDE_SD | PHASE_SD => format!("{what}; state it in every row, or in none to have it estimated"),
                 _ => format!("{what}; write it, or remove the row"),
             };
-            self.fail(index, "the cell is empty", &format!("a number in {shown} is needed"), &help);
+            self.fail(index, "empty", "the cell is empty", &format!("a number in {shown} is needed"), &help);
             return None;
         }
         let number = written.replace('−', "-");
         let number = if self.commas { number.replace(',', ".") } else { number };
         let Ok(value) = number.parse::<f64>() else {
-            let help = if number.contains(',') && self.sheet.delimiter != b';' {
-                "decimal commas are read only where semicolons separate the cells; use decimal points".into()
-            } else {
-                format!("{what}; its unit belongs in the header; remove the row if there is no reading")
-            };
+            let help = format!("{what}; its unit belongs in the header; remove the row if there is no reading");
             self.fail(
                 index,
+                "number",
                 &format!("{} is not a number", quote(written)),
                 &format!("a number in {shown} is needed"),
                 &help,
@@ -196,29 +259,27 @@ impl Cells<'_, '_> {
             _ => {
                 let label = format!("a finite number in {shown} is needed");
                 let help = format!("{what}; remove the row if there is no reading");
-                self.fail(index, &format!("{} is not finite", quote(written)), &label, &help);
+                self.fail(index, "finite", &format!("{} is not finite", quote(written)), &label, &help);
                 return None;
             }
         };
-        let maximum = if unit.relative { 1e3 } else { info.maximum };
-        if !(info.minimum..=maximum).contains(&value) {
-            let si = if unit.relative { "1" } else { info.unit };
-            let limit = |value| units::format(value, si);
+        if !(info.minimum..=info.maximum).contains(&value) {
+            let si = if unit.relative { "1" } else { unit.si };
             let name = if matches!(column, AMPLITUDE_SD | PHASE_SD) { info.meaning } else { info.key };
-            let title = format!("the {name} is outside its physical range: {}", limit(value));
-            let label = format!("needs {} to {}", limit(info.minimum), limit(maximum));
+            let title = format!("the {name} is outside its physical range: {}", units::format(value, si));
+            let label = needed_range((info.minimum, info.maximum), si);
             let help = format!("{what}, here read in {shown}; check the number, and the unit in the header");
-            self.fail(index, &title, &label, &help);
+            self.fail(index, "range", &title, &label, &help);
             return None;
         }
         Some(value)
     }
 
-    /// Notes a problem of a cell, with the name of its column.
-    fn fail(&mut self, index: usize, title: &str, label: &str, help: &str) {
+    /// Notes a problem of a cell, with the name of its column; those of one kind are told once.
+    fn fail(&mut self, index: usize, kind: &'static str, title: &str, label: &str, help: &str) {
         let place = self.sheet.place(self.row, index);
         let title = format!("column {}: {title}", quote(&self.sheet.header.cells[index]));
         let label = self.sheet.cell_name(self.row, index) + label;
-        self.complaints.add(&place, &title, &label, help);
+        self.complaints.add_row((index, kind), self.row.line, &place, [&title, &label, help]);
     }
 }

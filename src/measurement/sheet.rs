@@ -85,25 +85,64 @@ fn spans(text: &str, start: usize, delimiter: u8) -> Vec<Range<usize>> {
     }
 }
 
-/// Problems of one file, told together.
+/// A problem and the rows that have the same one.
+struct Complaint {
+    place: Place,
+    title: String,
+    label: String,
+    help: String,
+    /// What makes others the same; nothing is the same as one without.
+    cause: Option<(usize, &'static str)>,
+    /// How many more rows have it, and in which lines the first and the last of them stand.
+    more: usize,
+    lines: (usize, usize),
+}
+
+/// Problems of one file, told together; equal ones of many rows as one.
 pub(crate) struct Complaints<'a> {
     source: &'a Source,
-    problems: Problems,
+    list: Vec<Complaint>,
 }
 
 impl<'a> Complaints<'a> {
     /// None yet.
     pub fn of(source: &'a Source) -> Self {
-        Self { source, problems: Problems::default() }
+        Self { source, list: Vec::new() }
     }
 
     /// One more.
     pub fn add(&mut self, place: &Place, title: &str, label: &str, help: &str) {
-        self.problems.push(std::slice::from_ref(self.source), place, title, label, help);
+        self.note(None, 0, place, [title, label, help]);
+    }
+
+    /// One more in a row, of a column and a kind: the first of those is told, and how many follow. `words` are title, label
+    /// and help.
+    pub fn add_row(&mut self, cause: (usize, &'static str), line: usize, place: &Place, words: [&str; 3]) {
+        if let Some(first) = self.list.iter_mut().find(|complaint| complaint.cause == Some(cause)) {
+            let from = if first.more == 0 { line } else { first.lines.0 };
+            first.more += 1;
+            first.lines = (from, line);
+            return;
+        }
+        self.note(Some(cause), line, place, words);
+    }
+
+    fn note(&mut self, cause: Option<(usize, &'static str)>, line: usize, place: &Place, words: [&str; 3]) {
+        let [title, label, help] = words.map(String::from);
+        self.list.push(Complaint { place: place.clone(), title, label, help, cause, more: 0, lines: (line, line) });
     }
 
     /// All of them as an error, where there are any.
     pub fn check(self) -> Result<()> {
-        self.problems.into_message().map_or(Ok(()), |message| Err(Error::Input(message)))
+        let mut problems = Problems::default();
+        for Complaint { place, title, label, help, more, lines, .. } in self.list {
+            let title = match more {
+                0 => title,
+                1 => format!("{title} … and 1 more row, line {}", lines.0),
+                more => format!("{title} … and {more} more rows, lines {} to {}", lines.0, lines.1),
+            };
+            problems.push(std::slice::from_ref(self.source), &place, &title, &label, &help);
+        }
+        problems.into_message().map_or(Ok(()), |message| Err(Error::Input(message)))
     }
 }

@@ -8,14 +8,15 @@ mod dataset;
 use std::f64::consts::TAU;
 
 use super::columns::only_value;
+use super::frame::Frame;
 use super::header::{AMPLITUDE, DRIVE, FREQUENCY, LOAD, SPEED};
 use super::pool::{Reading, Readings, wrap};
 use super::sheet::Complaints;
 use crate::error::{Error, Result};
-use crate::scenario::Sweep;
 use crate::scenario::diagnostic::{Place, quote, whole_file};
-use crate::scenario::parameters::MEASURED;
+use crate::scenario::parameters::{MEASURED, needed_range};
 use crate::scenario::source::Source;
+use crate::scenario::{Signals, Sweep};
 use crate::units;
 use dataset::{Characteristics, Dataset};
 
@@ -23,6 +24,7 @@ use dataset::{Characteristics, Dataset};
 pub(crate) fn readings(
     source: &Source,
     record: Option<usize>,
+    frame: &Frame<'_>,
     sweep: Option<&Sweep>,
     notes: &mut Vec<String>,
 ) -> Result<Readings> {
@@ -31,7 +33,7 @@ pub(crate) fn readings(
     let mut complaints = Complaints::of(source);
     let mut conditions = [0.0; 3];
     for (value, column) in conditions.iter_mut().zip([SPEED, LOAD, DRIVE]) {
-        match only_value(column, sweep, notes) {
+        match only_value(column, frame, sweep, notes) {
             Ok(found) => *value = found,
             Err(why) => {
                 let key = MEASURED[column].key;
@@ -80,6 +82,8 @@ pub(crate) fn readings(
             amplitude_sd: None,
             phase_sd: None,
             mean: None,
+            name: String::new(),
+            sweep: None,
             aside: Vec::new(),
         });
     }
@@ -87,16 +91,16 @@ pub(crate) fn readings(
     if resting > 0 {
         notes.push("the value at 0 Hz is not used".into());
     }
-    Ok(Readings { source: source.clone(), list, amplitude_stated: false, phase_stated: false })
+    let signals = Signals::ARM;
+    Ok(Readings { source: source.clone(), list, signals, amplitude_stated: false, phase_stated: false })
 }
 
 fn within(column: usize, value: f64, place: &Place, complaints: &mut Complaints<'_>) -> bool {
     let info = MEASURED[column];
     let inside = (info.minimum..=info.maximum).contains(&value);
     if !inside {
-        let limit = |value| units::format(value, info.unit);
-        let title = format!("the {} is outside its physical range: {}", info.key, limit(value));
-        let label = format!("needs {} to {}", limit(info.minimum), limit(info.maximum));
+        let title = format!("the {} is outside its physical range: {}", info.key, units::format(value, info.unit));
+        let label = needed_range((info.minimum, info.maximum), info.unit);
         let help = "check that the function is the arm's angle in rad over the actuator's displacement in m, and u0 in [sweep]";
         complaints.add(place, &title, &label, help);
     }

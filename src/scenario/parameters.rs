@@ -29,6 +29,19 @@ const fn info(
     }
 }
 
+/// What values of a range need to be, for messages: `needs to be more than zero`, `needs 16 to 1e6`.
+pub(crate) fn needed_range(range: (f64, f64), unit: &str) -> String {
+    let show = |value| crate::units::format(value, unit);
+    match range {
+        POSITIVE => "needs to be more than zero".into(),
+        ZERO_OR_MORE => "needs to be zero or more".into(),
+        ANY => "needs to be finite".into(),
+        (f64::MIN_POSITIVE, maximum) => format!("needs to be more than zero, up to {}", show(maximum)),
+        (minimum, f64::MAX) => format!("needs to be {} or more", show(minimum)),
+        (minimum, maximum) => format!("needs {} to {}", show(minimum), show(maximum)),
+    }
+}
+
 /// The table `[rig]` of kind `torsional-arm`.
 pub const RIG: &[ParameterInfo] = &[
     info(("inertia", "J", "kg m^2"), POSITIVE, "inertia of the arm about the torsional axis"),
@@ -173,20 +186,33 @@ pub const QUESTION: &[ParameterInfo] = &[
 ];
 
 /// Columns of a measurement table that `[measurement] columns` may map.
-pub const COLUMNS: &[&str] =
-    &["speed", "load", "drive", "frequency", "amplitude", "phase", "amplitude_sd", "phase_sd", "mean"];
+pub const COLUMNS: &[&str] = &[
+    "speed",
+    "load",
+    "drive",
+    "frequency",
+    "amplitude",
+    "phase",
+    "amplitude_sd",
+    "phase_sd",
+    "mean",
+    "series",
+    "sweep",
+    "force",
+    "torque",
+];
 
-/// What those columns hold, in the same order; units without prefix.
+/// What the columns of numbers hold, in the same order; units without prefix, those of drive and reading as of the paper's rig.
 pub const MEASURED: &[ParameterInfo] = &[
     SWEEP[1],
     SWEEP[2],
     SWEEP[3],
     SWEEP[0],
-    info(("amplitude", "A", "rad"), ZERO_OR_MORE, "amplitude of the arm's angle at the frequency of the drive"),
+    info(("amplitude", "A", "rad"), ZERO_OR_MORE, "amplitude of the reading at the frequency of the drive"),
     info(("phase", "φ", "rad"), (-12.6, 12.6), "phase of the reading relative to the drive"),
     info(("amplitude_sd", "", "rad"), ZERO_OR_MORE, "standard deviation of the amplitude"),
     info(("phase_sd", "", "rad"), (0.0, 12.6), "standard deviation of the phase"),
-    info(("mean", "", "rad"), ANY, "mean angle of the arm"),
+    info(("mean", "", "rad"), ANY, "mean of the reading"),
 ];
 
 /// Names of figures that a scenario may ask for.
@@ -221,6 +247,6 @@ mod tests {
 
     #[test]
     fn every_column_says_what_it_holds() {
-        assert_eq!(MEASURED.iter().map(|info| info.key).collect::<Vec<_>>(), COLUMNS);
+        assert_eq!(MEASURED.iter().map(|info| info.key).collect::<Vec<_>>(), COLUMNS[..MEASURED.len()]);
     }
 }

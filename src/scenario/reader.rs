@@ -181,7 +181,7 @@ impl<'a> Reader<'a> {
         if !(info.minimum..=info.maximum).contains(&value) {
             let shown = if value.is_finite() { units::format(value, unit) } else { format!("{value}") };
             let title = format!("`{key}` is outside its physical range: {shown}");
-            let label = format!("needs {} to {}", units::format(info.minimum, unit), units::format(info.maximum, unit));
+            let label = super::parameters::needed_range((info.minimum, info.maximum), unit);
             let help =
                 format!("`{key}` is the {}; check the number and its unit (a bare number is in {unit})", info.meaning);
             let help = if unit == "1" { format!("`{key}` is the {}; check the number", info.meaning) } else { help };
