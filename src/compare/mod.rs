@@ -205,21 +205,22 @@ pub struct Options {
 
 /// Calibrates the free parameters of a scenario and compares with its measurements.
 pub fn compare(scenario: &Scenario, table: &Table, options: &Options) -> Comparison {
+    let scenario = &table.applied_to(scenario);
     let model = Model::new(scenario);
     let calibration = calibrate(&model, &scenario.free, &table.points, Tolerance::default(), options.seed);
-    let comparison = judge(scenario, table, &model, &calibration, true);
+    let comparison = judge(scenario, table, &calibration, true);
     // Here, not by the first of the figures that are drawn in parallel.
     comparison.error_budget();
     comparison
 }
 
-/// Compares a model whose calibration is done with the measurements. `base` is the model before it; `profile` asks for
-/// intervals by profile likelihood rather than from the curvature; where these find a better calibration it is taken.
+/// Compares a model whose calibration is done with the measurements; `profile` asks for intervals by profile likelihood rather than from the curvature; where these find a better calibration it is taken.
 /// Where nothing but noise is left and its scatter contradicts the stated standard deviations, intervals, ranges of misfit and
 /// readings that stand out go by the scatter.
-pub fn judge(scenario: &Scenario, table: &Table, base: &Model, calibration: &Calibration, profile: bool) -> Comparison {
+pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, profile: bool) -> Comparison {
     let settings = settings_of(scenario, table);
-    let mut calibrated = Problem::new(base.clone(), &table.points, calibration.fit.parameters.clone(), Tolerance::FIT);
+    let mut calibrated =
+        Problem::new(calibration.base.clone(), &table.points, calibration.fit.parameters.clone(), Tolerance::FIT);
     let noise_of = |fit: &Fit| {
         let points = compared(&table.points, &fit.evaluation.predictions);
         let whiteness = whiteness(&points, settings.len(), fit.parameters.len());

@@ -108,8 +108,9 @@ impl Search<'_> {
     }
 
     pub(super) fn comparison(&self, hypothesis: &Hypothesis, profile: bool, noise: f64) -> Comparison {
-        let calibration = Calibration { fit: hypothesis.fit.clone(), threshold: HUBER * noise };
-        compare::judge(self.scenario, self.table, &hypothesis.model, &calibration, profile)
+        let (base, fit) = (hypothesis.model.clone(), hypothesis.fit.clone());
+        let calibration = Calibration { base, fit, threshold: HUBER * noise };
+        compare::judge(self.scenario, self.table, &calibration, profile)
     }
 
     /// All hypotheses of the first round and those about the explanation, the best first.

@@ -1,6 +1,7 @@
 //! Series: one sweep of the frequency each, along which structure, noise and shape are judged.
 
 use super::Point;
+use crate::scenario::Scenario;
 
 /// Which way the frequency was swept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -29,6 +30,13 @@ pub struct Series {
     pub drive: f64,
     /// Smallest and largest drive.
     pub drives: (f64, f64),
+}
+
+impl super::Table {
+    /// The scenario with what the table says of drive and reading.
+    pub fn applied_to(&self, scenario: &Scenario) -> Scenario {
+        Scenario { signals: self.signals, ..scenario.clone() }
+    }
 }
 
 /// Series of points in canonical order that share load, speed and drive exactly; says in every point to which it belongs.
