@@ -10,7 +10,7 @@ use crate::files;
 use crate::fit::{Identified, Interval, Parameter};
 use crate::gate;
 use crate::measurement::{self, Table};
-use crate::scenario::{self, Formulation, Scenario};
+use crate::scenario::{self, Formulation, Scenario, Signals};
 use crate::units;
 use std::path::Path;
 
@@ -90,6 +90,12 @@ pub(super) fn table(scenario: &Scenario) -> Result<Option<Table>> {
         )));
     }
     Ok(table)
+}
+
+/// The scenario whose sweep is simulated: what is read in it is what was measured, where anything was.
+pub(super) fn swept(scenario: &Scenario, table: Option<&Table>) -> Scenario {
+    let reading = table.map_or(scenario.signals.reading, |table| table.signals.reading);
+    Scenario { signals: Signals { reading, ..scenario.signals }, ..scenario.clone() }
 }
 
 /// The comparison of a scenario with its table in a report.

@@ -39,11 +39,15 @@ impl Effect for CubicStiffness {
         &[Zero { parameter: 0, value: 0.0 }]
     }
     fn parameters(&self) -> &'static [ParameterInfo] {
-        const LIST: &[ParameterInfo] =
-            &[ParameterInfo::searched(("K_3", "K₃", "N m/rad^3"), ANY, (1e5, 1e12), "cubic coefficient of the torque")
-                .in_units_of(Measure::Cubic)
-                .alone(0.01, 1000.0)
-                .either_sign()];
+        const LIST: &[ParameterInfo] = &[ParameterInfo::searched(
+            ("K_3", "K₃", "N m/rad^3"),
+            ANY,
+            (1e5, 1e12),
+            "cubic coefficient of torque or force",
+        )
+        .in_units_of(Measure::Cubic)
+        .alone(0.01, 1000.0)
+        .either_sign()];
         LIST
     }
 

@@ -41,7 +41,7 @@ impl Effect for QuadraticDamping {
             ("D_2", "D₂", "N m s^2/rad^2"),
             ZERO_OR_MORE,
             (0.1, 1e4),
-            "quadratic coefficient of the torque",
+            "quadratic coefficient of torque or force",
         )
         .in_units_of(Measure::Quadratic)
         .alone(0.01, 1000.0)];

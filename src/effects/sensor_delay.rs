@@ -36,14 +36,10 @@ impl Effect for SensorDelay {
         &[Zero { parameter: 0, value: 0.0 }]
     }
     fn parameters(&self) -> &'static [ParameterInfo] {
-        const LIST: &[ParameterInfo] = &[ParameterInfo::searched(
-            ("tau", "τ", "s"),
-            ANY,
-            (1e-6, 1e-2),
-            "delay of the reading behind the drive",
-        )
-        .in_units_of(Measure::Time)
-        .either_sign()];
+        const LIST: &[ParameterInfo] =
+            &[ParameterInfo::searched(("tau", "τ", "s"), ANY, (1e-6, 1e-2), "delay of the reading behind the drive")
+                .in_units_of(Measure::Time)
+                .either_sign()];
         LIST
     }
 
