@@ -166,7 +166,7 @@ fn sentence(region: &Region, condition: &ConditionMetrics, part: &[&Compared], d
 }
 
 /// Shift of a resonance, in its width, up to which nothing is said of it.
-const SHIFTED: f64 = 0.035;
+const SHIFTED: f64 = 0.03;
 
 /// A phase that runs through the measured one is on neither side of it.
 fn phase_words(mean: f64, part: &[&Compared], digits: &Frequencies) -> String {
