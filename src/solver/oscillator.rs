@@ -8,8 +8,8 @@
 use super::joint::{Instant, pulls, unloading};
 use super::tolerance::Tolerance;
 use crate::model::system::SingleMode;
-use nalgebra::{DMatrix, DVector};
 use crate::roots::regula_falsi;
+use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
 /// Highest harmonics that are tried in turn; all odd.
