@@ -401,7 +401,12 @@ impl Search<'_> {
             return None;
         }
         let points = compare::compared(&self.table.points, &hypothesis.fit.evaluation.predictions);
-        Some(compare::whiteness(&points, self.table.series.len(), hypothesis.fit.parameters.len()))
+        Some(compare::whiteness(
+            &points,
+            self.table.series.len(),
+            hypothesis.fit.parameters.len(),
+            self.table.amplitude_noise,
+        ))
     }
 
     pub(super) fn readings(&self) -> usize {

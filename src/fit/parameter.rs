@@ -10,6 +10,8 @@ const CONTACT_FACTOR: f64 = 30.0;
 const RIG_FACTOR: f64 = 3.0;
 /// Its dampings, which nobody measures before the experiment, within this one.
 const RIG_DAMPING_FACTOR: f64 = 10.0;
+/// Numbers of any other rig, its stiffness apart, within this one.
+const UNKNOWN_FACTOR: f64 = 1e3;
 /// A fit may leave the range that the catalogue searches by this factor.
 const BEYOND: f64 = 3.0;
 /// Part of the largest magnitude that counts as zero where a range starts at zero.
@@ -63,6 +65,8 @@ pub fn parameter(model: &Model, key: &str) -> Option<Parameter> {
     let value = *model.clone().parameter(at, index)?;
     let factor = match table {
         "contact" => CONTACT_FACTOR,
+        // Nobody knows the mass of a mode, its damping or the gain of a sensor before it is measured.
+        _ if !model.rig.is_arm() && !["natural_frequency", "stiffness"].contains(&name) => UNKNOWN_FACTOR,
         "rig" if ["damping", "quality_factor", "damping_ratio"].iter().any(|end| name.ends_with(end)) => {
             RIG_DAMPING_FACTOR
         }

@@ -39,6 +39,8 @@ pub(crate) struct Layout {
     pub sweep: Option<usize>,
     /// Columns that are not used.
     pub aside: Vec<usize>,
+    /// Keys and headers that a scenario has to map, as several columns could serve.
+    pub choices: Vec<(String, String)>,
 }
 
 /// A column that a header names.
@@ -60,6 +62,8 @@ struct Search<'a, 'b> {
     taken: Vec<bool>,
     /// Columns that the scenario maps, or that were complained about.
     told: [bool; ALL],
+    /// What was chosen of several where there is no scenario to say it.
+    choices: Vec<(String, String)>,
 }
 
 /// Finds the columns; problems are noted at the header.
@@ -79,12 +83,14 @@ pub(crate) fn layout(
     };
     let named = mapping.iter().any(|(key, _)| column_of(key) == Some(FREQUENCY));
     if !named && !sheet.header.cells.iter().any(known) && samples::refuse(sheet, complaints) {
-        return Layout { slots: Default::default(), series: None, sweep: None, aside: Vec::new() };
+        let slots = Default::default();
+        return Layout { slots, series: None, sweep: None, aside: Vec::new(), choices: Vec::new() };
     }
-    let mut search = Search { sheet, frame, complaints, notes, slots, words, taken, told };
+    let choices = Vec::new();
+    let mut search = Search { sheet, frame, complaints, notes, slots, words, taken, told, choices };
     search.map(mapping);
     search.find();
-    let Search { mut slots, words, taken, told, .. } = search;
+    let Search { mut slots, words, taken, told, choices, .. } = search;
     let aside: Vec<usize> = (0..taken.len()).filter(|index| !taken[*index]).collect();
     let needed = (SPEED..=AMPLITUDE).filter(|column| frame.has_contact() || !matches!(*column, SPEED | LOAD));
     let mut lacking = Vec::new();
@@ -102,7 +108,7 @@ pub(crate) fn layout(
     name_aside(sheet, frame, &slots, &aside, notes);
     without_contact(sheet, frame, &slots, notes);
     without_sensitivity(sheet, frame, &slots, notes);
-    Layout { slots, series: words[SERIES - NUMBERS], sweep: words[SWEEP - NUMBERS], aside }
+    Layout { slots, series: words[SERIES - NUMBERS], sweep: words[SWEEP - NUMBERS], aside, choices }
 }
 
 impl Search<'_, '_> {
@@ -129,7 +135,7 @@ impl Search<'_, '_> {
                     }
                 }
                 Meaning::NoUnit(column) if !self.told[column] => {
-                    unsuited.push((index, column, Ok("nothing tells its unit".into())));
+                    unsuited.push((index, column, Ok("no unit is stated, and nothing else tells it".into())));
                 }
                 Meaning::BadUnit(column, why) if !self.told[column] => unsuited.push((index, column, Ok(why))),
                 Meaning::Words(column) if !self.told[column] => {
@@ -143,7 +149,9 @@ impl Search<'_, '_> {
                 _ => {}
             }
         }
-        let with_speed = !self.frame.has_contact() || self.told[SPEED] || !candidates[SPEED].is_empty();
+        let contact = self.frame.has_contact() || self.frame.is_free() && !candidates[LOAD].is_empty();
+        let roller = self.told[SPEED] || !candidates[SPEED].is_empty() || !aliases[SPEED].is_empty();
+        let with_speed = !contact || roller;
         for (column, (candidates, aliases)) in candidates.into_iter().zip(aliases).enumerate() {
             if candidates.is_empty() {
                 self.choose_alias(column, aliases, with_speed);
@@ -163,7 +171,10 @@ impl Search<'_, '_> {
     }
 
     /// The column that is used of those that could be; volts only where nothing else is there.
-    fn choose(&mut self, column: usize, candidates: Vec<Candidate>) {
+    fn choose(&mut self, column: usize, mut candidates: Vec<Candidate>) {
+        if self.frame.is_free() {
+            self.keep_likeliest(column, &mut candidates);
+        }
         let volts = |candidate: &Candidate| candidate.unit.si == "V";
         let all_volts = candidates.iter().all(volts);
         for candidate in candidates.into_iter().filter(|candidate| all_volts || !volts(candidate)) {
@@ -192,6 +203,9 @@ impl Search<'_, '_> {
             // A velocity may be the roller's.
             candidates.retain(|candidate| column != AMPLITUDE || candidate.unit.si != "m/s");
         }
+        if self.frame.is_free() {
+            self.keep_likeliest(column, &mut candidates);
+        }
         match candidates.as_slice() {
             [] => {}
             [one] => {
@@ -214,6 +228,24 @@ impl Search<'_, '_> {
                 self.told[column] = true;
             }
             _ => {}
+        }
+    }
+
+    /// Of several drives or readings, where there is no scenario to say which: the drive that is most often one, the reading that
+    /// stands first; volts come last.
+    fn keep_likeliest(&mut self, column: usize, candidates: &mut Vec<Candidate>) {
+        if candidates.len() < 2 || !matches!(column, DRIVE | AMPLITUDE) {
+            return;
+        }
+        let rank = |candidate: &Candidate| {
+            let place = self.frame.serving(column).iter().position(|si| *si == candidate.unit.si);
+            if column == DRIVE { place } else { Some(usize::from(candidate.unit.si == "V")) }
+        };
+        candidates.sort_by_key(rank);
+        let alone = rank(&candidates[0]) != rank(&candidates[1]) && candidates[1].unit.si == "V";
+        candidates.truncate(1);
+        if !alone {
+            self.choices.push((COLUMNS[column].into(), self.sheet.header.cells[candidates[0].index].clone()));
         }
     }
 

@@ -68,6 +68,9 @@ const ALIASES: &[Alias] = &[
     alias("drive_frequency", FREQUENCY, HERTZ, true),
     alias("excitation_frequency", FREQUENCY, HERTZ, true),
     alias("f", DRIVE, NEWTON, false),
+    alias("force", DRIVE, NEWTON, false),
+    alias("torque", DRIVE, TORQUE, false),
+    alias("drive", DRIVE, &[], false),
     alias("kraft", DRIVE, NEWTON, false),
     alias("excitation_force", DRIVE, NEWTON, false),
     alias("drive_force", DRIVE, NEWTON, false),
@@ -282,7 +285,7 @@ pub(crate) fn mapped(header: &str, key: &str, column: usize, frame: &Frame<'_>) 
     if let Some(first) = stated.next() {
         // Of a quotient and a product of the same words, the one that serves.
         let second = stated.next().filter(|second| *second == first.replace('/', " "));
-        let unit = wanted.unit(&first).or_else(|why| second.map_or(Err(why), |second| wanted.unit(&second)));
+        let unit = wanted.unit(&first).or_else(|why| second.and_then(|second| wanted.unit(&second).ok()).ok_or(why));
         return unit.map(|unit| (unit, true)).map_err(|why| format!("its name ends in a unit: {why}"));
     }
     let said = plain(name);

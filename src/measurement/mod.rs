@@ -18,6 +18,7 @@ mod samples;
 mod scatter;
 mod series;
 mod sheet;
+mod survey;
 mod unit;
 mod universal;
 mod workbook;
@@ -26,13 +27,15 @@ use std::path::{Path, PathBuf};
 
 pub use scatter::{Scatter, Spread, scatter};
 pub use series::{Direction, Series, by_condition};
+pub use survey::{Column, Survey, survey};
 
 use crate::error::{Error, Result};
 use crate::scenario::diagnostic::whole_file;
-use crate::scenario::{MeasurementSource, Scenario, Signals};
+use crate::scenario::{MeasurementSource, Scenario, Signals, Sweep};
 use crate::statistics::median;
+use frame::Frame;
 
-/// One measured steady state, SI units and rad.
+/// One measured steady state, SI units.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Point {
     /// Data row in the file, counted from 1, the header not counted; the first of them where readings were pooled.
@@ -43,19 +46,19 @@ pub struct Point {
     pub speed: f64,
     /// W, normal load \[N\].
     pub load: f64,
-    /// u0, amplitude of the actuator \[m\].
+    /// Amplitude of the drive, in the unit of [`Table::signals`]: of the paper's actuator u0 \[m\].
     pub drive: f64,
     /// f, frequency of the drive \[Hz\].
     pub frequency: f64,
-    /// A, amplitude of the arm at that frequency \[rad\].
+    /// Amplitude of the reading at that frequency, in the unit of [`Table::signals`]: of the paper's arm A \[rad\].
     pub amplitude: f64,
-    /// Phase relative to the actuator in (-pi, pi] \[rad\].
+    /// Phase relative to the drive in (-pi, pi] \[rad\].
     pub phase: Option<f64>,
-    /// Standard deviation of the amplitude \[rad\].
+    /// Standard deviation of the amplitude, in its unit.
     pub amplitude_sd: f64,
     /// Standard deviation of the phase \[rad\]; there exactly where there is a phase.
     pub phase_sd: Option<f64>,
-    /// Mean angle of the arm \[rad\].
+    /// Mean of the reading, in the unit of the amplitude.
     pub mean: Option<f64>,
     /// Number of readings that were pooled; 1 for a single one.
     pub replicates: usize,
@@ -85,7 +88,7 @@ impl NoiseSource {
     }
 }
 
-/// A table of measured steady states, sorted by load, speed, drive and frequency whatever the order of its rows.
+/// A table of measured steady states, sorted by series and frequency; the series by load, speed and drive.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Table {
     /// The file, as the scenario leads to it.
@@ -134,9 +137,19 @@ impl Table {
         let number = |value| crate::units::format(value, "1");
         let span =
             if low == high { format!("{} Hz", number(low)) } else { format!("{}-{} Hz", number(low), number(high)) };
-        let (points, conditions) =
-            (crate::units::count(self.points.len(), "point"), crate::units::count(conditions, "condition"));
-        format!("{points}, {conditions}, {span}, {kinds}, {noise}")
+        let points = crate::units::count(self.points.len(), "point");
+        let sweeps = if self.has_set_drives(conditions) {
+            crate::units::count(conditions, "condition")
+        } else {
+            format!("{} series", self.series.len())
+        };
+        format!("{points}, {sweeps}, {span}, {kinds}, {noise}")
+    }
+
+    /// Whether load, speed and drive tell the series apart, of which there are so many combinations.
+    fn has_set_drives(&self, conditions: usize) -> bool {
+        let set = |series: &Series| series.name.is_empty() && series.drives.0 == series.drives.1;
+        self.series.len() <= conditions && self.series.iter().all(set)
     }
 
     /// Ranges of what was set and of what was read, in a line: a wrong unit shows there.
@@ -151,13 +164,15 @@ impl Table {
                 format!("{name} {} to {}", show(low), show(high))
             }
         };
-        [
-            one("speed", "m/s", &|p| p.speed),
-            one("load", "N", &|p| p.load),
-            one("drive", "m", &|p| p.drive),
-            one("amplitude", "rad", &|p| p.amplitude),
-        ]
-        .join(", ")
+        let Signals { drive, reading } = self.signals;
+        let arm = self.signals == Signals::ARM;
+        let contact = arm || self.points.iter().any(|point| (point.speed, point.load) != (0.0, 0.0));
+        let of_contact = [one("speed", "m/s", &|p| p.speed), one("load", "N", &|p| p.load)];
+        let of_rig = [
+            one(drive.name, drive.unit, &|p| p.drive),
+            one(if arm { "amplitude" } else { reading.name }, reading.unit, &|p| p.amplitude),
+        ];
+        of_contact.into_iter().filter(|_| contact).chain(of_rig).collect::<Vec<_>>().join(", ")
     }
 }
 
@@ -168,37 +183,47 @@ impl Table {
 /// system refuses the file.
 pub fn load(scenario: &Scenario) -> Result<Option<Table>> {
     let Some(wanted) = &scenario.measurement else { return Ok(None) };
+    read(wanted, &Frame::of(scenario), scenario.sweep.as_ref()).map(|(table, ..)| Some(table))
+}
+
+/// Table, columns and choices of a file.
+type Read = (Table, Vec<Column>, Vec<(String, String)>);
+
+/// Reads a table for what is expected of it.
+fn read(wanted: &MeasurementSource, frame: &Frame<'_>, sweep: Option<&Sweep>) -> Result<Read> {
     let bytes = file::bytes(&wanted.file)?;
-    let frame = frame::Frame::of(scenario);
     let mut notes = Vec::new();
-    let readings = match Format::of(&wanted.file)? {
+    let format = Format::of(&wanted.file)?;
+    let readings = match format {
         Format::Delimited => {
             let sheet = delimited::sheet(file::text(&wanted.file, &bytes, &mut notes)?, None)?;
-            rows::readings(&sheet, &wanted.columns, &frame, scenario.sweep.as_ref(), &mut notes)?
+            rows::readings(&sheet, &wanted.columns, frame, sweep, &mut notes)?
         }
         Format::Workbook => {
             let sheet = workbook::sheet(&wanted.file, &bytes, wanted.sheet.as_deref(), &mut notes)?;
-            rows::readings(&sheet, &wanted.columns, &frame, scenario.sweep.as_ref(), &mut notes)?
+            rows::readings(&sheet, &wanted.columns, frame, sweep, &mut notes)?
         }
         Format::Universal => {
             let source = file::text(&wanted.file, &bytes, &mut Vec::new())?;
-            universal::readings(&source, wanted.record, &frame, scenario.sweep.as_ref(), &mut notes)?
+            universal::readings(&source, wanted.record, frame, sweep, &mut notes)?
         }
     };
-    unused_keys(wanted, Format::of(&wanted.file)?, &mut notes);
-    let signals = readings.signals;
-    let pooled = pool::pool(readings, &mut notes)?;
-    let (mut points, amplitude_noise, phase_noise) = noise::assign(pooled, &wanted.file, &mut notes)?;
-    let mut series = series::by_condition(&mut points);
-    if scenario.contact.is_none() {
+    unused_keys(wanted, format, &mut notes);
+    let pool::Readings { signals, columns, choices, .. } = &readings;
+    let (signals, columns, choices) = (*signals, columns.clone(), choices.clone());
+    let mut pooled = pool::pool(readings, frame.is_arm(), &mut notes)?;
+    let mut series = std::mem::take(&mut pooled.series);
+    let (mut points, amplitude_noise, phase_noise) = noise::assign(pooled, &wanted.file, signals, &mut notes)?;
+    if !frame.is_free() && !frame.has_contact() {
         // Without a contact they tell series apart and nothing else.
         points.iter_mut().for_each(|point| (point.speed, point.load) = (0.0, 0.0));
         series.iter_mut().for_each(|one| (one.speed, one.load) = (0.0, 0.0));
     }
-    notes.extend(doubts::doubts(&points));
+    notes.extend(doubts::doubts(&points, frame.is_arm()));
     let hash = blake3::hash(&bytes).to_hex().to_string();
     let file = wanted.file.clone();
-    Ok(Some(Table { file, hash, points, series, signals, amplitude_noise, phase_noise, notes }))
+    let table = Table { file, hash, points, series, signals, amplitude_noise, phase_noise, notes };
+    Ok((table, columns, choices))
 }
 
 /// Formats, by the extension of the file's name.

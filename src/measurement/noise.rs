@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
+use super::frame::amplitude_header;
 use super::pool::{Pooled, Repeats};
 use super::{NoiseSource, Point, Spread, scatter};
 use crate::error::{Error, Result};
+use crate::scenario::Signals;
 use crate::scenario::diagnostic::whole_file;
 use crate::statistics::median;
 
@@ -18,9 +20,10 @@ const ENOUGH_REPEATS: usize = 5;
 pub(crate) fn assign(
     pooled: Pooled,
     file: &Path,
+    signals: Signals,
     notes: &mut Vec<String>,
 ) -> Result<(Vec<Point>, NoiseSource, Option<NoiseSource>)> {
-    let Pooled { mut points, spreads, amplitude_stated, phase_stated, amplitude_repeats, phase_repeats } = pooled;
+    let Pooled { mut points, spreads, amplitude_stated, phase_stated, amplitude_repeats, phase_repeats, .. } = pooled;
     let seen = scatter(&points);
     let phases = points.iter().any(|point| point.phase.is_some());
 
@@ -29,7 +32,7 @@ pub(crate) fn assign(
         contradiction("amplitude", stated, seen.amplitude, notes);
         NoiseSource::Stated
     } else {
-        let (sd, source) = estimate("amplitude", amplitude_repeats, seen.amplitude, file, notes)?;
+        let (sd, source) = estimate("amplitude", amplitude_repeats, seen.amplitude, (file, signals), notes)?;
         for (point, own) in points.iter_mut().zip(&spreads) {
             let pooled = sd * point.amplitude / (point.replicates as f64).sqrt();
             point.amplitude_sd = pooled.max(own.amplitude.unwrap_or(0.0));
@@ -49,7 +52,7 @@ pub(crate) fn assign(
         contradiction("phase", median(points.iter().filter_map(single)), seen.phase, notes);
         NoiseSource::Stated
     } else {
-        let (sd, source) = estimate("phase", phase_repeats, seen.phase, file, notes)?;
+        let (sd, source) = estimate("phase", phase_repeats, seen.phase, (file, signals), notes)?;
         for (point, own) in points.iter_mut().zip(&spreads) {
             let pooled = sd / (own.phases.max(1) as f64).sqrt();
             point.phase_sd = point.phase.map(|_| pooled.max(own.phase.unwrap_or(0.0)));
@@ -64,7 +67,7 @@ fn estimate(
     what: &str,
     repeats: Repeats,
     seen: Option<Spread>,
-    file: &Path,
+    (file, signals): (&Path, Signals),
     notes: &mut Vec<String>,
 ) -> Result<(f64, NoiseSource)> {
     let repeated = || (repeats.squares / repeats.freedom as f64).sqrt().max(FLOOR);
@@ -75,13 +78,18 @@ fn estimate(
         None => {
             let title = format!("`{}` states no noise of the {what}, and it cannot be estimated", file.display());
             let column = if what == "phase" {
-                "phase_sd_rad or phase_sd_deg"
+                "phase_sd_rad or phase_sd_deg".into()
             } else {
-                "amplitude_sd_rad or amplitude_sd_percent"
+                let header = amplitude_header(signals.reading.unit).replacen("amplitude", "amplitude_sd", 1);
+                format!("{header} or amplitude_sd_percent")
+            };
+            let sweep = if signals == Signals::ARM {
+                "condition (same load, speed and drive)"
+            } else {
+                "series (rows that follow each other, or a column `series`)"
             };
             let help = format!(
-                "add a column {column}, or measure at least 6 frequencies in one condition (same load, speed and drive), \
-                 or repeat readings; \
+                "add a column {column}, or measure at least 6 frequencies in one {sweep}, or repeat readings; \
                  without a standard deviation no misfit can be judged"
             );
             return Err(Error::Input(whole_file(&title, &help)));

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
 use super::sheet::Complaints;
-use super::{Direction, Point};
+use super::{Column, Direction, Point, Series, series};
 use crate::error::Result;
 use crate::scenario::Signals;
 use crate::scenario::diagnostic::Place;
@@ -30,6 +30,8 @@ pub(crate) struct Reading {
     pub name: String,
     /// Which way the table says that the frequency was swept.
     pub sweep: Option<Direction>,
+    /// Number of its series, once these are found.
+    pub series: usize,
     /// Cells of the columns that are not used; they tell a repetition from a copy.
     pub aside: Vec<String>,
 }
@@ -41,6 +43,10 @@ pub(crate) struct Readings {
     pub list: Vec<Reading>,
     /// What drive and amplitude are.
     pub signals: Signals,
+    /// What was made of the file's columns.
+    pub columns: Vec<Column>,
+    /// Keys and headers that a scenario has to map, as several columns could serve.
+    pub choices: Vec<(String, String)>,
     pub amplitude_stated: bool,
     pub phase_stated: bool,
 }
@@ -66,6 +72,8 @@ pub(crate) struct Own {
 /// Points without estimated deviations yet, and what repetition tells about them.
 #[derive(Debug)]
 pub(crate) struct Pooled {
+    /// The sweeps that the points belong to.
+    pub series: Vec<Series>,
     /// Deviations that are not stated are NaN.
     pub points: Vec<Point>,
     /// Per point, what its own readings tell.
@@ -84,20 +92,22 @@ pub(crate) fn wrap(angle: f64) -> f64 {
     if turned <= -PI { turned + TAU } else { turned }
 }
 
-/// Sorts, refuses copies of rows, unites repetitions.
-pub(crate) fn pool(readings: Readings, notes: &mut Vec<String>) -> Result<Pooled> {
+/// Finds the series, sorts, refuses copies of rows, unites repetitions. `arm` tells the paper's rig.
+pub(crate) fn pool(readings: Readings, arm: bool, notes: &mut Vec<String>) -> Result<Pooled> {
     let Readings { source, mut list, amplitude_stated, phase_stated, .. } = readings;
     let axes: [fn(&mut Reading) -> &mut f64; 4] =
         [|r| &mut r.load, |r| &mut r.speed, |r| &mut r.drive, |r| &mut r.frequency];
     for axis in axes {
         snap(&mut list, axis);
     }
+    let series = series::group(&mut list, arm);
     list.sort_by(|a, b| {
         let keys = key(a).into_iter().zip(key(b)).map(|(a, b)| a.total_cmp(&b));
         keys.fold(std::cmp::Ordering::Equal, std::cmp::Ordering::then).then_with(|| a.row.cmp(&b.row))
     });
     refuse_copies(&source, &list)?;
     let mut pooled = Pooled {
+        series,
         points: Vec::new(),
         spreads: Vec::new(),
         amplitude_stated,
@@ -105,7 +115,7 @@ pub(crate) fn pool(readings: Readings, notes: &mut Vec<String>) -> Result<Pooled
         amplitude_repeats: Repeats::default(),
         phase_repeats: Repeats::default(),
     };
-    for group in list.chunk_by(|a, b| key(a)[..4] == key(b)[..4]) {
+    for group in list.chunk_by(|a, b| key(a)[..3] == key(b)[..3]) {
         unite(group, &mut pooled);
     }
     let (rows, points) = (list.len(), pooled.points.len());
@@ -116,11 +126,11 @@ pub(crate) fn pool(readings: Readings, notes: &mut Vec<String>) -> Result<Pooled
     Ok(pooled)
 }
 
-/// Condition, frequency and reading: everything that an order of rows must not decide.
-fn key(reading: &Reading) -> [f64; 8] {
-    let Reading { load, speed, drive, frequency, amplitude, phase, amplitude_sd, phase_sd, .. } = reading;
+/// Series, frequency, drive and reading: everything that an order of rows must not decide.
+fn key(reading: &Reading) -> [f64; 7] {
+    let Reading { series, drive, frequency, amplitude, phase, amplitude_sd, phase_sd, .. } = reading;
     let or = |value: &Option<f64>| value.unwrap_or(f64::NEG_INFINITY);
-    [*load, *speed, *drive, *frequency, *amplitude, or(phase), or(amplitude_sd), or(phase_sd)]
+    [*series as f64, *frequency, *drive, *amplitude, or(phase), or(amplitude_sd), or(phase_sd)]
 }
 
 /// Makes values equal that differ by rounding only, whatever the order of the rows.
@@ -230,7 +240,7 @@ fn unite(group: &[Reading], pooled: &mut Pooled) {
         }),
         mean: (!means.is_empty()).then(|| means.iter().sum::<f64>() / means.len() as f64),
         replicates: group.len(),
-        series: 0,
+        series: first.series,
     });
     let of_phase = phase.and_then(|(_, mean, _)| mean.spread);
     pooled.spreads.push(Own { amplitude: amplitude.spread, phase: of_phase, phases: angles.len() });

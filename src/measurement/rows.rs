@@ -2,15 +2,15 @@
 
 use super::columns::{Layout, Slot, layout};
 use super::frame::{Frame, amplitude_header, kind};
-use super::header::{AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LOAD, MEAN, PHASE, PHASE_SD, SPEED};
+use super::header::{AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LOAD, MEAN, PHASE, PHASE_SD, SERIES, SPEED, SWEEP};
 use super::pool::{Reading, Readings};
-use super::series::Direction;
 use super::sheet::{Complaints, Row, Sheet};
 use super::unit::Unit;
+use super::{Column, Direction};
 use crate::error::Result;
 use crate::scenario::Sweep;
 use crate::scenario::diagnostic::quote;
-use crate::scenario::parameters::{MEASURED, needed_range};
+use crate::scenario::parameters::{COLUMNS, MEASURED, needed_range};
 use crate::units;
 
 /// The readings of a sheet.
@@ -45,9 +45,26 @@ pub(crate) fn readings(
         source: sheet.source.clone(),
         list,
         signals: frame.signals(si(DRIVE), si(AMPLITUDE)),
+        columns: used(sheet, &layout),
+        choices: layout.choices,
         amplitude_stated: stated(AMPLITUDE_SD),
         phase_stated: stated(PHASE_SD),
     })
+}
+
+/// What was made of the columns of a sheet.
+fn used(sheet: &Sheet, layout: &Layout) -> Vec<Column> {
+    let name = |(index, header): (usize, &String)| {
+        let numbers = layout.slots.iter().zip(COLUMNS).find_map(|(slot, key)| match slot {
+            Some(Slot::Cells(at, unit)) if *at == index => Some((*key, unit.text.clone())),
+            _ => None,
+        });
+        let words = [(layout.series, COLUMNS[SERIES]), (layout.sweep, COLUMNS[SWEEP])];
+        let words = words.into_iter().find(|(at, _)| *at == Some(index)).map(|(_, key)| (key, String::new()));
+        let (key, unit) = numbers.or(words).unzip();
+        Column { header: header.clone(), key, unit: unit.filter(|unit| !unit.is_empty()) }
+    };
+    sheet.header.cells.iter().enumerate().map(name).collect()
 }
 
 /// A standard deviation and a mean are of what is read.
@@ -152,6 +169,7 @@ impl Cells<'_, '_> {
             mean: mean?,
             name,
             sweep: sweep?,
+            series: 0,
             aside,
         })
     }

@@ -57,7 +57,8 @@ struct Sample {
 }
 
 /// Estimates the noise of single readings from the scatter of points about smooth curves of amplitude and phase against
-/// frequency, one curve per load, speed and drive. `None` where no curve has six points.
+/// frequency, one curve per series, and per load and speed in it. Where the drive differs from row to row, the amplitude per
+/// drive is what is smooth. `None` where no curve has six points.
 pub fn scatter(points: &[Point]) -> Scatter {
     let curves = curves(points);
     if curves.iter().all(|curve| curve.len() < MIN_CURVE) {
@@ -81,17 +82,19 @@ pub fn scatter(points: &[Point]) -> Scatter {
     Scatter { amplitude: verdict(amplitude), phase: verdict(phase) }
 }
 
-/// Curves sorted by frequency, phases unwrapped, amplitudes in units of the curve's largest.
+/// Curves sorted by frequency, phases unwrapped, amplitudes, or amplitudes per drive, in units of the curve's largest.
 fn curves(points: &[Point]) -> Vec<Vec<Sample>> {
     let mut sorted: Vec<&Point> = points.iter().filter(|point| point.amplitude > 0.0).collect();
-    let key = |p: &Point| [p.load, p.speed, p.drive, p.frequency, p.amplitude];
+    let key = |p: &Point| [p.series as f64, p.load, p.speed, p.frequency, p.amplitude];
     sorted.sort_by(|a, b| {
         let pairs = key(a).into_iter().zip(key(b)).map(|(a, b)| a.total_cmp(&b));
         pairs.fold(std::cmp::Ordering::Equal, std::cmp::Ordering::then)
     });
     let same = |a: &&Point, b: &&Point| key(a)[..3] == key(b)[..3];
     let curve = |group: &[&Point]| {
-        let largest = group.iter().map(|point| point.amplitude).fold(0.0, f64::max);
+        let steady = group.iter().all(|point| point.drive == group[0].drive);
+        let size = |point: &Point| if steady { point.amplitude } else { point.amplitude / point.drive };
+        let largest = group.iter().map(|point| size(point)).fold(0.0, f64::max);
         let mut before: Option<f64> = None;
         let mut samples: Vec<Sample> = Vec::with_capacity(group.len());
         for point in group {
@@ -100,7 +103,7 @@ fn curves(points: &[Point]) -> Vec<Vec<Sample>> {
             if samples.last().is_some_and(|last| last.frequency == point.frequency) {
                 continue;
             }
-            let (amplitude, readings) = (point.amplitude / largest, point.replicates.max(1) as f64);
+            let (amplitude, readings) = (size(point) / largest, point.replicates.max(1) as f64);
             samples.push(Sample { frequency: point.frequency, amplitude, phase, readings });
         }
         samples

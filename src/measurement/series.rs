@@ -1,7 +1,11 @@
 //! Series: one sweep of the frequency each, along which structure, noise and shape are judged.
 
+use std::collections::BTreeMap;
+
 use super::Point;
+use super::pool::Reading;
 use crate::scenario::Scenario;
+use crate::statistics::median;
 
 /// Which way the frequency was swept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -52,4 +56,252 @@ pub fn by_condition(points: &mut [Point]) -> Vec<Series> {
         });
     }
     all
+}
+
+/// Rows of one load, speed and drive from which on they are swept at a set drive.
+const SEVERAL: usize = 3;
+/// Rows of a sweep, at least, that is told from others by the order of the rows.
+const SWEPT: usize = 4;
+/// Relative change of the drive, as a logarithm, that may be another level.
+const LEVEL: f64 = 0.18;
+/// ... where it is this many times the usual change from row to row.
+const JUMP: f64 = 8.0;
+/// Share of the steps of the frequency that go one way in a sweep.
+const ONE_WAY: f64 = 0.8;
+
+/// Finds the sweeps that the readings belong to, which stand in the order of the file, and numbers them by load, speed and
+/// drive. `arm` tells the paper's rig, whose drive is set: rows that share it are one sweep whatever their order.
+///
+/// What the table says of series and directions comes first. Else rows that share load, speed and drive belong together
+/// where most rows do so in groups. Else the drive was measured: rows at one load and speed that follow each other are one
+/// sweep as long as the frequency goes one way and the drive keeps its level; a drive that sinks at a resonance does.
+pub(super) fn group(list: &mut [Reading], arm: bool) -> Vec<Series> {
+    let named = list.iter().any(|reading| !reading.name.is_empty());
+    let all: Vec<usize> = (0..list.len()).collect();
+    let way = |reading: &Reading| reading.sweep.map(|sweep| sweep == Direction::Up);
+    let bases = split(list, &all, |r| (r.name.clone(), way(r), r.load.to_bits(), r.speed.to_bits()));
+    let set = named || is_set(list, &bases) || bases.iter().all(|rows| frequencies(list, rows) < SEVERAL);
+    let mut sweeps: Vec<(Vec<usize>, bool)> = Vec::new();
+    for rows in bases {
+        let levels = split(list, &rows, |reading| reading.drive.to_bits());
+        let alike = is_set(list, std::slice::from_ref(&rows));
+        let parts = match (named, set) {
+            (true, _) if alike && levels.len() > 1 && is_interleaved(list, &rows, levels.len()) => levels,
+            (true, _) => vec![rows],
+            (_, true) if !arm && is_one_sweep(list, &rows, levels.len()) => vec![rows],
+            (_, true) => levels,
+            _ => by_order(list, &rows),
+        };
+        for part in parts {
+            let both = if arm && !named { Vec::new() } else { both_ways(list, &part) };
+            if both.is_empty() {
+                sweeps.push((part, arm && set && !named));
+            } else {
+                sweeps.extend(both.into_iter().map(|part| (part, false)));
+            }
+        }
+    }
+    let mut series: Vec<(Series, Vec<usize>)> =
+        sweeps.into_iter().map(|(rows, unordered)| (one(list, &rows, unordered), rows)).collect();
+    series.sort_by(|(a, rows), (b, others)| {
+        let keys = |s: &Series| [s.load, s.speed, s.drive];
+        let pairs = keys(a).into_iter().zip(keys(b)).map(|(a, b)| a.total_cmp(&b));
+        let order = pairs.fold(std::cmp::Ordering::Equal, std::cmp::Ordering::then);
+        order.then_with(|| rows.iter().min().cmp(&others.iter().min()))
+    });
+    for (number, (_, rows)) in series.iter().enumerate() {
+        for row in rows {
+            list[*row].series = number;
+        }
+    }
+    series.into_iter().map(|(series, _)| series).collect()
+}
+
+/// What is said of a sweep; the order of rows tells nothing where it is `unordered`.
+fn one(list: &[Reading], rows: &[usize], unordered: bool) -> Series {
+    let first = &list[rows[0]];
+    let drives = rows.iter().map(|row| list[*row].drive);
+    let range = drives.clone().fold((f64::INFINITY, 0.0_f64), |(low, high), drive| (low.min(drive), high.max(drive)));
+    let drive = if range.0 == range.1 { range.0 } else { median(drives) };
+    let direction = match first.sweep {
+        Some(direction) => direction,
+        None if unordered => Direction::Unknown,
+        None => direction(list, rows),
+    };
+    Series { name: first.name.clone(), direction, speed: first.speed, load: first.load, drive, drives: range }
+}
+
+/// Which way the frequency goes from row to row.
+fn direction(list: &[Reading], rows: &[usize]) -> Direction {
+    let steps = rows.windows(2).map(|pair| list[pair[1]].frequency - list[pair[0]].frequency);
+    let steps: Vec<f64> = steps.filter(|step| *step != 0.0).collect();
+    let share = steps.iter().filter(|step| **step > 0.0).count() as f64 / steps.len() as f64;
+    match steps.len() {
+        0 | 1 => Direction::Unknown,
+        _ if share >= ONE_WAY => Direction::Up,
+        _ if share <= 1.0 - ONE_WAY => Direction::Down,
+        _ => Direction::Unknown,
+    }
+}
+
+/// Groups of rows with one key, in the order of their first.
+fn split<K: Ord>(list: &[Reading], rows: &[usize], key: impl Fn(&Reading) -> K) -> Vec<Vec<usize>> {
+    let mut numbers: BTreeMap<K, usize> = BTreeMap::new();
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for row in rows {
+        let number = *numbers.entry(key(&list[*row])).or_insert(groups.len());
+        if number == groups.len() {
+            groups.push(Vec::new());
+        }
+        groups[number].push(*row);
+    }
+    groups
+}
+
+/// Whether most rows share their drive with several others: it was set, not measured.
+fn is_set(list: &[Reading], bases: &[Vec<usize>]) -> bool {
+    let (mut shared, mut all) = (0, 0);
+    for rows in bases {
+        all += rows.len();
+        let mut drives: Vec<f64> = rows.iter().map(|row| list[*row].drive).collect();
+        drives.sort_by(f64::total_cmp);
+        shared += drives.chunk_by(|a, b| a == b).map(<[f64]>::len).filter(|count| *count >= SEVERAL).sum::<usize>();
+    }
+    2 * shared >= all
+}
+
+/// How many frequencies there are.
+fn frequencies(list: &[Reading], rows: &[usize]) -> usize {
+    let mut all: Vec<f64> = rows.iter().map(|row| list[*row].frequency).collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    all.len()
+}
+
+/// Whether levels of the drive alternate along the frequency, as those of several sweeps do.
+fn is_interleaved(list: &[Reading], rows: &[usize], levels: usize) -> bool {
+    let mut sorted: Vec<&Reading> = rows.iter().map(|row| &list[*row]).collect();
+    sorted.sort_by(|a, b| a.frequency.total_cmp(&b.frequency).then(a.drive.total_cmp(&b.drive)));
+    let runs = 1 + sorted.windows(2).filter(|pair| pair[0].drive != pair[1].drive).count();
+    runs > 3 * levels
+}
+
+/// Whether rows at several levels are one sweep in which the drive was read with few digits.
+fn is_one_sweep(list: &[Reading], rows: &[usize], levels: usize) -> bool {
+    levels > SEVERAL && !is_interleaved(list, rows, levels) && passes(list, rows).len() == 1
+}
+
+/// Sweeps up and down within the rows of one level; nothing where all go one way, or none is told.
+fn both_ways(list: &[Reading], rows: &[usize]) -> Vec<Vec<usize>> {
+    if list[rows[0]].sweep.is_some() {
+        return Vec::new();
+    }
+    let passes = passes(list, rows);
+    let ways: Vec<Direction> = passes.iter().map(|pass| direction(list, pass)).collect();
+    let both = ways.contains(&Direction::Up) && ways.contains(&Direction::Down);
+    if !both || passes.iter().any(|pass| pass.len() < SWEPT) || ways.contains(&Direction::Unknown) {
+        return Vec::new();
+    }
+    let of = |way: Direction| {
+        passes.iter().zip(&ways).filter(|(_, other)| **other == way).flat_map(|(pass, _)| pass.clone()).collect()
+    };
+    vec![of(Direction::Up), of(Direction::Down)]
+}
+
+/// Sweeps of a measured drive, told by the order of the rows.
+fn by_order(list: &[Reading], rows: &[usize]) -> Vec<Vec<usize>> {
+    let repeated = rows.windows(2).filter(|pair| list[pair[0]].frequency == list[pair[1]].frequency).count();
+    if 2 * repeated + 1 >= rows.len() && rows.len() > 1 {
+        return by_block(list, rows);
+    }
+    let passes = passes(list, rows);
+    let typical = median(passes.iter().map(|pass| pass.len() as f64));
+    if passes.len() > SEVERAL && typical < SWEPT as f64 { by_level(list, rows) } else { passes }
+}
+
+/// Parts within which the frequency goes one way and the drive keeps its level.
+fn passes(list: &[Reading], rows: &[usize]) -> Vec<Vec<usize>> {
+    let frequency = |at: usize| list[rows[at]].frequency;
+    let change = |at: usize| (list[rows[at]].drive / list[rows[at - 1]].drive).ln();
+    let steps = (1..rows.len()).map(|at| (frequency(at) - frequency(at - 1)).abs());
+    let typical = median(steps.filter(|step| *step > 0.0));
+    let usual = median((1..rows.len()).map(|at| change(at).abs()));
+    // Another level changes the drive and not what it does; at a resonance, and where the response is held, both change.
+    let jumps = |at: usize| {
+        let response = (list[rows[at]].amplitude / list[rows[at - 1]].amplitude).ln() - change(at);
+        change(at).abs() > LEVEL.max(JUMP * usual) && response.abs() < 0.5 * change(at).abs()
+    };
+    let mut parts: Vec<Vec<usize>> = Vec::new();
+    let mut way = 0.0;
+    for at in 0..rows.len() {
+        let step = if at == 0 { 0.0 } else { frequency(at) - frequency(at - 1) };
+        let turns = step * way < 0.0 && !is_slip(&frequency, rows.len(), at, way, typical);
+        if at == 0 || turns || jumps(at) {
+            // Of two readings where the sweep turns, one is of the way back.
+            let back = turns && step.abs() <= 2.0 * typical && at > 1 && frequency(at - 1) == frequency(at - 2);
+            let first = parts.last_mut().filter(|part| back && part.len() > 1).and_then(Vec::pop);
+            way = if first.is_some() { step.signum() } else { 0.0 };
+            parts.push(first.into_iter().collect());
+        } else if step != 0.0 && way == 0.0 {
+            way = step.signum();
+        }
+        if let Some(part) = parts.last_mut() {
+            part.push(rows[at]);
+        }
+    }
+    parts
+}
+
+/// Whether a step back is a slip of the order: small, and at once beyond where it started.
+fn is_slip(frequency: &impl Fn(usize) -> f64, count: usize, at: usize, way: f64, typical: f64) -> bool {
+    let beyond = |next: usize| next < count && (frequency(next) - frequency(at - 1)) * way > 0.0;
+    (frequency(at) - frequency(at - 1)).abs() <= 2.0 * typical && (beyond(at + 1) || beyond(at + 2))
+}
+
+/// Rows that go through the levels of the drive at one frequency after the other.
+fn by_block(list: &[Reading], rows: &[usize]) -> Vec<Vec<usize>> {
+    let mut sweeps: Vec<Vec<usize>> = Vec::new();
+    let drive = |row: usize| list[row].drive;
+    let mut rows = rows;
+    while let Some(first) = rows.first() {
+        let length = rows.iter().take_while(|row| list[**row].frequency == list[*first].frequency).count();
+        let (block, rest) = rows.split_at(length);
+        rows = rest;
+        let mut block = block.to_vec();
+        block.sort_by(|a, b| drive(*a).total_cmp(&drive(*b)));
+        // Each level goes on with the sweep that is nearest; repeated readings go together.
+        let mut taken = vec![false; sweeps.len()];
+        for level in block.chunk_by(|a, b| (drive(*b) / drive(*a)).ln() < LEVEL) {
+            let away = |sweep: usize| (drive(level[0]) / drive(sweeps[sweep][sweeps[sweep].len() - 1])).ln().abs();
+            let open = (0..taken.len()).filter(|sweep| !taken[*sweep]);
+            let nearest = open.min_by(|a, b| away(*a).total_cmp(&away(*b)));
+            match nearest.filter(|sweep| away(*sweep) < 2.0 * LEVEL || length >= sweeps.len()) {
+                Some(sweep) => {
+                    taken[sweep] = true;
+                    sweeps[sweep].extend(level);
+                }
+                None => {
+                    sweeps.push(level.to_vec());
+                    taken.push(true);
+                }
+            }
+        }
+    }
+    sweeps.iter_mut().for_each(|sweep| sweep.sort_unstable());
+    sweeps
+}
+
+/// Rows in no order, by levels of the drive where there are some.
+fn by_level(list: &[Reading], rows: &[usize]) -> Vec<Vec<usize>> {
+    let drive = |row: usize| list[row].drive;
+    let mut sorted = rows.to_vec();
+    sorted.sort_by(|a, b| drive(*a).total_cmp(&drive(*b)));
+    let usual = median(sorted.windows(2).map(|pair| (drive(pair[1]) / drive(pair[0])).ln()));
+    let level = |a: &usize, b: &usize| (drive(*b) / drive(*a)).ln() <= LEVEL.max(JUMP * usual);
+    let mut levels: Vec<Vec<usize>> = sorted.chunk_by(level).map(<[usize]>::to_vec).collect();
+    if levels.iter().any(|level| level.len() < SWEPT) {
+        return vec![rows.to_vec()];
+    }
+    levels.iter_mut().for_each(|level| level.sort_unstable());
+    levels
 }

@@ -84,6 +84,7 @@ pub(crate) fn readings(
             mean: None,
             name: String::new(),
             sweep: None,
+            series: 0,
             aside: Vec::new(),
         });
     }
@@ -92,7 +93,9 @@ pub(crate) fn readings(
         notes.push("the value at 0 Hz is not used".into());
     }
     let signals = Signals::ARM;
-    Ok(Readings { source: source.clone(), list, signals, amplitude_stated: false, phase_stated: false })
+    let source = source.clone();
+    let (columns, choices) = (Vec::new(), Vec::new());
+    Ok(Readings { source, list, signals, columns, choices, amplitude_stated: false, phase_stated: false })
 }
 
 fn within(column: usize, value: f64, place: &Place, complaints: &mut Complaints<'_>) -> bool {

@@ -28,6 +28,11 @@ fn loading([k, limit, n]: [f64; 3], u: f64) -> Loading {
     }
 }
 
+/// Force at `x` on the way down from the top of a motion between `amplitude` and its negative.
+pub(super) fn unloading(joint: [f64; 3], amplitude: f64, x: f64) -> f64 {
+    loading(joint, amplitude).force - 2.0 * loading(joint, 0.5 * (amplitude - x)).force
+}
+
 /// A motion at one instant: its value and the derivatives of that by the unknowns of the motion.
 #[derive(Debug, Clone)]
 pub(super) struct Instant {

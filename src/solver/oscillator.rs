@@ -5,28 +5,34 @@
 //! stable states between the folds of a resonance are found at any frequency, whatever was solved before. Newton's method on
 //! all harmonics starts from them. Unknowns are the mean and the cosine and sine of every harmonic.
 
-use super::joint::{Instant, pulls};
+use super::joint::{Instant, pulls, unloading};
 use super::tolerance::Tolerance;
 use crate::model::system::SingleMode;
+use crate::roots::regula_falsi;
 use nalgebra::{DMatrix, DVector};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
-/// Harmonics that are tried in turn.
-const HARMONICS: [usize; 4] = [3, 7, 15, 31];
-/// Instants per harmonic, and at least so many under a joint, whose force has kinks, at the default accuracy.
+/// Highest harmonics that are tried in turn; all odd.
+const HARMONICS: [usize; 4] = [5, 11, 21, 41];
+/// Instants per harmonic, and under a joint, whose force has kinks: at the default accuracy, and at least.
 const INSTANTS: usize = 6;
-const INSTANTS_OF_JOINT: usize = 512;
-/// Largest of the last two harmonics over the first at which a series is long enough.
-const TAIL: f64 = 1e-6;
+const INSTANTS_OF_JOINT: (usize, usize) = (512, 64);
+/// Largest of the last harmonics over the first at which a series is long enough: what is left out acts on the first harmonic
+/// by its square.
+const TAIL: f64 = 5e-5;
 /// The same below which the longest series is accepted.
 const LONGEST_TAIL: f64 = 1e-2;
 /// Newton steps with one number of harmonics.
 const STEPS: usize = 40;
+/// Relative Newton step below which a balance that no step improves any more is as good as its kinks allow.
+const AT_KINKS: f64 = 1e-6;
 /// Amplitudes at which the balance of the first harmonic is looked at, per factor of ten, and instants for it.
-const GRID_PER_DECADE: f64 = 12.0;
+const GRID_PER_DECADE: f64 = 8.0;
 const GRID_INSTANTS: usize = 32;
-/// Bisections of a root, and refinements of where two of them may have met.
-const BISECTIONS: usize = 30;
+/// Refinements of where two roots may have met; relative accuracy of roots and of the amplitudes of resonance.
+const REFINEMENTS: usize = 30;
+const ROOT: f64 = 1e-6;
+const RESONANT: f64 = 1e-7;
 /// A damping ratio that stands for none.
 const UNDAMPED: f64 = 1e-9;
 /// Largest modulus of the multipliers of a stable state: rounding apart, one.
@@ -37,7 +43,9 @@ const SAME: f64 = 1e-6;
 /// A periodic state.
 #[derive(Debug, Clone)]
 pub struct Periodic {
-    /// Mean, then cosine and sine of every harmonic.
+    /// Harmonic of every number of the series.
+    harmonics: Vec<usize>,
+    /// The mean where there is one, then cosine and sine of every harmonic.
     pub series: Vec<f64>,
     /// Newton steps that were made.
     pub steps: usize,
@@ -53,27 +61,39 @@ pub struct Periodic {
 }
 
 impl Periodic {
+    /// Position of the cosine of the first harmonic.
+    fn first(&self) -> usize {
+        usize::from(self.harmonics[0] == 0)
+    }
+
     /// Complex amplitude A of x = Im(A e^{iwt}).
     pub fn response(&self) -> (f64, f64) {
-        (self.series[2], self.series[1])
+        (self.series[self.first() + 1], self.series[self.first()])
+    }
+
+    /// Mean.
+    pub fn mean(&self) -> f64 {
+        if self.first() == 0 { 0.0 } else { self.series[0] }
     }
 
     /// Derivatives of (real, imaginary) part of the amplitude by M, C, K, drive (real, imaginary), and the joint's numbers.
     pub fn derivatives(&self, omega: f64) -> [(f64, f64); 8] {
+        let first = self.first();
         let part = |which: usize| {
             let adjoint = &self.adjoints[which];
-            let (mut mass, mut damping, mut stiffness) = (0.0, 0.0, adjoint[0] * self.series[0]);
-            for k in 1..=self.series.len() / 2 {
-                let (a, b) = (self.series[2 * k - 1], self.series[2 * k]);
-                let (u, v) = (adjoint[2 * k - 1], adjoint[2 * k]);
-                let kw = k as f64 * omega;
+            let (mut mass, mut damping) = (0.0, 0.0);
+            let mut stiffness = if first == 0 { 0.0 } else { adjoint[0] * self.series[0] };
+            for at in (first..self.series.len()).step_by(2) {
+                let (a, b) = (self.series[at], self.series[at + 1]);
+                let (u, v) = (adjoint[at], adjoint[at + 1]);
+                let kw = self.harmonics[at] as f64 * omega;
                 stiffness += u * a + v * b;
                 mass -= kw * kw * (u * a + v * b);
                 damping += kw * (u * b - v * a);
             }
             let joint = self.by_joint[which];
             // The drive stands on the other side.
-            [-mass, -damping, -stiffness, adjoint[2], adjoint[1], -joint[0], -joint[1], -joint[2]]
+            [-mass, -damping, -stiffness, adjoint[first + 1], adjoint[first], -joint[0], -joint[1], -joint[2]]
         };
         let (imaginary, real) = (part(0), part(1));
         std::array::from_fn(|i| (real[i], imaginary[i]))
@@ -125,15 +145,12 @@ fn describing(mode: &dyn SingleMode, amplitude: f64) -> (f64, f64) {
     let scale = 2.0 / (n as f64 * amplitude);
     let (mut k, mut c) = (scale * in_phase, scale * quadrature);
     if let Some(joint) = mode.joint() {
-        let at = |phase: f64| Instant { x: amplitude * phase.sin(), by: Vec::new() };
-        let phase = |j: usize| TAU * (j as f64 + 0.5) / n as f64;
-        let instants: Vec<Instant> = (0..n).map(|j| at(phase(j))).collect();
-        let mut turns = vec![None; n];
-        (turns[n / 4 - 1], turns[3 * n / 4 - 1]) = (Some(at(0.5 * PI)), Some(at(1.5 * PI)));
-        for (j, pull) in pulls(joint, &instants, &turns).iter().enumerate() {
-            let (sine, cosine) = phase(j).sin_cos();
-            k += scale * pull.force * sine;
-            c += scale * pull.force * cosine;
+        // On the way down from the top; on the way up it is the negative.
+        for j in 0..n / 2 {
+            let (sine, cosine) = (TAU * (0.25 + (j as f64 + 0.5) / n as f64)).sin_cos();
+            let force = unloading(joint, amplitude, amplitude * sine);
+            k += 2.0 * scale * force * sine;
+            c += 2.0 * scale * force * cosine;
         }
     }
     (k, c)
@@ -165,7 +182,8 @@ fn first_harmonic_roots(mode: &dyn SingleMode) -> Vec<f64> {
     // At the amplitudes of resonance the excess has dips as narrow as the resonance.
     let signs: Vec<bool> = grid.iter().map(|(log, _)| detuning(*log) > 0.0).collect();
     for i in (1..signs.len()).filter(|&i| signs[i] != signs[i - 1]) {
-        let resonance = bisected(|log| (detuning(log) > 0.0) == signs[i - 1], grid[i - 1].0, grid[i].0);
+        let bracket = [grid[i - 1].0, grid[i].0];
+        let resonance = regula_falsi(detuning, bracket, bracket.map(detuning), (RESONANT, 0.0), REFINEMENTS);
         grid.push((resonance, excess(resonance)));
     }
     grid.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -183,26 +201,17 @@ fn first_harmonic_roots(mode: &dyn SingleMode) -> Vec<f64> {
     for pair in grid.windows(2) {
         let ((a, fa), (b, fb)) = (pair[0], pair[1]);
         if (fa > 0.0) != (fb > 0.0) {
-            roots.push(bisected(|log| (excess(log) > 0.0) == (fa > 0.0), a, b).exp());
+            roots.push(regula_falsi(excess, [a, b], [fa, fb], (ROOT, 0.0), REFINEMENTS).exp());
         }
     }
     roots
-}
-
-/// Where `first`, true at the lower end and false at the upper one, ceases to be.
-fn bisected(first: impl Fn(f64) -> bool, mut low: f64, mut high: f64) -> f64 {
-    for _ in 0..BISECTIONS {
-        let middle = 0.5 * (low + high);
-        if first(middle) { low = middle } else { high = middle }
-    }
-    0.5 * (low + high)
 }
 
 /// The place between the outer two at which the excess, of one sign at all three, comes nearest to zero (golden section).
 fn nearest_to_zero(excess: &impl Fn(f64) -> f64, sign: f64, [a, _, c]: [f64; 3], best: (f64, f64)) -> (f64, f64) {
     let golden = 0.5 * (5f64.sqrt() - 1.0);
     let (mut low, mut high, mut best) = (a, c, best);
-    for _ in 0..BISECTIONS {
+    for _ in 0..REFINEMENTS {
         let (x, y) = (high - golden * (high - low), low + golden * (high - low));
         let (fx, fy) = (excess(x), excess(y));
         for (place, value) in [(x, fx), (y, fy)] {
@@ -218,37 +227,64 @@ fn nearest_to_zero(excess: &impl Fn(f64) -> f64, sign: f64, [a, _, c]: [f64; 3],
     best
 }
 
-/// The mode at many instants of one period.
+/// The basis functions at many instants of one period: cosine and sine of the harmonics, the mean first where there is one.
 struct Laid {
-    /// Values of the basis functions (one, then cosine and sine of every harmonic) at every instant, and their derivatives by
-    /// the phase.
+    /// Harmonics of the unknowns: each twice, the mean once.
+    harmonics: Vec<usize>,
+    /// Values at every instant, and their derivatives by the phase.
     basis: DMatrix<f64>,
     slopes: DMatrix<f64>,
     instants: usize,
+    /// Instants on which forces are projected: half of them where the second half of a period is the negative of the first.
+    projected: usize,
 }
 
 impl Laid {
-    fn new(harmonics: usize, instants: usize) -> Self {
-        let unknowns = 2 * harmonics + 1;
+    fn new(harmonics: Vec<usize>, instants: usize, odd: bool) -> Self {
+        let unknowns = harmonics.len();
         let (mut basis, mut slopes) = (DMatrix::zeros(instants, unknowns), DMatrix::zeros(instants, unknowns));
         for j in 0..instants {
-            let (values, by_phase) = basis_at(harmonics, TAU * j as f64 / instants as f64);
+            let (values, by_phase) = basis_at(&harmonics, TAU * j as f64 / instants as f64);
             for m in 0..unknowns {
                 (basis[(j, m)], slopes[(j, m)]) = (values[m], by_phase[m]);
             }
         }
-        Self { basis, slopes, instants }
+        let projected = if odd { instants / 2 } else { instants };
+        Self { harmonics, basis, slopes, instants, projected }
+    }
+
+    /// Position of the cosine of harmonic `k`.
+    fn cosine(&self, k: usize) -> usize {
+        self.harmonics.iter().position(|h| *h == k).unwrap_or(0)
+    }
+
+    /// Positions and harmonics of the cosines.
+    fn pairs(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let first = self.cosine(1);
+        (first..self.harmonics.len()).step_by(2).map(|at| (at, self.harmonics[at]))
     }
 }
 
-fn basis_at(harmonics: usize, phase: f64) -> (Vec<f64>, Vec<f64>) {
-    let (mut values, mut slopes) = (vec![1.0], vec![0.0]);
-    for k in 1..=harmonics {
+/// Harmonics of the unknowns up to `highest`: of an odd motion the odd ones alone.
+fn harmonics(highest: usize, odd: bool) -> Vec<usize> {
+    let all = (if odd { 1 } else { 0 }..=highest).filter(|k| !odd || k % 2 == 1);
+    all.flat_map(|k| std::iter::repeat_n(k, if k == 0 { 1 } else { 2 })).collect()
+}
+
+/// Cosine, then sine of every harmonic, and their derivatives by the phase.
+fn basis_at(harmonics: &[usize], phase: f64) -> (Vec<f64>, Vec<f64>) {
+    let mut last = 0;
+    let value = |&k: &usize| {
         let (sine, cosine) = (k as f64 * phase).sin_cos();
-        values.extend([cosine, sine]);
-        slopes.extend([-(k as f64) * sine, k as f64 * cosine]);
-    }
-    (values, slopes)
+        let second = std::mem::replace(&mut last, k) == k;
+        if second { (sine, k as f64 * cosine) } else { (cosine, -(k as f64) * sine) }
+    };
+    let both: Vec<(f64, f64)> = if harmonics.first() == Some(&0) {
+        std::iter::once((1.0, 0.0)).chain(harmonics[1..].iter().map(value)).collect()
+    } else {
+        harmonics.iter().map(value).collect()
+    };
+    both.into_iter().unzip()
 }
 
 /// Forces at every instant with their slopes, and what they are on the harmonics.
@@ -261,6 +297,15 @@ struct Balance {
     motion: Vec<[f64; 4]>,
 }
 
+/// Whether the forces of opposite motions are opposite, so that a motion may be odd.
+fn is_odd(mode: &dyn SingleMode, amplitude: f64) -> bool {
+    let v = amplitude * mode.omega();
+    [0.3, 0.9].iter().all(|share| {
+        let (there, back) = (mode.force(share * amplitude, 0.7 * v), mode.force(-share * amplitude, -0.7 * v));
+        there[0] == -back[0]
+    })
+}
+
 /// The periodic state that Newton's method reaches from a motion at the drive's frequency of this amplitude.
 fn solve(mode: &dyn SingleMode, amplitude: f64, tolerance: &Tolerance) -> Option<Periodic> {
     let ([mass, damping, stiffness], omega, (re, im)) = (mode.linear(), mode.omega(), mode.drive());
@@ -270,16 +315,24 @@ fn solve(mode: &dyn SingleMode, amplitude: f64, tolerance: &Tolerance) -> Option
     let square = x * x + y * y;
     let (a_re, a_im) = ((re * x + im * y) / square, (im * x - re * y) / square);
     let scale = amplitude / a_re.hypot(a_im);
-    let mut series = vec![0.0, a_im * scale, a_re * scale];
+    let odd = is_odd(mode, amplitude);
+    let first = usize::from(!odd);
+    let mut series = vec![0.0; first];
+    series.extend([a_im * scale, a_re * scale]);
     let mut steps = 0;
-    for (level, &harmonics) in HARMONICS.iter().enumerate() {
-        let joint =
-            if mode.joint().is_some() { (INSTANTS_OF_JOINT as f64 / tolerance.relief().powi(2)) as usize } else { 0 };
-        let laid = Laid::new(harmonics, (INSTANTS * harmonics).max(24).max(joint));
-        series.resize(2 * harmonics + 1, 0.0);
+    for (level, &highest) in HARMONICS.iter().enumerate() {
+        let mut instants = (INSTANTS * highest).max(24);
+        if mode.joint().is_some() {
+            let (most, least) = INSTANTS_OF_JOINT;
+            let wanted = (most as f64 / tolerance.relief().powi(5)) as usize;
+            instants = instants.max(wanted.max(least));
+        }
+        let laid = Laid::new(harmonics(highest, odd), instants + instants % 2, odd);
+        series.resize(laid.harmonics.len(), 0.0);
         let (balance, left) = newton(mode, &laid, &mut series, tolerance, &mut steps)?;
-        let size = |k: usize| series[2 * k - 1].hypot(series[2 * k]);
-        let tail = size(harmonics).max(size(harmonics - 1)) / size(1);
+        let size = |at: usize| series[at].hypot(series[at + 1]);
+        let count = series.len();
+        let tail = size(count - 2).max(size(count - 4)) / size(first);
         let last = level + 1 == HARMONICS.len();
         if tail < TAIL * tolerance.slack().sqrt() || (last && tail < LONGEST_TAIL) {
             return Some(finished(mode, &laid, (series, steps, left), &balance));
@@ -322,7 +375,7 @@ fn newton(
             }
             share *= 0.5;
             if share < 1e-3 {
-                return None;
+                return (left < AT_KINKS * tolerance.slack()).then_some((balance, left));
             }
         }
     }
@@ -332,7 +385,7 @@ fn newton(
 /// The balance of every harmonic: K x + C x' + M x'' - force + joint - drive, and its slopes.
 fn evaluate(mode: &dyn SingleMode, laid: &Laid, series: &[f64]) -> Balance {
     let ([mass, damping, stiffness], omega, (re, im)) = (mode.linear(), mode.omega(), mode.drive());
-    let (n, unknowns) = (laid.instants, series.len());
+    let (n, unknowns) = (laid.projected, series.len());
     let z = DVector::from_column_slice(series);
     let (x, v) = (&laid.basis * &z, &laid.slopes * &z * omega);
     let mut force = DVector::zeros(n);
@@ -350,7 +403,7 @@ fn evaluate(mode: &dyn SingleMode, laid: &Laid, series: &[f64]) -> Balance {
     let mut by_joint = None;
     if let Some(joint) = mode.joint() {
         let mut by_parameters = DMatrix::zeros(n, 3);
-        for (j, pull) in pulls(joint, &instants(laid, &x), &turns(laid, series)).into_iter().enumerate() {
+        for (j, pull) in pulls(joint, &instants(laid, &x), &turns(laid, series)).into_iter().take(n).enumerate() {
             force[j] += pull.force;
             for m in 0..unknowns {
                 slopes[(j, m)] += pull.by[m];
@@ -365,12 +418,14 @@ fn evaluate(mode: &dyn SingleMode, laid: &Laid, series: &[f64]) -> Balance {
     let mut residual: DVector<f64> =
         project(laid, &DMatrix::from_column_slice(n, 1, force.as_slice())).column(0).into();
     let mut jacobian = project(laid, &slopes);
-    residual[0] += stiffness * series[0];
-    jacobian[(0, 0)] += stiffness;
-    for k in 1..=unknowns / 2 {
+    if laid.harmonics[0] == 0 {
+        residual[0] += stiffness * series[0];
+        jacobian[(0, 0)] += stiffness;
+    }
+    for (i, k) in laid.pairs() {
         let kw = k as f64 * omega;
         let (along, across) = (stiffness - mass * kw * kw, damping * kw);
-        let (i, j) = (2 * k - 1, 2 * k);
+        let j = i + 1;
         residual[i] += along * series[i] + across * series[j];
         residual[j] += along * series[j] - across * series[i];
         jacobian[(i, i)] += along;
@@ -378,15 +433,18 @@ fn evaluate(mode: &dyn SingleMode, laid: &Laid, series: &[f64]) -> Balance {
         jacobian[(j, j)] += along;
         jacobian[(j, i)] -= across;
     }
-    residual[1] -= im;
-    residual[2] -= re;
+    let first = laid.cosine(1);
+    residual[first] -= im;
+    residual[first + 1] -= re;
     Balance { residual, jacobian, by_joint, motion }
 }
 
-/// Harmonics (mean, then cosine and sine) of columns that are given at every instant.
+/// Harmonics of columns that are given at the instants.
 fn project(laid: &Laid, columns: &DMatrix<f64>) -> DMatrix<f64> {
-    let mut harmonics = laid.basis.tr_mul(columns) * (2.0 / laid.instants as f64);
-    harmonics.row_mut(0).scale_mut(0.5);
+    let mut harmonics = laid.basis.rows(0, laid.projected).tr_mul(columns) * (2.0 / laid.projected as f64);
+    if laid.harmonics[0] == 0 {
+        harmonics.row_mut(0).scale_mut(0.5);
+    }
     harmonics
 }
 
@@ -405,7 +463,7 @@ fn turns(laid: &Laid, series: &[f64]) -> Vec<Option<Instant>> {
             return None;
         }
         let phase = TAU * (j as f64 + a / (a - b)) / n as f64;
-        let (by, _) = basis_at(series.len() / 2, phase);
+        let (by, _) = basis_at(&laid.harmonics, phase);
         Some(Instant { x: by.iter().zip(series).map(|(b, z)| b * z).sum(), by })
     };
     (0..n).map(turn).collect()
@@ -425,7 +483,8 @@ fn finished(
         right[unknown] = 1.0;
         transposed.solve(&right).map_or_else(|| vec![f64::NAN; unknowns], |found| found.iter().copied().collect())
     };
-    let adjoints = [adjoint(1), adjoint(2)];
+    let first = laid.cosine(1);
+    let adjoints = [adjoint(first), adjoint(first + 1)];
     let by_joint = [0, 1].map(|which| {
         let Some(by) = &balance.by_joint else { return [0.0; 3] };
         std::array::from_fn(|p| (0..unknowns).map(|m| adjoints[which][m] * by[(m, p)]).sum())
@@ -436,24 +495,26 @@ fn finished(
             return sums;
         }
         for (j, [x, v, ..]) in balance.motion.iter().enumerate() {
-            let projected = |m: usize| laid.basis[(j, m)] * if m == 0 { 1.0 } else { 2.0 };
+            let projected = |m: usize| laid.basis[(j, m)] * if laid.harmonics[m] == 0 { 1.0 } else { 2.0 };
             let weight: f64 = (0..unknowns).map(|m| adjoints[which][m] * projected(m)).sum();
-            mode.add_columns(*x, *v, weight / laid.instants as f64, &mut sums);
+            mode.add_columns(*x, *v, weight / laid.projected as f64, &mut sums);
         }
         sums
     });
-    let multiplier = multiplier(mode, &balance.motion);
-    Periodic { series, steps, left, multiplier, adjoints, by_joint, by_law }
+    let multiplier = multiplier(mode, &balance.motion, laid.instants);
+    let harmonics = laid.harmonics.clone();
+    Periodic { harmonics, series, steps, left, multiplier, adjoints, by_joint, by_law }
 }
 
 /// Largest modulus of the Floquet multipliers: a disturbance M y'' + (C + c) y' + (K + k) y = 0 over one period, by the exact
 /// flow between instants.
-fn multiplier(mode: &dyn SingleMode, motion: &[[f64; 4]]) -> f64 {
+fn multiplier(mode: &dyn SingleMode, motion: &[[f64; 4]], instants: usize) -> f64 {
     let [mass, damping, stiffness] = mode.linear();
-    let h = TAU / mode.omega() / motion.len() as f64;
+    let h = TAU / mode.omega() / instants as f64;
     let w0 = (stiffness / mass).sqrt();
     let mut product = [[1.0, 0.0], [0.0, 1.0]];
-    for [_, _, k, c] in motion {
+    // Of an odd motion the second half of the period has the slopes of the first.
+    for [_, _, k, c] in motion.iter().cycle().take(instants) {
         // In units of 1/w0: y'' + 2 d y' + s y = 0.
         let (s, d) = ((stiffness + k) / stiffness, 0.5 * (damping + c) / (mass * w0));
         let t = h * w0;

@@ -472,7 +472,7 @@ fn alone(model: &Model, at: &Operation, with: &Search<'_>, warm: &mut Warm) -> S
     warm.alone = Some(found.response());
     let motion = Motion {
         response: found.response(),
-        mean: found.series[0],
+        mean: found.mean(),
         stick_fraction: 0.0,
         force: (0.0, 0.0),
         cycles: found.steps,

@@ -3,8 +3,10 @@
 //! The message for each broken table is a snapshot under `snapshots`, word for word.
 
 mod forms;
+mod laboratory;
 mod noise;
 mod oscillators;
+mod series;
 mod universal;
 
 use std::path::Path;

@@ -4,7 +4,7 @@ use stickslip::measurement::{self, Table};
 use stickslip::scenario;
 
 /// A scenario of kind `oscillator`; `rig` and `more` are lines of `[rig]` and of the rest.
-fn load(name: &str, bytes: &[u8], rig: &str, more: &str) -> Result<Table, String> {
+pub fn load(name: &str, bytes: &[u8], rig: &str, more: &str) -> Result<Table, String> {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("scenario.toml");
     std::fs::write(folder.path().join(name), bytes).expect("a file");

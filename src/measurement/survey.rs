@@ -1,0 +1,64 @@
+//! A table looked at by itself, before there is a scenario.
+
+use std::path::Path;
+
+use super::frame::Frame;
+use super::{Table, read};
+use crate::error::Result;
+use crate::scenario::{Coordinate, MeasurementSource};
+
+/// A column of a file and what was made of it.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct Column {
+    /// Its header, letter by letter.
+    pub header: String,
+    /// Which column of a measured table it is, as in `[measurement] columns`; none where it is not used.
+    pub key: Option<&'static str>,
+    /// The unit that it is read in; none where it holds words or is not used.
+    pub unit: Option<String>,
+}
+
+/// What a table holds by itself.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Survey {
+    /// The table as a scenario of a fitting oscillator would have it, with the loads and speeds that it states.
+    pub table: Table,
+    /// Its columns in the order of the file; none of a universal file.
+    pub columns: Vec<Column>,
+    /// Keys and headers that a scenario needs under `[measurement] columns`, as several columns could serve and one was chosen.
+    pub mapping: Vec<(String, String)>,
+}
+
+impl Survey {
+    /// Whether a column of this key is there: `speed`, `load`, `phase`, `series`, ...
+    pub fn has(&self, key: &str) -> bool {
+        self.columns.iter().any(|column| column.key == Some(key))
+    }
+
+    /// The coordinate of an oscillator that is driven and read so; none where the drive is of a displacement and the reading of
+    /// an angle, as of the paper's rig, or the other way round.
+    pub fn coordinate(&self) -> Option<Coordinate> {
+        let of = |unit: &str| match unit {
+            "V" => None,
+            "N m" => Some(Coordinate::Angle),
+            unit if unit.contains("rad") => Some(Coordinate::Angle),
+            _ => Some(Coordinate::Displacement),
+        };
+        let signals = self.table.signals;
+        match (of(signals.drive.unit), of(signals.reading.unit)) {
+            (Some(drive), Some(reading)) if drive != reading => None,
+            (drive, reading) => drive.or(reading).or(Some(Coordinate::Displacement)),
+        }
+    }
+}
+
+/// Reads a table without a scenario: the units of its columns decide what drives and what is read.
+///
+/// # Errors
+/// As of [`super::load`].
+pub fn survey(path: impl AsRef<Path>) -> Result<Survey> {
+    let file = path.as_ref().to_path_buf();
+    let wanted = MeasurementSource { file, columns: Vec::new(), record: None, sheet: None };
+    let (table, columns, mapping) = read(&wanted, &Frame::any(), None)?;
+    Ok(Survey { table, columns, mapping })
+}

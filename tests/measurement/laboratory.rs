@@ -1,0 +1,179 @@
+//! Tables as laboratories' programs write them: separators, decimal commas, headers and units of all kinds.
+
+use super::oscillators::load;
+use super::{SWEEP, read};
+
+#[test]
+fn headers_of_many_kinds_are_one_table() {
+    let cases = [
+        ("frequency_hz,force_n,amplitude_m,phase_rad", "80,0.5,0.002,-1"),
+        ("f / Hz;F / N;x / mm;phi / rad", "80;0,5;2;-1"),
+        ("f/Hz;F/N;x/mm;phi/rad", "80;0,5;2;-1"),
+        ("f (Hz)\tForce (mN)\tDisplacement (µm)\tPhase (rad)", "80\t500\t2000\t-1"),
+        ("f [kHz]\tForce [mN]\tDisplacement [um]\tPhase [rad]", "0,08\t500\t2000\t-1"),
+        ("\"Frequency [Hz]\",\"Force [N]\",\"Displacement [mm]\",\"Phase [rad]\"", "\"80\",\"0.5\",\"2\",\"-1\""),
+        ("\"Frequenz in Hz\";\"Kraft in N\";\"Auslenkung in mm\";\"Phasenwinkel in rad\"", "80;0,5;2;-1"),
+        ("freq_hz,force_amplitude_n,displacement_amplitude_mm,phi", "80,0.5,2,-1"),
+        ("Freq. [Hz],Force [N],Ampl [mm],φ [rad]", "80,0.5,2,-1"),
+        ("FREQUENCY_HZ,FORCE_N,AMPLITUDE_MM,PHASE_RAD", "80,0.5,2,-1"),
+    ];
+    for (header, cells) in cases {
+        let separator = ['\t', ';', ','].into_iter().find(|c| header.contains(*c)).expect("a separator");
+        let text = format!(
+            "{header}{separator}amplitude_sd_percent{separator}phase_sd_rad\n{cells}{separator}1{separator}1\n"
+        );
+        let more = if header.starts_with("Freq.") { "columns = { frequency = 'Freq. [Hz]' }" } else { "" };
+        for mark in ["", "\u{feff}"] {
+            let table =
+                load("t.csv", format!("{mark}{text}").as_bytes(), "", more).unwrap_or_else(|error| panic!("{error}"));
+            let point = &table.points[0];
+            assert_eq!(
+                (point.frequency, point.drive, point.amplitude, point.phase),
+                (80.0, 0.5, 2e-3, Some(-1.0)),
+                "{header}"
+            );
+        }
+        let wide: Vec<u8> = std::iter::once(0xfeff).chain(text.encode_utf16()).flat_map(u16::to_le_bytes).collect();
+        let table = load("t.txt", &wide, "", more).unwrap_or_else(|error| panic!("{error}"));
+        assert!(table.points[0].amplitude == 2e-3 && table.notes[0] == "the file is UTF-16 text", "{header}");
+    }
+    let accelerations = ["Acceleration [g]", "accel (g)", "a / g", "acc_g", "acceleration in g", "Beschleunigung [g]"];
+    for header in accelerations {
+        let text = format!("f [Hz];F [N];{header};amplitude_sd_percent\n80;0,5;2;1\n");
+        let table = load("t.csv", text.as_bytes(), "", "").unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!((table.signals.reading.unit, table.points[0].amplitude), ("m/s^2", 2.0 * 9.80665), "{header}");
+    }
+}
+
+#[test]
+fn what_was_made_of_the_headers_is_said() {
+    let text = "\u{feff}f / Hz;F / mN;a / (m/s²);phi / °;Temperatur / °C\n80;0,5;2;-90;21\n81;0,5;2;-90;21\n";
+    let text = format!("{text}{}", (0..6).map(|n| format!("{};0,5;2,{n};-9{n};21\n", 82 + n)).collect::<String>());
+    insta::assert_snapshot!(
+        "laboratory-notes",
+        load("t.csv", text.as_bytes(), "", "").expect("sound").notes[..6].join("\n")
+    );
+}
+
+#[test]
+fn names_that_could_mean_several_things_are_asked_about() {
+    let fails = |header: &str| {
+        let cells = vec!["1"; header.matches(',').count() + 1].join(",");
+        load("t.csv", format!("{header}\n{cells}\n").as_bytes(), "", "").expect_err("refused")
+    };
+    insta::assert_snapshot!("two-aliases", fails("f [Hz],Force [N],Displacement [mm],Velocity [mm/s]"));
+    // Without a unit, neither a force nor a frequency is told.
+    insta::assert_snapshot!("capital-f", fails("F,force_n,amplitude_m"));
+    insta::assert_snapshot!("capitals-milli-or-mega", fails("FREQUENCY_HZ,FORCE_MN,AMPLITUDE_MM"));
+    // Beside a contact, a velocity may be the roller's.
+    let contact = "[contact]\nstiffness = 1e5\ndamping = 0\nfriction = 0.5";
+    let text = "f [Hz],Force [N],Velocity [mm/s],Load [N]\n80,1,1,20\n";
+    insta::assert_snapshot!(
+        "velocity-of-the-roller",
+        load("t.csv", text.as_bytes(), "", contact).expect_err("ambiguous")
+    );
+}
+
+#[test]
+fn a_mapped_column_is_read_in_the_unit_that_its_name_states() {
+    let table = |header: &str, key: &str| {
+        let text = format!("frequency_hz,force_n,{header},amplitude_sd_percent\n80,1,2,1\n");
+        load("t.csv", text.as_bytes(), "", &format!("columns = {{ {key} = '{header}' }}"))
+    };
+    for (header, unit, value) in [
+        ("tip_mm", "m", 2e-3),
+        ("tip mm", "m", 2e-3),
+        ("tip [mm]", "m", 2e-3),
+        ("tip / mm", "m", 2e-3),
+        ("accel_g", "m/s^2", 2.0 * 9.80665),
+        ("sensor 1 [g]", "m/s^2", 2.0 * 9.80665),
+        ("laser_um_s", "m/s", 2e-6),
+        ("tip velocity", "m/s", 2.0),
+        ("head_acceleration", "m/s^2", 2.0),
+        ("vibrometer_mv", "V", 2e-3),
+        ("channel_3", "m", 2.0),
+        ("tip", "m", 2.0),
+    ] {
+        let table = table(header, "amplitude").unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!((table.signals.reading.unit, table.points[0].amplitude), (unit, value), "{header}");
+        assert!(table.notes[0].contains("is read as amplitude in"), "{:?}", table.notes);
+    }
+    for (name, header, key) in [
+        ("mapped-force-as-amplitude", "load_cell_N", "amplitude"),
+        ("mapped-force-by-name", "tip_force", "amplitude"),
+        ("mapped-angle-as-amplitude", "arm_deg", "amplitude"),
+        ("mapped-length-as-frequency", "wave_mm", "frequency"),
+        ("mapped-acceleration-as-force", "shaker_m_s2", "force"),
+        ("mapped-acceleration-as-drive", "shaker_g", "drive"),
+        ("mapped-time-as-phase", "lag_s", "phase"),
+    ] {
+        insta::assert_snapshot!(name, table(header, key).expect_err(name));
+    }
+    // The paper's arm is read as an angle and driven by a displacement.
+    let arm = |header: &str, key: &str| {
+        let text = format!("frequency_hz,amplitude_rad,{header}\n80,1,2\n");
+        read("t.csv", text.as_bytes(), &format!("columns = {{ {key} = '{header}' }}\n{SWEEP}")).expect_err(header)
+    };
+    insta::assert_snapshot!("mapped-length-as-angle", arm("tip_mm", "amplitude"));
+    insta::assert_snapshot!("mapped-force-of-the-arm", arm("shaker_n", "force"));
+}
+
+#[test]
+fn series_and_sweep_are_mapped_too() {
+    let text = "frequency_hz,force_n,amplitude_m,amplitude_sd_percent,run,dir\n80,1,2,1,a,up\n80,1,2,1,a,Down\n80,1,3,1,b,UP\n";
+    let table = load("t.csv", text.as_bytes(), "", "columns = { series = 'run', sweep = 'dir' }").expect("sound");
+    assert_eq!((table.points.len(), table.series.len()), (3, 3));
+    assert_eq!(table.notes, ["`run` is read as series", "`dir` is read as sweep"]);
+    let missing =
+        load("t.csv", text.as_bytes(), "", "columns = { series = 'runs', torque = 'M' }").expect_err("no such");
+    insta::assert_snapshot!("mapping-series-without-column", missing);
+}
+
+#[test]
+fn equal_problems_are_one_message() {
+    let rows: String = (0..30).map(|n| format!("{},1,{}\n", 60 + n, if n % 3 == 0 { "-" } else { "1e-6" })).collect();
+    insta::assert_snapshot!(
+        "one-message-for-one-cause",
+        load(
+            "t.csv",
+            format!("frequency_hz,force_n,amplitude_m\n{rows}80,1,\n81,1,,\n82,1\n83,1\n").as_bytes(),
+            "",
+            ""
+        )
+        .expect_err("refused")
+    );
+    insta::assert_snapshot!(
+        "one-message-for-cells",
+        load("t.csv", format!("frequency_hz,force_n,amplitude_m\n{rows}80,1,\n").as_bytes(), "", "")
+            .expect_err("refused")
+    );
+    let copies = "80,1,2\n".repeat(5);
+    insta::assert_snapshot!(
+        "one-message-for-copies",
+        load("t.csv", format!("frequency_hz,force_n,amplitude_m\n{copies}").as_bytes(), "", "").expect_err("refused")
+    );
+}
+
+#[test]
+fn samples_in_time_are_recognised() {
+    let rows = |step: f64, count: usize| {
+        (0..count)
+            .map(|n| format!("{:.4}\t{:.3}\t0,1\n", step * n as f64, (0.3 * n as f64).sin()).replace('.', ","))
+            .collect::<String>()
+    };
+    for (name, header, step) in
+        [("samples", "t / s\tF / N\ta / g", 1e-4), ("samples-ms", "Time [ms]\tCH1 [V]\tCH2 [V]", 0.5)]
+    {
+        let text = format!("{header}\n{}", rows(step, 300));
+        insta::assert_snapshot!(name, load("t.txt", text.as_bytes(), "", "").expect_err("samples"));
+        insta::assert_snapshot!(format!("{name}-of-the-arm"), read("t.txt", text.as_bytes(), "").expect_err("samples"));
+    }
+    // A column of times beside a frequency is no recording, and neither are a few odd times.
+    let text = "time,frequency_hz,force_n,amplitude_m,amplitude_sd_percent\n".to_string()
+        + &(0..12).map(|n| format!("{n},{},1,1e-6,1\n", 80 + n)).collect::<String>();
+    assert_eq!(load("t.csv", text.as_bytes(), "", "").expect("sound").points.len(), 12);
+    let odd: String = [0, 1, 5, 6, 20, 21, 22, 50, 90].iter().map(|t| format!("{t},1,1\n")).collect();
+    let message =
+        load("t.csv", format!("time,force_n,amplitude_m\n{odd}").as_bytes(), "", "").expect_err("no frequency");
+    assert!(message.contains("no column for frequency"), "{message}");
+}
