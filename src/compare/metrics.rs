@@ -88,8 +88,10 @@ impl Metrics {
 impl ConditionMetrics {
     /// Figures of a condition; `points` in the order of the frequency.
     pub(super) fn over(setting: Setting, points: &[&Compared]) -> Self {
-        let model: Vec<_> = points.iter().map(|p| (p.point.frequency, p.model.amplitude)).collect();
-        let measured: Vec<_> = points.iter().map(|p| (p.point.frequency, p.point.amplitude)).collect();
+        // At the drive of the series, from which that of a reading may differ.
+        let scale = |p: &Compared| if p.point.drive == setting.drive { 1.0 } else { setting.drive / p.point.drive };
+        let model: Vec<_> = points.iter().map(|p| (p.point.frequency, p.model.amplitude * scale(p))).collect();
+        let measured: Vec<_> = points.iter().map(|p| (p.point.frequency, p.point.amplitude * scale(p))).collect();
         let noise = median(points.iter().map(|p| p.point.amplitude_sd / p.point.amplitude));
         let (measured_peak, sd) = vertex(&measured).unzip();
         Self {

@@ -7,7 +7,7 @@ use super::style::{Unit, significant};
 use crate::scenario::{Formulation, Signal, Signals};
 use crate::solver::{Status, SteadyState};
 use crate::sweep::{Condition, Curve, LimitCurve, LimitingCase, Outcome};
-use crate::units::Frequencies;
+use crate::units::{self, Frequencies};
 
 /// A property of a condition that may tell curves apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,7 +46,7 @@ impl Field {
     pub fn text(self, condition: &Condition) -> String {
         match (self, condition.formulation) {
             (Self::Speed, _) => Unit::speed().show(condition.speed, 4),
-            (Self::Drive(signal), _) => Unit::of_signal(condition.drive, signal.unit).show(condition.drive, 4),
+            (Self::Drive(signal), _) => drive(condition.drive, &signal, 4),
             (Self::Load, _) => format!("{} N", significant(condition.load, 4)),
             (Self::Friction, _) => significant(condition.friction, 4),
             (Self::Formulation, Formulation::Series) => "series".into(),
@@ -118,6 +118,15 @@ pub fn groups<'a>(curves: &[&'a Curve], but: Field) -> Vec<Vec<&'a Curve>> {
 pub fn with_contact(outcome: &Outcome, figure: &str) -> Result<(), FigureError> {
     let need = "a rig with a [contact], and this one has none";
     if outcome.scenario.contact.is_some() { Ok(()) } else { Err(FigureError::missing(figure, need)) }
+}
+
+/// A drive with its unit, to so many digits: as the sentences have it, but for the paper's rig, whose figures have their own way.
+pub fn drive(value: f64, signal: &Signal, digits: usize) -> String {
+    if *signal == Signals::ARM.drive {
+        return Unit::fitting(value, signal.unit).show(value, digits);
+    }
+    let rounded = format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value);
+    units::printed(&units::format(rounded, signal.unit))
 }
 
 /// Name and symbol of what is read, as on an axis.

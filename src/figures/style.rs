@@ -212,6 +212,9 @@ pub fn power_of_ten(exponent: i32) -> String {
 
 /// A difference in percent, of an error budget say; what the solvers cannot resolve is said to be below that.
 pub fn budget_percent(percent: f64) -> String {
+    if percent.is_nan() {
+        return "not compared".into();
+    }
     if percent < 1e-3 { "< 0.001 %".into() } else { format!("{} %", significant(percent, 3)) }
 }
 

@@ -58,8 +58,8 @@ impl Of<'_> {
         let (o, x) = (self.oscillator, self.x());
         let force = if self.contact { " + qF" } else { "" };
         let (of, right) = match o.excitation {
-            Excitation::Force if self.angle() => ("the oscillator, driven by a torque T", "T".to_string()),
-            Excitation::Force => ("the oscillator, driven by a force f", "f".into()),
+            Excitation::Force if self.angle() => ("the oscillator, driven by a torque", "T₀ sin(ωt)".to_string()),
+            Excitation::Force => ("the oscillator, driven by a force", "F₀ sin(ωt)".into()),
             Excitation::Base => ("the oscillator, driven by the motion y of its base, x from that", "−My″".into()),
             Excitation::Spring => ("the oscillator, driven through a spring whose end moves by u", "kₛu + cₛu′".into()),
         };
@@ -159,6 +159,11 @@ impl Of<'_> {
             (_, Excitation::Spring) => "amplitude of the motion of the spring's end",
         };
         list.push((format!("drive-{}", drive.drive_column()), drive.symbol, drive.unit, what.into()));
+        if o.excitation == Excitation::Force && drive.unit == "V" {
+            let own = if angle { Signal::TORQUE } else { Signal::FORCE };
+            let what = format!("amplitude of the {}, known by its voltage", own.name);
+            list.push((format!("drive-{}", own.drive_column()), own.symbol, own.unit, what));
+        }
         list.push(("frequency-f".into(), "f", "Hz", "drive frequency".into()));
         list.push(("omega".into(), "ω", "rad/s", "angular drive frequency, 2πf".into()));
         let whose = if o.absolute { " in space" } else { "" };

@@ -1,12 +1,14 @@
 //! The periodic solver against plain time integration, over the points of a report.
 
 use super::{Check, largest};
+use crate::model::alone::Alone;
 use crate::model::contact::Problem;
+use crate::model::system::SingleMode;
 use crate::model::{Model, Operation};
 use crate::scenario::{Formulation, Scenario};
 use crate::solver::analytic::wrap;
 use crate::solver::time::Plan;
-use crate::solver::{Method, Status, SteadyState, integrated};
+use crate::solver::{Method, Status, SteadyState, integrated, plan_for};
 use crate::sweep::{Curve, Outcome, at_condition};
 use crate::units;
 use rayon::prelude::*;
@@ -23,7 +25,7 @@ pub struct Compared {
     place: String,
     /// Whether it is one of the paper's kind of rig.
     of_arm: bool,
-    /// Whether its contact is a continuum of sliders.
+    /// Whether its contact, or a joint, is a continuum of sliders.
     continuum: bool,
     /// Relative difference in amplitude or difference in phase \[rad\], whichever is larger; `None` where the time
     /// integration did not settle.
@@ -50,15 +52,19 @@ fn check(name: &str, points: &[Compared], tolerance: f64) -> Option<Check> {
     // NaN, which never holds, is the largest of all.
     let (_, place) = settled.clone().max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))?;
     let count = settled.clone().count();
-    let what = if points.iter().all(|point| point.of_arm) { "alpha and phi" } else { "amplitude and phase" };
+    let of_arm = points.iter().all(|point| point.of_arm);
+    let (what, steps) = match of_arm {
+        true => ("alpha and phi", PLAN.steps.to_string()),
+        false => ("amplitude and phase", "many".into()),
+    };
     let unsettled = match points.len() - count {
         0 => String::new(),
-        n => format!("; {n} more did not settle in {} cycles of it", PLAN.cycles),
+        n if of_arm => format!("; {n} more did not settle in {} cycles of it", PLAN.cycles),
+        n => format!("; {n} more ring too long for it"),
     };
     let compares = format!(
-        "periodic solver against time integration in {} steps a cycle, {what} at {count} points, up to {POINTS} \
-         of each scenario{unsettled}; the largest difference is at {place}",
-        PLAN.steps
+        "periodic solver against time integration in {steps} steps a cycle, {what} at {count} points, up to {POINTS} \
+         of each scenario{unsettled}; the largest difference is at {place}"
     );
     Some(largest(name, &compares, settled.map(|(difference, _)| difference), tolerance))
 }
@@ -91,14 +97,17 @@ fn compare(outcome: &Outcome, c: usize, f: usize) -> Compared {
     let (condition, frequency, state) = (&curve.condition, curve.frequency[f], &curve.states[f]);
     let at = Operation { speed: condition.speed, load: condition.load, drive: condition.drive, frequency };
     let model = at_condition(&Model::new(&outcome.scenario), condition);
-    let found = integrated(&model, &at, &PLAN);
+    let found = integrated(&model, &at, &plan_for(&model, &at, &PLAN));
     let amplitude = found.amplitude / state.amplitude - 1.0;
     let phase = wrap(found.phase - state.phase);
     let difference = if amplitude.is_nan() { amplitude } else { amplitude.abs().max(phase.abs()) };
     Compared {
         place: place(outcome, &at, condition.friction),
         of_arm: outcome.scenario.rig.is_arm(),
-        continuum: Problem::new(&model, &at).continuum().is_some(),
+        continuum: match model.has_contact {
+            true => Problem::new(&model, &at).continuum().is_some(),
+            false => Alone::new(&model, &at).joint().is_some(),
+        },
         difference: found.periodic.then_some(difference),
     }
 }

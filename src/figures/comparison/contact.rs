@@ -102,7 +102,7 @@ impl Row {
                 Unit::fitting(mean(|p| (p.damping_n_s_m, p.damping_sd_n_s_m)), units[1]),
             ],
         };
-        let names = ("", "nothing: 0");
+        let names = ("", "0: nothing");
         [
             Self {
                 value: |p| p.stiffness_n_m,
@@ -253,7 +253,9 @@ impl<'a> Data<'a> {
                 }
             });
         }
-        for (index, curve) in column.curves.iter().enumerate() {
+        // A linear model without contact misses nothing at any point: its lines would only hide the marks.
+        let linear = !self.c.model.has_contact && self.c.model.effects.is_empty();
+        for (index, curve) in column.curves.iter().enumerate().filter(|_| !linear) {
             let line: Vec<Point> = curve.model.iter().map(|p| place(p)).collect();
             // The first ones wider: a line that later ones coincide with shows beside them.
             let after = column.curves.len() - 1 - index;

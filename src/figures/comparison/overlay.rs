@@ -14,6 +14,7 @@ use crate::figures::marks::Mark;
 use crate::figures::resonance::{phase_axis, unbroken};
 use crate::figures::style::{Color, INK, SHADE, SLIP, STATIC, count};
 use crate::figures::{Drawing, Figure, FigureError};
+use crate::measurement::Series;
 use std::f64::consts::PI;
 
 /// Standard deviations on either side of a point that its bar spans.
@@ -92,8 +93,17 @@ impl<'a> Data<'a> {
         self.points(condition).filter_map(of).collect()
     }
 
-    /// The curve of the model, as shown.
+    /// The curve of the model, as shown. Where the drive changes along the readings it joins what the model says of them: between
+    /// them nobody knows the drive.
     pub fn curve(&self, condition: usize) -> Vec<Point> {
+        let changes = |series: &Series| series.drives.0 != series.drives.1;
+        if self.c.table.series.get(condition).is_some_and(changes) {
+            let value = |p: &Compared| match self.phase {
+                true => self.degrees(p.model.phase),
+                false => self.amplitude.value(p.model.amplitude, p.point.drive),
+            };
+            return self.points(condition).map(|p| (p.point.frequency, value(p))).collect();
+        }
         let curve = &self.c.curves[condition];
         let drive = self.setting(condition).drive;
         let pairs = curve.frequency.iter().zip(if self.phase { &curve.phase } else { &curve.amplitude });

@@ -1,7 +1,7 @@
 //! How conditions are named, and which of many are shown.
 
 use crate::compare::{Comparison, Setting};
-use crate::figures::data::{reading, reading_per_drive};
+use crate::figures::data::{self, reading, reading_per_drive};
 use crate::figures::style::{Unit, cell, significant};
 use crate::measurement::{Direction, Series};
 use crate::scenario::Signals;
@@ -31,7 +31,7 @@ fn drive_equation(setting: &Setting) -> String {
 
 /// The drive alone.
 pub fn drive(setting: &Setting) -> String {
-    Unit::of_signal(setting.drive, setting.signal.unit).show(setting.drive, 3)
+    data::drive(setting.drive, &setting.signal, 3)
 }
 
 /// A condition in one line, given its index.
@@ -89,10 +89,9 @@ pub fn heading(comparison: &Comparison, condition: usize) -> (String, String) {
 fn course(series: &Series, setting: &Setting) -> String {
     let mut parts = Vec::new();
     let (least, most) = series.drives;
-    let unit = Unit::of_signal(most, setting.signal.unit);
-    let [low, high] = [least, most].map(|drive| significant(unit.of(drive), 3));
+    let [low, high] = [least, most].map(|drive| data::drive(drive, &setting.signal, 3));
     if low != high {
-        parts.push(format!("{low} to {high} {}", unit.label));
+        parts.push(format!("{low} to {high}"));
     }
     if series.direction == Direction::Down {
         parts.push("down".into());

@@ -5,6 +5,7 @@ use super::super::words;
 use super::{Data, Row};
 use crate::compare::{Comparison, ContactPoint, units_of_force};
 use crate::figures::style::{Table, cell, count, significant};
+use crate::scenario::{Coordinate, Excitation, Rig};
 
 /// The contact under the conditions of a comparison, from several sources, as CSV; without a contact the missing force.
 pub fn csv(c: &Comparison, sources: &[(&str, &[ContactPoint])]) -> String {
@@ -54,10 +55,16 @@ impl Data<'_> {
     pub(super) fn caption_alone(&self) -> String {
         let against = if self.by_speed { "the amplitude of the motion" } else { "frequency" };
         let reading = self.c.table.signals.reading.name;
+        let drive = match (self.c.model.rig, self.c.model.rig.coordinate()) {
+            (Rig::Oscillator(rig), _) if rig.excitation != Excitation::Force => "(drive)",
+            (_, Coordinate::Angle) => "T₀",
+            (_, Coordinate::Displacement) => "F₀",
+        };
+        let lines = if self.c.model.effects.is_empty() { "" } else { "Lines, those of the model at the same points. " };
         format!(
             "What must act on the rig besides its own stiffness K, damping C and mass M, as a stiffness k (above) and a damping c (below), \
              against {against}: marks with bars of one standard deviation, from drive, {reading} and the calibrated linear rig alone, \
-             k + iωc = (drive)/x − (K − Mω² + iωC); lines, those of the model at the same points. Zero: nothing is missing.{}{}",
+             k + iωc = {drive}/x − (K − Mω² + iωC). {lines}Zero: nothing is missing.{}{}",
             words::shown(self.c).1,
             self.remarks()
         )
@@ -66,7 +73,8 @@ impl Data<'_> {
     /// What the captions say of lines that coincide and of readings that say little.
     fn remarks(&self) -> String {
         let mut remarks = String::new();
-        if self.columns.iter().any(|column| column.curves.len() > 1) {
+        let lines = self.c.model.has_contact || !self.c.model.effects.is_empty();
+        if lines && self.columns.iter().any(|column| column.curves.len() > 1) {
             remarks += " Of several lines the first are wider, so that those that coincide show.";
         }
         let points = || self.columns.iter().flat_map(|column| &column.curves).flat_map(|curve| &curve.measured);
