@@ -22,12 +22,7 @@ pub struct ModelCurve {
 }
 
 /// Curves over the given ranges of frequency, one per series, each swept as that was.
-pub fn model_curves(
-    model: &Model,
-    settings: &[Setting],
-    ranges: &[(f64, f64)],
-    series: &[Series],
-) -> Vec<ModelCurve> {
+pub fn model_curves(model: &Model, settings: &[Setting], ranges: &[(f64, f64)], series: &[Series]) -> Vec<ModelCurve> {
     let work: Vec<_> = settings.iter().zip(ranges).zip(series).collect();
     work.par_iter().map(|((setting, range), series)| curve(model, setting, **range, series.direction)).collect()
 }

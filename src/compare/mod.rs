@@ -224,7 +224,9 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
         .collect();
     let mut notes = Vec::new();
     for key in (Calibration { fit: fit.clone(), ..calibration.clone() }).at_bounds() {
-        notes.push(format!("{key} ended at the bound of its search: the data do not hold it, or it is far off as stated"));
+        notes.push(format!(
+            "{key} ended at the bound of its search: the data do not hold it, or it is far off as stated"
+        ));
     }
     let two = points.iter().filter(|p| !p.model.others.is_empty()).count();
     if two > 0 {
