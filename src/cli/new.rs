@@ -21,6 +21,10 @@ const JUMP: (f64, f64) = (5.0, 8.0);
 pub fn execute(table: &Path, output: Option<&Path>, global: &Global) -> Result<()> {
     let seen = survey(table)?;
     let target = output.map_or_else(|| table.with_extension("toml"), PathBuf::from);
+    if target.symlink_metadata().is_ok() {
+        let title = format!("{} exists already, nothing was written", target.display());
+        return Err(Error::Input(whole_file(&title, "name another file with -o, or move it away")));
+    }
     let draft = Draft::new(&seen, table)?;
     let text = draft.scenario(&target);
     crate::scenario::load_text(&target, &text)?;

@@ -2,6 +2,7 @@
 //!
 //! [`compare`] calibrates the free parameters, and judges what is left.
 
+mod branches;
 mod budget;
 mod calibrate;
 mod curves;
@@ -148,6 +149,8 @@ pub struct Comparison {
     pub contact_model: Vec<ContactPoint>,
     /// Single readings that stand out.
     pub outliers: Vec<Outlier>,
+    /// What the user should know about the calibration, in plain words.
+    pub notes: Vec<String>,
     /// The model between the measured frequencies, one curve per condition.
     pub curves: Vec<ModelCurve>,
     error_budget: OnceLock<ErrorBudget>,
@@ -252,6 +255,21 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
             of(i).iter().fold((f64::INFINITY, 0.0), |(a, b), p| (a.min(p.point.frequency), p.point.frequency.max(b)))
         })
         .collect();
+    let mut notes = Vec::new();
+    for key in (Calibration { fit: fit.clone(), ..calibration.clone() }).at_bounds() {
+        notes.push(format!(
+            "{key} ended at the bound of its search: the data do not hold it, or it is far off as stated"
+        ));
+    }
+    let two = points.iter().filter(|p| !p.model.others.is_empty()).count();
+    if two > 0 {
+        let off = branches::off_the_sweep(&points, &table.series);
+        notes.push(format!(
+            "the model has two stable states at {}; each is compared with the state nearest to it, {off} with another than the \
+             one that a sweep of the model is on",
+            count(two, "point")
+        ));
+    }
     Comparison {
         scenario: scenario.clone(),
         table: table.clone(),
@@ -264,7 +282,8 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
         contact,
         contact_model,
         outliers,
-        curves: model_curves(&model, &settings, &ranges),
+        curves: model_curves(&model, &settings, &ranges, &table.series),
+        notes,
         model,
         points,
         conditions,

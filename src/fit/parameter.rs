@@ -95,7 +95,7 @@ fn of_base(key: &str, info: &ParameterInfo, index: usize, (value, beside_zero): 
         (true, true) => (value / factor, value * factor),
         // Nothing is known of what is stated as zero.
         (true, false) => (SMALLEST * SMALLEST * beside_zero, beside_zero),
-        (false, _) => (-std::f64::consts::PI, std::f64::consts::PI),
+        (false, _) => (value - std::f64::consts::PI, value + std::f64::consts::PI),
     };
     let clip = |x: f64| x.clamp(info.minimum, info.maximum);
     let scale = |x: f64| if logarithmic { x.ln() } else { x };

@@ -77,12 +77,12 @@ pub(crate) fn layout(
 ) -> Layout {
     let taken = vec![false; sheet.header.cells.len()];
     let (slots, words, told) = (Default::default(), Default::default(), [false; ALL]);
-    let known = |header: &String| {
-        let found = header::meaning(header, frame);
+    let known = |index: usize| {
+        let found = header::meaning(&sheet.headed(index), frame);
         matches!(found, Meaning::Column(FREQUENCY, ..) | Meaning::Alias(FREQUENCY, ..) | Meaning::BadUnit(FREQUENCY, _))
     };
     let named = mapping.iter().any(|(key, _)| column_of(key) == Some(FREQUENCY));
-    if !named && !sheet.header.cells.iter().any(known) && samples::refuse(sheet, complaints) {
+    if !named && !(0..sheet.header.cells.len()).any(known) && samples::refuse(sheet, complaints) {
         let slots = Default::default();
         return Layout { slots, series: None, sweep: None, aside: Vec::new(), choices: Vec::new() };
     }
@@ -117,11 +117,11 @@ impl Search<'_, '_> {
         let mut candidates: [Vec<Candidate>; NUMBERS] = Default::default();
         let mut aliases: [Vec<Candidate>; NUMBERS] = Default::default();
         let mut unsuited = Vec::new();
-        for (index, header) in self.sheet.header.cells.iter().enumerate() {
+        for index in 0..self.taken.len() {
             if self.taken[index] {
                 continue;
             }
-            match header::meaning(header, self.frame) {
+            match header::meaning(&self.sheet.headed(index), self.frame) {
                 Meaning::Column(column, unit, stated) if !self.told[column] => {
                     if self.frame.serving(column).contains(&unit.si) {
                         candidates[column].push(Candidate { index, unit, stated });
@@ -322,7 +322,7 @@ impl Search<'_, '_> {
                 self.notes.push(format!("{} is read as {key}", quote(&headers[index])));
                 continue;
             }
-            match header::mapped(&headers[index], key, column, frame) {
+            match header::mapped(&sheet.headed(index), key, column, frame) {
                 Ok((unit, _)) if !frame.serving(column).contains(&unit.si) => self.unsuited(index, column, unit.si),
                 Ok((unit, stated)) => {
                     let read = if stated {
@@ -331,6 +331,7 @@ impl Search<'_, '_> {
                         format!("in {}, no unit being stated", unit.si)
                     };
                     self.notes.push(format!("{} is read as {key} {read}", quote(&headers[index])));
+                    self.notes.extend(other_amplitude(&headers[index], column));
                     self.slots[column] = Some(Slot::Cells(index, unit));
                 }
                 Err(why) => {
@@ -438,6 +439,28 @@ fn is_peak_to_peak(name: &str) -> bool {
         || words.windows(2).any(|pair| matches!(pair, ["peak", "to" | "peak"] | ["pk", "pk"] | ["p", "p"]))
 }
 
+/// What is said of a mapped drive or reading whose name says that it is no amplitude.
+fn other_amplitude(header: &str, column: usize) -> Option<String> {
+    let key = match column {
+        DRIVE => "drive_gain",
+        AMPLITUDE => "amplitude_gain",
+        _ => return None,
+    };
+    // The drive's gain is the true one over the stated one, the reading's the other way round.
+    let (what, gain) = match (is_peak_to_peak(header), is_effective(header)) {
+        (true, _) => ("peak to peak", if column == DRIVE { "0.5" } else { "2" }),
+        (_, true) => ("an effective value", if column == DRIVE { "1.414214" } else { "0.707107" }),
+        _ => return None,
+    };
+    Some(format!("the name of {} says {what}: where it is, state {key} = {gain} in [instrument]", quote(header)))
+}
+
+/// Whether the name of a column says that it holds root mean squares.
+fn is_effective(name: &str) -> bool {
+    let name = name.to_lowercase();
+    name.split(|c: char| !c.is_alphanumeric()).any(|word| matches!(word, "rms" | "eff"))
+}
+
 /// Tells which columns are needed and not there, all at once.
 fn missing(
     sheet: &Sheet,
@@ -454,6 +477,9 @@ fn missing(
         if *column == AMPLITUDE && is_peak_to_peak(found) {
             return Some(format!("is {} peak to peak? The amplitude is half of that", quote(found)));
         }
+        if *column == AMPLITUDE && is_effective(found) {
+            return Some(format!("is {} an effective value? The amplitude is 1.414 times that", quote(found)));
+        }
         Some(format!("is {} the {}?", quote(found), COLUMNS[*column]))
     };
     let near: Vec<String> = lacking.iter().filter_map(near).collect();
@@ -464,11 +490,12 @@ fn missing(
         (true, _) => "speed_mm_s, force_mn, amplitude_um, amplitude_v, …",
         _ => "force_mn, drive_g, amplitude_um, amplitude_v, …",
     };
-    let mut help = format!(
-        "name columns {} (other units: {other}), or map those that there are: columns = {{ {} }}",
-        join(lacking.iter().map(|column| frame.standard(*column).to_string()).collect()),
-        join(lacking.iter().map(|column| format!("{} = \"…\"", COLUMNS[*column])).collect()),
-    );
+    let standard = join(lacking.iter().map(|column| frame.standard(*column).to_string()).collect());
+    let mut help = format!("name columns {standard} (other units: {other})");
+    if !frame.is_free() {
+        let keys = lacking.iter().map(|column| format!("{} = \"…\"", COLUMNS[*column])).collect();
+        help += &format!(", or map those that there are: columns = {{ {} }}", join(keys));
+    }
     let fixed: Vec<usize> = lacking.iter().copied().filter(|column| *column <= DRIVE).collect();
     if !fixed.is_empty() && !frame.is_free() {
         let one = |column: &usize| match sweep_values(*column, sweep).len() {
@@ -490,7 +517,7 @@ fn name_aside(
     aside: &[usize],
     notes: &mut Vec<String>,
 ) {
-    let harmonic = |index: &&usize| header::meaning(&sheet.header.cells[**index], frame) == Meaning::Harmonic;
+    let harmonic = |index: &&usize| header::meaning(&sheet.headed(**index), frame) == Meaning::Harmonic;
     let (harmonics, aside): (Vec<&usize>, Vec<&usize>) = aside.iter().partition(harmonic);
     if !harmonics.is_empty() {
         let names: Vec<String> = harmonics.iter().map(|index| quote(&sheet.header.cells[**index])).collect();

@@ -1,6 +1,7 @@
 //! Tables of text: CSV and its relatives with semicolons or tabs.
 
 use super::sheet::{Complaints, Row, Sheet};
+use super::unit::{gravity, known};
 use crate::error::{Error, Result};
 use crate::scenario::diagnostic::{Place, whole_file};
 use crate::scenario::source::Source;
@@ -18,7 +19,11 @@ pub(crate) fn sheet(source: Source, delimiter: Option<u8>) -> Result<Sheet> {
     while header.cells.last().is_some_and(String::is_empty) {
         header.cells.pop();
     }
-    let mut sheet = Sheet { source, delimiter, workbook: false, header, rows: records };
+    let units = records.first().and_then(|row| units_of(row, header.cells.len())).unwrap_or_default();
+    if !units.is_empty() {
+        records.remove(0);
+    }
+    let mut sheet = Sheet { source, delimiter, workbook: false, header, units, rows: records };
     check_shape(&sheet)?;
     let width = sheet.header.cells.len();
     for row in &mut sheet.rows {
@@ -30,6 +35,16 @@ pub(crate) fn sheet(source: Source, delimiter: Option<u8>) -> Result<Sheet> {
 /// The first line that is neither blank nor a remark.
 fn first_line(text: &str) -> &str {
     text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or("")
+}
+
+/// The units that a row below the header states: nothing else stands in it.
+fn units_of(row: &Row, width: usize) -> Option<Vec<String>> {
+    let bare = |cell: &String| cell.trim_matches(['[', ']', '(', ')']).trim().to_string();
+    let cells: Vec<String> =
+        row.cells.iter().map(bare).map(|cell| if cell == "-" { String::new() } else { cell }).collect();
+    let unit = |cell: &String| cell.is_empty() || cell == "%" || known(cell) || gravity(cell).is_some();
+    let stated = cells.iter().filter(|cell| !cell.is_empty()).count();
+    (stated > 1 && cells.len() == width && cells.iter().all(unit)).then_some(cells)
 }
 
 /// What separates the cells of a header: semicolons before tabs before commas, quotes and brackets apart.

@@ -21,7 +21,7 @@ pub(crate) fn bytes(path: &Path) -> Result<Vec<u8>> {
     let metadata = std::fs::metadata(path).map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => Error::Input(whole_file(
             &format!("there is no measurement table `{name}`"),
-            "the path is relative to the scenario file that names it; check its spelling",
+            "check its spelling; a path in a scenario is relative to the file that names it",
         )),
         _ => Error::io("read", path)(error),
     })?;

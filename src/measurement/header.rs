@@ -388,7 +388,7 @@ mod tests {
             ("load_kN", LOAD, 1e3),
             ("load_kn", LOAD, 1e3),
             ("load [mN]", LOAD, 1e-3),
-            (LOAD, 1e-3),
+            ("load_mn", LOAD, 1e-3),
             ("drive_um", DRIVE, 1e-6),
             ("drive [µm]", DRIVE, 1e-6),
             ("drive [μm]", DRIVE, 1e-6),
@@ -427,8 +427,8 @@ mod tests {
     fn foreign_headers_bring_their_unit_or_si() {
         let paper = crate::scenario::paper();
         let frame = Frame::of(&paper);
-        let mapped = |header, column| mapped(header, MEASURED[column].key, column, &frame);
-        let value = |header, column| mapped(header, column).expect("a unit").0.convert("1").expect("a number");
+        let mapped = |header: &str, column: usize| mapped(header, MEASURED[column].key, column, &frame);
+        let value = |header: &str, column: usize| mapped(header, column).expect("a unit").0.convert("1").expect("a number");
         assert_eq!(value("f [kHz]", FREQUENCY), 1e3);
         assert_eq!(value("roller_speed_mm_s", SPEED), 1e-3);
         assert_eq!(value("f", FREQUENCY), 1.0);

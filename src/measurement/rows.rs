@@ -114,7 +114,8 @@ fn written(sheet: &Sheet, commas: bool, notes: &mut Vec<String>) {
         b'\t' if !sheet.workbook => Some("tabs separate the cells"),
         _ => None,
     };
-    let said: Vec<&str> = cells.into_iter().chain(commas.then_some("commas are decimal ones")).collect();
+    let units = (!sheet.units.is_empty()).then_some("the row below the header states units");
+    let said: Vec<&str> = cells.into_iter().chain(commas.then_some("commas are decimal ones")).chain(units).collect();
     if !said.is_empty() {
         notes.push(said.join(", "));
     }
@@ -141,7 +142,7 @@ struct Cells<'a, 'b> {
 impl Cells<'_, '_> {
     fn reading(&mut self, number: usize) -> Option<Reading> {
         let (speed, load, drive) = (self.setting(SPEED), self.setting(LOAD), self.number(DRIVE));
-        let (name, sweep) = (self.layout.series.map_or(String::new(), |at| self.row.cells[at].clone()), self.sweep());
+        let (name, sweep) = (self.name(), self.sweep());
         let (frequency, amplitude) = (self.number(FREQUENCY), self.number(AMPLITUDE));
         let (phase, mean) = (self.optional(PHASE), self.optional(MEAN));
         let share = self.layout.slots[AMPLITUDE_SD].as_ref().is_some_and(|slot| match slot {
@@ -167,7 +168,7 @@ impl Cells<'_, '_> {
             amplitude_sd: amplitude_sd?.map(|sd| if share { sd * amplitude.unwrap_or(0.0) } else { sd }),
             phase_sd: phase_sd?,
             mean: mean?,
-            name,
+            name: name?,
             sweep: sweep?,
             series: 0,
             aside,
@@ -185,6 +186,18 @@ impl Cells<'_, '_> {
     /// Speed or load, zero where there is no such column.
     fn setting(&mut self, column: usize) -> Option<f64> {
         if self.layout.slots[column].is_none() { Some(0.0) } else { self.number(column) }
+    }
+
+    /// The name of the series; none where the cell lacks it.
+    fn name(&mut self) -> Option<String> {
+        let Some(index) = self.layout.series else { return Some(String::new()) };
+        let name = self.row.cells[index].clone();
+        if name.is_empty() {
+            let help = "a column `series` names the sweep of every row, with a word or a number; write it in each";
+            self.fail(index, "empty", "the cell is empty", "a name is needed", help);
+            return None;
+        }
+        Some(name)
     }
 
     /// The direction of the sweep; the outer option tells whether the cell is sound.

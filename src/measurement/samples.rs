@@ -10,8 +10,8 @@ const LEAST: usize = 8;
 
 /// Says that the sheet holds samples in time, where it does: a column of evenly growing times.
 pub(crate) fn refuse(sheet: &Sheet, complaints: &mut Complaints<'_>) -> bool {
-    let headers = sheet.header.cells.iter().enumerate();
-    let times = headers.filter_map(|(index, header)| time_unit(header).map(|unit| (index, unit)));
+    let columns = 0..sheet.header.cells.len();
+    let times = columns.filter_map(|index| time_unit(&sheet.headed(index)).map(|unit| (index, unit)));
     let found = times.filter_map(|(index, unit)| step(sheet, index).map(|step| (index, unit, step))).next();
     let Some((index, unit, step)) = found else { return false };
     let rate = units::parse(&format!("{:e} {unit}", step), "s").map(|step| {

@@ -17,6 +17,8 @@ pub(crate) struct Sheet {
     pub workbook: bool,
     /// The header.
     pub header: Row,
+    /// Units of the columns, where a row below the header states them.
+    pub units: Vec<String>,
     /// The rows that hold anything.
     pub rows: Vec<Row>,
 }
@@ -33,6 +35,15 @@ pub(crate) struct Row {
 }
 
 impl Sheet {
+    /// The header of a column with its unit, wherever that stands.
+    pub fn headed(&self, index: usize) -> String {
+        let header = &self.header.cells[index];
+        match self.units.get(index).filter(|unit| !unit.is_empty()) {
+            Some(unit) => format!("{header} [{unit}]"),
+            None => header.clone(),
+        }
+    }
+
     /// Place of a cell; of the whole row where there is no such cell.
     pub fn place(&self, row: &Row, index: usize) -> Place {
         let spans = spans(&self.source.text, row.start, self.delimiter);

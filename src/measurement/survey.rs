@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use super::frame::Frame;
-use super::{Table, read};
-use crate::error::Result;
+use super::{Format, Table, read};
+use crate::error::{Error, Result};
+use crate::scenario::diagnostic::whole_file;
 use crate::scenario::{Coordinate, MeasurementSource};
 
 /// A column of a file and what was made of it.
@@ -58,6 +59,11 @@ impl Survey {
 /// As of [`super::load`].
 pub fn survey(path: impl AsRef<Path>) -> Result<Survey> {
     let file = path.as_ref().to_path_buf();
+    if Format::of(&file)? == Format::Universal {
+        let title = format!("`{}` holds response per drive, and not how much drive there was", file.display());
+        let help = "write a scenario that names it under [measurement], with one value for drive in [sweep]";
+        return Err(Error::Input(whole_file(&title, help)));
+    }
     let wanted = MeasurementSource { file, columns: Vec::new(), record: None, sheet: None };
     let (table, columns, mapping) = read(&wanted, &Frame::any(), None)?;
     Ok(Survey { table, columns, mapping })

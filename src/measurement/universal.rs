@@ -1,17 +1,18 @@
 //! Universal files (UFF, UNV): frequency response functions of dataset 58 in its ASCII form.
 //!
-//! The function is response over reference with the sign exp(+i omega t): its magnitude times the amplitude of the
-//! actuator is the amplitude of the arm, its argument the phase. Load, speed and drive come from the scenario's `[sweep]`.
+//! The function is response over reference with the sign exp(+i omega t): its magnitude times the amplitude of the drive is the
+//! amplitude of the reading, its argument the phase. Drive, load and speed come from the scenario's `[sweep]`.
 
 mod dataset;
 
 use std::f64::consts::TAU;
 
-use super::columns::only_value;
-use super::frame::Frame;
+use super::columns::{only_value, other_rig};
+use super::frame::{DRIVES, Frame, READINGS, kind};
 use super::header::{AMPLITUDE, DRIVE, FREQUENCY, LOAD, SPEED};
 use super::pool::{Reading, Readings, wrap};
 use super::sheet::Complaints;
+use super::unit::Wanted;
 use crate::error::{Error, Result};
 use crate::scenario::diagnostic::{Place, quote, whole_file};
 use crate::scenario::parameters::{MEASURED, needed_range};
@@ -32,20 +33,24 @@ pub(crate) fn readings(
     let chosen = choose(source, &found, record)?;
     let mut complaints = Complaints::of(source);
     let mut conditions = [0.0; 3];
-    for (value, column) in conditions.iter_mut().zip([SPEED, LOAD, DRIVE]) {
+    let needed = [(SPEED, frame.has_contact()), (LOAD, frame.has_contact()), (DRIVE, true)];
+    for (value, (column, _)) in conditions.iter_mut().zip(needed).filter(|(_, (_, needed))| *needed) {
         match only_value(column, frame, sweep, notes) {
             Ok(found) => *value = found,
             Err(why) => {
                 let key = MEASURED[column].key;
                 let title = format!("a universal file does not state the {key}, and {why}");
-                let help =
-                    format!("write one value, {key} = \"… {}\", in [sweep] of the scenario", MEASURED[column].unit);
+                let unit = frame.natural(column).unwrap_or("N");
+                let help = format!("write one value, {key} = \"… {unit}\", in [sweep] of the scenario");
                 complaints.add(&chosen.place(), &title, "this function", &help);
             }
         }
     }
     let [speed, load, drive] = conditions;
-    let scale = scale(chosen, &mut complaints, notes);
+    let scale = match frame.is_arm() {
+        true => scale(chosen, &mut complaints, notes),
+        false => ratio(chosen, frame, &mut complaints, notes),
+    };
     let values = chosen.values(source, &mut complaints);
     let (Some(scale), Some(values)) = (scale, values) else {
         complaints.check()?;
@@ -64,8 +69,8 @@ pub(crate) fn readings(
         let amplitude = value.real.hypot(value.imaginary) * scale.size * omega.powi(-scale.derivatives) * drive;
         let turn = std::f64::consts::FRAC_PI_2 * f64::from(scale.derivatives);
         let place = Place { file: 0, span: value.span.clone() };
-        let mut sound = within(FREQUENCY, frequency, &place, &mut complaints);
-        sound &= within(AMPLITUDE, amplitude, &place, &mut complaints);
+        let mut sound = within(FREQUENCY, frequency, frame, &place, &mut complaints);
+        sound &= within(AMPLITUDE, amplitude, frame, &place, &mut complaints);
         if !sound {
             continue;
         }
@@ -92,19 +97,23 @@ pub(crate) fn readings(
     if resting > 0 {
         notes.push("the value at 0 Hz is not used".into());
     }
-    let signals = Signals::ARM;
+    let signals = scale.signals;
     let source = source.clone();
     let (columns, choices) = (Vec::new(), Vec::new());
     Ok(Readings { source, list, signals, columns, choices, amplitude_stated: false, phase_stated: false })
 }
 
-fn within(column: usize, value: f64, place: &Place, complaints: &mut Complaints<'_>) -> bool {
+fn within(column: usize, value: f64, frame: &Frame<'_>, place: &Place, complaints: &mut Complaints<'_>) -> bool {
     let info = MEASURED[column];
     let inside = (info.minimum..=info.maximum).contains(&value);
     if !inside {
         let title = format!("the {} is outside its physical range: {}", info.key, units::format(value, info.unit));
         let label = needed_range((info.minimum, info.maximum), info.unit);
-        let help = "check that the function is the arm's angle in rad over the actuator's displacement in m, and u0 in [sweep]";
+        let help = if frame.is_arm() {
+            "check that the function is the arm's angle in rad over the actuator's displacement in m, and u0 in [sweep]"
+        } else {
+            "check that the function is what is read over what drives the rig, and drive in [sweep]"
+        };
         complaints.add(place, &title, &label, help);
     }
     inside
@@ -150,8 +159,10 @@ struct Scale {
     frequency: f64,
     /// Of the function, to rad/m and its derivatives.
     size: f64,
-    /// Derivatives in time of the response, less those of the reference.
+    /// Derivatives in time of the response, less those of the reference, that are taken back.
     derivatives: i32,
+    /// What drive and reading then are.
+    signals: Signals,
 }
 
 fn scale(set: &Dataset, complaints: &mut Complaints<'_>, notes: &mut Vec<String>) -> Option<Scale> {
@@ -180,7 +191,94 @@ fn scale(set: &Dataset, complaints: &mut Complaints<'_>, notes: &mut Vec<String>
     if !matches!(abscissa.kind, 0 | 18) {
         return None;
     }
-    Some(Scale { frequency, size, derivatives })
+    Some(Scale { frequency, size, derivatives, signals: Signals::ARM })
+}
+
+/// The function of any other rig, of the quantities that the file says.
+fn ratio(set: &Dataset, frame: &Frame<'_>, complaints: &mut Complaints<'_>, notes: &mut Vec<String>) -> Option<Scale> {
+    let abscissa = &set.characteristics[0];
+    if !matches!(abscissa.kind, 0 | 18) {
+        let title = format!("the abscissa has the specific data type {}, not 18 (frequency)", abscissa.kind);
+        complaints.add(&abscissa.place(), &title, "not a frequency", "export the function against frequency in Hz");
+    }
+    let frequency = if abscissa.unit.to_lowercase().contains("rad") { 1.0 / TAU } else { 1.0 };
+    let response = side(&set.characteristics[1], AMPLITUDE, frame, complaints, notes);
+    let reference = side(&set.characteristics[2], DRIVE, frame, complaints, notes);
+    let ((reading, above), (drive, below)) = (response?, reference?);
+    notes.push(format!(
+        "{}: the function is {} over {} with the sign exp(+i omega t); response {}, reference {}, their directions as \
+         they are",
+        set.name(),
+        kind(reading),
+        kind(drive),
+        set.response,
+        set.reference
+    ));
+    // A drive in [sweep] is the motion of the base itself, not its acceleration.
+    let natural = frame.natural(DRIVE).filter(|natural| drive == format!("{natural}/s^2"));
+    let derivatives = if natural.is_some() { -2 } else { 0 };
+    let signals = frame.signals(natural.unwrap_or(drive), reading);
+    matches!(abscissa.kind, 0 | 18).then_some(Scale { frequency, size: above / below, derivatives, signals })
+}
+
+/// What one side of a function is, in SI, and the size of its unit.
+fn side(
+    of: &Characteristics,
+    column: usize,
+    frame: &Frame<'_>,
+    complaints: &mut Complaints<'_>,
+    notes: &mut Vec<String>,
+) -> Option<(&'static str, f64)> {
+    let angle = frame.serving(column).iter().any(|si| si.contains("rad") || *si == "N m");
+    let role = if column == DRIVE { "reference" } else { "response" };
+    let si = match (of.kind, angle) {
+        (0 | 1, _) => frame.natural(column)?,
+        (8, false) => "m",
+        (8, true) => "rad",
+        (11, false) if column == AMPLITUDE => "m/s",
+        (11, true) if column == AMPLITUDE => "rad/s",
+        (12, false) => "m/s^2",
+        (12, true) => "rad/s^2",
+        (9 | 13, false) if column == DRIVE => "N",
+        (9 | 13, true) if column == DRIVE => "N m",
+        (other, _) => {
+            let title = format!("the {role} has the specific data type {other}, which serves for no {role} of the rig");
+            let help = "export displacement, velocity or acceleration (8, 11, 12) over force, displacement or acceleration (13, 8, 12)";
+            complaints.add(&of.place(), &title, "not such a quantity", help);
+            return None;
+        }
+    };
+    if !frame.serving(column).contains(&si) {
+        let (title, help) = other_rig(frame, column, si);
+        complaints.add(&of.place(), &format!("the {role} {title}"), kind(si), &help);
+        return None;
+    }
+    let unit = of.unit.as_str();
+    let wanted = Wanted { possible: possible(si), natural: Some(si), share: false };
+    match wanted.unit(unit).map(|unit| unit.convert("1")) {
+        Ok(Ok(size)) if !unit.is_empty() => Some((si, size)),
+        _ if unit.is_empty() => {
+            notes.push(format!("a unit is not stated and taken to be {si}"));
+            Some((si, 1.0))
+        }
+        _ if units::parse(&format!("1 {unit}"), si)
+            .is_err_and(|error| matches!(error, units::UnitError::Dimension { .. })) =>
+        {
+            let title = format!("the unit {} does not serve, one like {si} is needed", quote(unit));
+            let help = "check unit and specific data type of the export: they contradict each other";
+            complaints.add(&of.place(), &title, "not such a unit", help);
+            None
+        }
+        _ => {
+            notes.push(format!("the unit {} is not known and taken to be {si}", quote(unit)));
+            Some((si, 1.0))
+        }
+    }
+}
+
+/// A unit as the list that it is alone in.
+fn possible(si: &'static str) -> &'static [&'static str] {
+    DRIVES.iter().chain(READINGS).find(|known| **known == si).map_or(&[], std::slice::from_ref)
 }
 
 /// How many times a quantity is differentiated in time.

@@ -42,84 +42,80 @@ pub(super) struct Instant {
     pub by: Vec<f64>,
 }
 
-/// The force at one instant.
+/// A reversal that the elements remember: motion and force there, with their derivatives.
 #[derive(Debug, Clone)]
+pub(super) struct Corner {
+    x: f64,
+    /// dx by every unknown.
+    pub dx: Vec<f64>,
+    force: f64,
+    /// Of the force by every unknown.
+    pub by: Vec<f64>,
+    by_parameters: [f64; 3],
+}
+
+/// The force at one instant; its derivative by the unknowns is that of the corner and `stiffness` times the motion since.
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Pull {
     /// The force.
     pub force: f64,
-    /// Its derivatives by every unknown of the motion.
-    pub by: Vec<f64>,
     /// Its derivatives by stiffness, limit and exponent.
     pub by_parameters: [f64; 3],
     /// Tangential stiffness.
     pub stiffness: f64,
+    /// The reversal from which the motion comes.
+    pub corner: usize,
 }
 
-/// Forces over one period. `instants` are in the order of time; `turns[j]` is the reversal of the motion between instant j and
-/// the next, where there is one.
-pub(super) fn pulls(joint: [f64; 3], instants: &[Instant], turns: &[Option<Instant>]) -> Vec<Pull> {
-    let count = instants.len();
-    let unknowns = instants.first().map_or(0, |i| i.by.len());
-    let reversals: Vec<usize> = (0..count).filter(|&j| turns[j].is_some()).collect();
-    let value = |j: usize| turns[j].as_ref().map_or(0.0, |turn| turn.x);
-    let top = reversals.iter().copied().max_by(|&i, &j| value(i).total_cmp(&value(j)));
-    let bottom = reversals.iter().copied().min_by(|&i, &j| value(i).total_cmp(&value(j)));
-    let (Some(top), Some(bottom)) = (top, bottom) else { return vec![at_rest(unknowns); count] };
-    let (Some(high), Some(low)) = (&turns[top], &turns[bottom]) else { return vec![at_rest(unknowns); count] };
+/// Forces over one period of the motion `x`, with the reversals that they come from; none where the motion has none.
+/// `turns[j]` is the reversal between instant j and the next, where there is one.
+pub(super) fn pulls(joint: [f64; 3], x: &[f64], turns: &[Option<Instant>]) -> (Vec<Pull>, Vec<Corner>) {
+    let count = x.len();
+    let mut pulls = vec![Pull::default(); count];
+    let reversals: Vec<(usize, &Instant)> =
+        turns.iter().enumerate().filter_map(|(j, t)| Some((j, t.as_ref()?))).collect();
+    let top = reversals.iter().max_by(|a, b| a.1.x.total_cmp(&b.1.x));
+    let bottom = reversals.iter().min_by(|a, b| a.1.x.total_cmp(&b.1.x));
+    let (Some(&(top, high)), Some(&(bottom, low))) = (top, bottom) else { return (pulls, Vec::new()) };
     // At the two ends the elements that slip are loaded to their limits, the others follow the motion.
-    let (half, middle) = (0.5 * (high.x - low.x), 0.5 * (high.x + low.x));
-    let end = loading(joint, half);
-    let offset = end.by_stretch * middle;
-    let of_half: Vec<f64> = high.by.iter().zip(&low.by).map(|(a, b)| 0.5 * end.by_stretch * (a - b)).collect();
-    let of_middle: Vec<f64> = high.by.iter().zip(&low.by).map(|(a, b)| 0.5 * end.by_stretch * (a + b)).collect();
-    let sum = |sign: f64| -> Vec<f64> { of_half.iter().zip(&of_middle).map(|(a, b)| sign * a + b).collect() };
-    let corner = |at: &Instant, sign: f64| Corner {
+    let end = loading(joint, 0.5 * (high.x - low.x));
+    let extreme = |at: &Instant, sign: f64| Corner {
         x: at.x,
         dx: at.by.clone(),
-        force: sign * end.force + offset,
-        by: sum(sign),
+        force: sign * end.force + end.by_stretch * 0.5 * (high.x + low.x),
+        by: high.by.iter().zip(&low.by).map(|(a, b)| 0.5 * end.by_stretch * (sign * (a - b) + a + b)).collect(),
         by_parameters: end.by_parameters.map(|p| sign * p),
     };
-    let mut stack = vec![corner(low, -1.0), corner(high, 1.0)];
-    let mut pulls = vec![at_rest(unknowns); count];
+    let mut corners = vec![extreme(low, -1.0), extreme(high, 1.0)];
+    let mut stack = vec![0, 1];
     for step in 1..=count {
         let j = (top + step) % count;
-        close_loops(&mut stack, instants[j].x);
-        pulls[j] = branch(joint, &stack[stack.len() - 1], &instants[j]);
+        close_loops(&mut stack, &corners, x[j]);
+        pulls[j] = branch(joint, &corners, stack[stack.len() - 1], x[j]);
         if j == top {
             break;
         }
         if j == bottom {
-            stack = vec![corner(high, 1.0), corner(low, -1.0)];
+            stack = vec![1, 0];
         } else if let Some(turn) = &turns[j] {
-            close_loops(&mut stack, turn.x);
-            let there = branch(joint, &stack[stack.len() - 1], turn);
-            let (x, dx) = (turn.x, turn.by.clone());
-            stack.push(Corner { x, dx, force: there.force, by: there.by, by_parameters: there.by_parameters });
+            close_loops(&mut stack, &corners, turn.x);
+            let there = branch(joint, &corners, stack[stack.len() - 1], turn.x);
+            let from = &corners[there.corner];
+            let by = from.by.iter().zip(turn.by.iter().zip(&from.dx));
+            let by = by.map(|(force, (x, start))| force + there.stiffness * (x - start)).collect();
+            let Pull { force, by_parameters, .. } = there;
+            stack.push(corners.len());
+            corners.push(Corner { x: turn.x, dx: turn.by.clone(), force, by, by_parameters });
         }
     }
-    pulls
-}
-
-fn at_rest(unknowns: usize) -> Pull {
-    Pull { force: 0.0, by: vec![0.0; unknowns], by_parameters: [0.0; 3], stiffness: 0.0 }
-}
-
-/// A reversal that the elements remember.
-#[derive(Debug, Clone)]
-struct Corner {
-    x: f64,
-    dx: Vec<f64>,
-    force: f64,
-    by: Vec<f64>,
-    by_parameters: [f64; 3],
+    (pulls, corners)
 }
 
 /// Forgets the inner loops that a motion to `x` has closed.
-fn close_loops(stack: &mut Vec<Corner>, x: f64) {
-    while stack.len() > 3 {
-        let (last, before) = (&stack[stack.len() - 1], &stack[stack.len() - 2]);
-        let inside = (x - before.x) * (last.x - before.x) > 0.0;
+fn close_loops(stack: &mut Vec<usize>, corners: &[Corner], x: f64) {
+    while let [_, _, .., before, last] = stack[..] {
+        let (last, before) = (corners[last].x, corners[before].x);
+        let inside = (x - before) * (last - before) > 0.0;
         if inside {
             return;
         }
@@ -127,15 +123,15 @@ fn close_loops(stack: &mut Vec<Corner>, x: f64) {
     }
 }
 
-/// The force on the branch that leads from a reversal to `at`.
-fn branch(joint: [f64; 3], from: &Corner, at: &Instant) -> Pull {
-    let law = loading(joint, 0.5 * (at.x - from.x));
-    let by = from.by.iter().zip(at.by.iter().zip(&from.dx));
+/// The force at `x` on the branch that leads there from a reversal.
+fn branch(joint: [f64; 3], corners: &[Corner], corner: usize, x: f64) -> Pull {
+    let from = &corners[corner];
+    let law = loading(joint, 0.5 * (x - from.x));
     Pull {
         force: from.force + 2.0 * law.force,
-        by: by.map(|(force, (x, start))| force + law.by_stretch * (x - start)).collect(),
         by_parameters: std::array::from_fn(|p| from.by_parameters[p] + 2.0 * law.by_parameters[p]),
         stiffness: law.by_stretch,
+        corner,
     }
 }
 
@@ -148,10 +144,10 @@ mod tests {
     fn first_harmonic(joint: [f64; 3], amplitude: f64, samples: usize) -> (f64, f64) {
         let at = |phase: f64| Instant { x: amplitude * phase.sin(), by: vec![phase.sin()] };
         let phase = |j: usize| TAU * j as f64 / samples as f64;
-        let instants: Vec<Instant> = (0..samples).map(|j| at(phase(j))).collect();
+        let x: Vec<f64> = (0..samples).map(|j| at(phase(j)).x).collect();
         let mut turns = vec![None; samples];
         (turns[samples / 4], turns[3 * samples / 4]) = (Some(at(0.5 * PI)), Some(at(1.5 * PI)));
-        let pulls = pulls(joint, &instants, &turns);
+        let (pulls, _) = pulls(joint, &x, &turns);
         let sum = |of: fn(f64) -> f64| (0..samples).map(|j| pulls[j].force * of(phase(j))).sum::<f64>();
         (2.0 * sum(f64::sin) / samples as f64 / amplitude, 2.0 * sum(f64::cos) / samples as f64 / amplitude)
     }

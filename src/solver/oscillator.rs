@@ -10,7 +10,10 @@ use super::tolerance::Tolerance;
 use crate::model::system::SingleMode;
 use crate::roots::regula_falsi;
 use nalgebra::{DMatrix, DVector};
+use std::cell::RefCell;
+use std::collections::HashMap;
 use std::f64::consts::TAU;
+use std::rc::Rc;
 
 /// Highest harmonics that are tried in turn; all odd.
 const HARMONICS: [usize; 4] = [5, 11, 21, 41];
@@ -28,7 +31,7 @@ const STEPS: usize = 40;
 const AT_KINKS: f64 = 1e-6;
 /// Amplitudes at which the balance of the first harmonic is looked at, per factor of ten, and instants for it.
 const GRID_PER_DECADE: f64 = 8.0;
-const GRID_INSTANTS: usize = 32;
+const GRID_INSTANTS: usize = 16;
 /// Refinements of where two roots may have met; relative accuracy of roots and of the amplitudes of resonance.
 const REFINEMENTS: usize = 30;
 const ROOT: f64 = 1e-6;
@@ -253,6 +256,15 @@ impl Laid {
         Self { harmonics, basis, slopes, instants, projected }
     }
 
+    /// The basis of the harmonics up to `highest`, kept for the next time.
+    fn of(highest: usize, instants: usize, odd: bool) -> Rc<Self> {
+        thread_local!(static KEPT: RefCell<HashMap<(usize, usize, bool), Rc<Laid>>> = RefCell::default());
+        KEPT.with_borrow_mut(|kept| {
+            let new = || Rc::new(Self::new(harmonics(highest, odd), instants, odd));
+            kept.entry((highest, instants, odd)).or_insert_with(new).clone()
+        })
+    }
+
     /// Position of the cosine of harmonic `k`.
     fn cosine(&self, k: usize) -> usize {
         self.harmonics.iter().position(|h| *h == k).unwrap_or(0)
@@ -327,7 +339,7 @@ fn solve(mode: &dyn SingleMode, amplitude: f64, tolerance: &Tolerance) -> Option
             let wanted = (most as f64 / tolerance.relief().powi(5)) as usize;
             instants = instants.max(wanted.max(least));
         }
-        let laid = Laid::new(harmonics(highest, odd), instants + instants % 2, odd);
+        let laid = Laid::of(highest, instants + instants % 2, odd);
         series.resize(laid.harmonics.len(), 0.0);
         let (balance, left) = newton(mode, &laid, &mut series, tolerance, &mut steps)?;
         let size = |at: usize| series[at].hypot(series[at + 1]);
@@ -402,17 +414,21 @@ fn evaluate(mode: &dyn SingleMode, laid: &Laid, series: &[f64]) -> Balance {
     }
     let mut by_joint = None;
     if let Some(joint) = mode.joint() {
-        let mut by_parameters = DMatrix::zeros(n, 3);
-        for (j, pull) in pulls(joint, &instants(laid, &x), &turns(laid, series)).into_iter().take(n).enumerate() {
+        let (mut by_parameters, mut tangent) = (DMatrix::zeros(n, 3), 0.0);
+        let (pulls, corners) = pulls(joint, x.as_slice(), &turns(laid, series));
+        for (j, pull) in pulls.into_iter().take(n).enumerate() {
+            let Some(from) = corners.get(pull.corner) else { break };
             force[j] += pull.force;
             for m in 0..unknowns {
-                slopes[(j, m)] += pull.by[m];
+                slopes[(j, m)] += from.by[m] + pull.stiffness * (laid.basis[(j, m)] - from.dx[m]);
             }
             for (p, by) in pull.by_parameters.into_iter().enumerate() {
                 by_parameters[(j, p)] = by;
             }
-            motion[j][2] += pull.stiffness;
+            tangent += pull.stiffness / n as f64;
         }
+        // What a disturbance meets beside the memory of the elements, which only dissipates: their mean stiffness.
+        motion.iter_mut().for_each(|at| at[2] += tangent);
         by_joint = Some(project(laid, &by_parameters));
     }
     let mut residual: DVector<f64> =
@@ -446,11 +462,6 @@ fn project(laid: &Laid, columns: &DMatrix<f64>) -> DMatrix<f64> {
         harmonics.row_mut(0).scale_mut(0.5);
     }
     harmonics
-}
-
-fn instants(laid: &Laid, x: &DVector<f64>) -> Vec<Instant> {
-    let at = |j: usize| Instant { x: x[j], by: laid.basis.row(j).iter().copied().collect() };
-    (0..laid.instants).map(at).collect()
 }
 
 /// Where the motion turns back between an instant and the next: by the secant of its velocity there.

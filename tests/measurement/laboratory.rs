@@ -15,10 +15,12 @@ fn headers_of_many_kinds_are_one_table() {
         ("\"Frequenz in Hz\";\"Kraft in N\";\"Auslenkung in mm\";\"Phasenwinkel in rad\"", "80;0,5;2;-1"),
         ("freq_hz,force_amplitude_n,displacement_amplitude_mm,phi", "80,0.5,2,-1"),
         ("Freq. [Hz],Force [N],Ampl [mm],φ [rad]", "80,0.5,2,-1"),
+        ("Frequency\tForce\tDisplacement\tPhase", "Hz\tmN\t[µm]\t(rad)\n80\t500\t2000\t-1"),
         ("FREQUENCY_HZ,FORCE_N,AMPLITUDE_MM,PHASE_RAD", "80,0.5,2,-1"),
     ];
     for (header, cells) in cases {
         let separator = ['\t', ';', ','].into_iter().find(|c| header.contains(*c)).expect("a separator");
+        let cells = cells.replace("(rad)\n", "(rad)\t%\trad\n");
         let text = format!(
             "{header}{separator}amplitude_sd_percent{separator}phase_sd_rad\n{cells}{separator}1{separator}1\n"
         );
@@ -116,6 +118,22 @@ fn a_mapped_column_is_read_in_the_unit_that_its_name_states() {
     };
     insta::assert_snapshot!("mapped-length-as-angle", arm("tip_mm", "amplitude"));
     insta::assert_snapshot!("mapped-force-of-the-arm", arm("shaker_n", "force"));
+}
+
+#[test]
+fn a_mapped_column_that_is_no_amplitude_is_noted() {
+    for (header, key, told) in [
+        ("tip_pp_mm", "amplitude", "peak to peak: where it is, state amplitude_gain = 2"),
+        ("Tip RMS [mm]", "amplitude", "an effective value: where it is, state amplitude_gain = 0.707107"),
+        ("force_pp_n", "force", "peak to peak: where it is, state drive_gain = 0.5"),
+        ("shaker rms [N]", "drive", "an effective value: where it is, state drive_gain = 1.414214"),
+    ] {
+        let other = if key == "amplitude" { "force_n" } else { "amplitude_m" };
+        let text = format!("frequency_hz,{other},{header},amplitude_sd_percent\n80,1,2,1\n");
+        let table = load("t.csv", text.as_bytes(), "", &format!("columns = {{ {key} = '{header}' }}")).expect("sound");
+        assert!(table.notes[1].contains(told), "{:?}", table.notes);
+        assert!(load("t.csv", text.as_bytes(), "", "").is_err(), "{header} is not guessed to be one");
+    }
 }
 
 #[test]

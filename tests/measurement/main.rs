@@ -7,6 +7,7 @@ mod laboratory;
 mod noise;
 mod oscillators;
 mod series;
+mod survey;
 mod universal;
 
 use std::path::Path;

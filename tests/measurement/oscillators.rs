@@ -104,6 +104,11 @@ fn what_the_rig_does_not_have_is_told_with_the_key_to_change() {
     );
     insta::assert_snapshot!("two-readings", refused("frequency_hz,force_n,amplitude_m,amplitude_g\n80,1,1,1\n", ""));
     insta::assert_snapshot!(
+        "series-without-a-name",
+        refused("series,frequency_hz,force_n,amplitude_m\na,80,1,1\n,81,1,1\n,82,1,1\n", "")
+    );
+    insta::assert_snapshot!("two-series", refused("series,frequency_hz,force_n,amplitude_m,Series\na,80,1,1,b\n", ""));
+    insta::assert_snapshot!(
         "sweep-of-no-direction",
         refused("frequency_hz,force_n,amplitude_m,sweep\n80,1,1,left\n81,1,1,up\n", "")
     );

@@ -137,3 +137,56 @@ fn workbooks_are_tables_too() {
     insta::assert_snapshot!("xlsx-no-such-sheet", read("t.xlsx", bytes, "sheet = 'Sweap'").expect_err("a typo"));
     insta::assert_snapshot!("xlsx-broken", read("t.xlsx", b"PK no", "").expect_err("not a workbook"));
 }
+
+/// A universal file with one function of a response over a reference, ten values.
+fn response(response: (i64, &str), reference: (i64, &str)) -> String {
+    let side = |(kind, unit): (i64, &str)| format!("{kind:>10}    0    0    0 {:<20} {unit:<20}\n", "NONE");
+    let values: String = (0..10)
+        .map(|n| format!("{:13.5e}{:20.11e}{:20.11e}\n", 50.0 + f64::from(n), 3.0, 4.0 + f64::from(n * n % 5)))
+        .collect();
+    format!(
+        "    -1\n    58\nA function\nNONE\nNONE\nNONE\nNONE\n{:>5}         0    0         0       BEAM         1   3      SHAKER         2   3\n\
+         {:>10}{:>10}{:>10}  0.00000e+00  0.00000e+00  0.00000e+00\n{}{}{}{}{values}    -1\n",
+        4,
+        6,
+        10,
+        0,
+        side((18, "Hz")),
+        side(response),
+        side(reference),
+        side((0, "NONE"))
+    )
+}
+
+#[test]
+fn functions_of_any_oscillator_are_read_as_they_are() {
+    let sweep = "[sweep]\nfrequency = 80\ndrive = 2";
+    let angle = "coordinate = 'angle'";
+    let cases = [
+        ((8, "mm"), (13, "N"), "", ("N", "m"), 5e-3 * 2.0),
+        ((12, "m/s^2"), (13, "kN"), "", ("N", "m/s^2"), 5e-3 * 2.0),
+        // Over the acceleration of the base, of which [sweep] states the displacement.
+        ((12, "g"), (12, "g"), "drive = 'base'", ("m", "m/s^2"), -5.0 * 2.0 * (std::f64::consts::TAU * 50.0).powi(2)),
+        ((11, "mm/s"), (8, "mm"), "drive = 'base'", ("m", "m/s"), 5.0 * 2.0),
+        ((8, "mrad"), (13, "Nm"), angle, ("N m", "rad"), 5e-3 * 2.0),
+        ((0, ""), (0, ""), "", ("N", "m"), 5.0 * 2.0),
+    ];
+    for (above, below, rig, units, amplitude) in cases {
+        let text = response(above, below);
+        let table =
+            super::oscillators::load("t.uff", text.as_bytes(), rig, sweep).unwrap_or_else(|error| panic!("{error}"));
+        let point = &table.points[0];
+        assert_eq!((table.signals.drive.unit, table.signals.reading.unit), units, "{above:?} {below:?}");
+        assert!((point.amplitude / f64::abs(amplitude) - 1.0).abs() < 1e-9, "{above:?} {below:?}: {}", point.amplitude);
+        let turned = if amplitude < 0.0 { std::f64::consts::PI } else { 0.0 };
+        assert!((point.phase.expect("a phase") + turned - 4f64.atan2(3.0)).abs() < 1e-9, "{point:?}");
+        assert_eq!(point.drive, 2.0);
+    }
+    let fails = |above, below, rig: &str, more: &str| {
+        super::oscillators::load("t.uff", response(above, below).as_bytes(), rig, more).expect_err("refused")
+    };
+    insta::assert_snapshot!("uff-of-another-drive", fails((8, "mm"), (12, "g"), "", sweep));
+    insta::assert_snapshot!("uff-of-no-quantity", fails((15, "Pa"), (13, "N"), "", sweep));
+    insta::assert_snapshot!("uff-unit-and-kind", fails((12, "mm"), (13, "N"), "", sweep));
+    insta::assert_snapshot!("uff-without-drive", fails((8, "mm"), (13, "N"), "", ""));
+}

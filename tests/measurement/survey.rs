@@ -1,0 +1,96 @@
+//! Tables looked at before there is a scenario: the same as a fitting scenario would read.
+
+use stickslip::measurement::{self, Survey};
+use stickslip::scenario::Coordinate;
+
+use super::PRACTICE;
+use super::oscillators::load;
+
+fn survey(name: &str, text: &str) -> Result<Survey, String> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join(name);
+    std::fs::write(&path, text).expect("a file");
+    measurement::survey(&path).map_err(|error| {
+        assert_eq!(error.exit_code(), 2, "{error}");
+        error.to_string().replace(&format!("{}/", folder.path().display()), "")
+    })
+}
+
+/// Rows of `columns` numbers each at twelve frequencies.
+fn rows(columns: usize) -> String {
+    (0..12)
+        .map(|n| format!("{}{}\n", 80 + n, format!(",{}", 1.0 + 0.1 * f64::from(n * n % 7)).repeat(columns)))
+        .collect()
+}
+
+#[test]
+fn a_survey_reads_what_a_fitting_scenario_reads() {
+    let cases = [
+        ("frequency_hz,force_n,amplitude_m_s2,phase_rad", "", Some(Coordinate::Displacement)),
+        ("f [Hz],Force [mN],Acceleration [g],phi [rad]", "", Some(Coordinate::Displacement)),
+        ("frequency_hz,drive_g,amplitude_mm,phase_rad", "drive = 'base'", Some(Coordinate::Displacement)),
+        ("frequency_hz,drive_v,amplitude_mv,phase_rad", "", Some(Coordinate::Displacement)),
+        ("frequency_hz,torque_n_m,amplitude_urad,phase_rad", "coordinate = 'angle'", Some(Coordinate::Angle)),
+        (
+            "frequency_hz,drive_rad,amplitude_v,phase_rad",
+            "drive = 'base'\ncoordinate = 'angle'",
+            Some(Coordinate::Angle),
+        ),
+    ];
+    for (header, rig, coordinate) in cases {
+        let text = format!("{header}\n{}", rows(3));
+        let seen = survey("t.csv", &text).unwrap_or_else(|error| panic!("{error}"));
+        let table = load("t.csv", text.as_bytes(), rig, "").unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!((seen.coordinate(), seen.table.signals), (coordinate, table.signals), "{header}");
+        assert_eq!((&seen.table.points, &seen.table.series), (&table.points, &table.series), "{header}");
+        assert!(seen.mapping.is_empty() && seen.has("phase") && !seen.has("load"), "{:?}", seen.columns);
+    }
+    let seen = survey("t.csv", &format!("f [Hz],Force [mN],accel_g,comment\n{}", rows(3))).expect("sound");
+    let columns: Vec<_> = seen.columns.iter().map(|c| (c.header.as_str(), c.key, c.unit.as_deref())).collect();
+    let expected = [
+        ("f [Hz]", Some("frequency"), Some("Hz")),
+        ("Force [mN]", Some("drive"), Some("mN")),
+        ("accel_g", Some("amplitude"), Some("g")),
+        ("comment", None, None),
+    ];
+    assert_eq!(columns, expected);
+    // The paper's rig is driven by a displacement and read as an angle: no oscillator is.
+    let seen = survey("t.csv", PRACTICE).expect("sound");
+    assert_eq!(
+        (seen.coordinate(), seen.table.series.len(), seen.has("load"), seen.has("speed")),
+        (None, 13, true, true)
+    );
+    assert_eq!(seen.table.points.iter().map(|point| point.load).fold(0.0, f64::max), 20.0);
+}
+
+#[test]
+fn of_several_columns_one_is_chosen_and_said() {
+    let both = format!("frequency_hz,drive_v,force_n,amplitude_v,amplitude_mm\n{}", rows(4));
+    let seen = survey("t.csv", &both).expect("sound");
+    assert_eq!((seen.table.signals.drive.unit, seen.table.signals.reading.unit), ("N", "m"));
+    assert!(seen.mapping.is_empty(), "a scenario prefers them as well: {:?}", seen.mapping);
+    let several = format!("frequency_hz,drive_m_s2,force_n,amplitude_g,amplitude_mm\n{}", rows(4));
+    let seen = survey("t.csv", &several).expect("sound");
+    assert_eq!((seen.table.signals.drive.unit, seen.table.signals.reading.unit), ("N", "m/s^2"));
+    let of = |key: &str, header: &str| (key.to_string(), header.to_string());
+    assert_eq!(seen.mapping, [of("drive", "force_n"), of("amplitude", "amplitude_g")]);
+    let mapped = "columns = { drive = 'force_n', amplitude = 'amplitude_g' }";
+    let table = load("t.csv", several.as_bytes(), "", mapped).expect("sound");
+    assert_eq!(table.points, seen.table.points);
+    let aliases = format!("f [Hz],Force [N],Displacement [mm],Velocity [mm/s]\n{}", rows(3));
+    assert_eq!(survey("t.csv", &aliases).expect("sound").mapping, [of("amplitude", "Displacement [mm]")]);
+}
+
+#[test]
+fn what_a_survey_cannot_tell_is_an_error() {
+    let fails =
+        |header: &str, columns: usize| survey("t.csv", &format!("{header}\n{}", rows(columns))).expect_err("refused");
+    insta::assert_snapshot!("survey-no-unit", fails("frequency,drive,amplitude", 2));
+    insta::assert_snapshot!("survey-no-drive", fails("frequency_hz,amplitude_m", 1));
+    insta::assert_snapshot!("survey-bad-unit", fails("frequency_hz,force_n,amplitude_kg", 2));
+    insta::assert_snapshot!("survey-samples", fails("t,x,y", 2).replace("80", "…"));
+    let few = "frequency_hz,force_n,amplitude_m\n80,1,1\n81,1,2\n";
+    insta::assert_snapshot!("survey-noise-unknown", survey("t.csv", few).expect_err("no noise"));
+    insta::assert_snapshot!("survey-no-file", measurement::survey("no/such.csv").expect_err("missing").to_string());
+    insta::assert_snapshot!("survey-universal", survey("t.uff", include_str!("../data/frf.uff")).expect_err("several"));
+}
