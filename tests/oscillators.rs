@@ -40,7 +40,11 @@ fn what_the_generator_hid_is_found_from_the_table_alone() {
         let path = folder.path().join(name).with_extension("toml");
         new(&table(name), &path);
         let d = found(&path);
-        assert_eq!((d.verdict, d.explanation().hypothesis.effects()), (verdict, effects.iter().map(|e| (*e).into()).collect()), "{name}");
+        assert_eq!(
+            (d.verdict, d.explanation().hypothesis.effects()),
+            (verdict, effects.iter().map(|e| (*e).into()).collect()),
+            "{name}"
+        );
         assert!(d.explanation().comparison.overall.chi2_per_point < 1.5, "{name}");
     }
 }

@@ -226,7 +226,7 @@ pub fn json(comparison: &Comparison) -> ComparisonJson {
         provenance: c.scenario.provenance.clone(),
         measurement_file: c.table.file.display().to_string(),
         measurement_hash: c.table.hash.clone(),
-        notes: c.table.notes.clone(),
+        notes: c.table.notes.iter().chain(&c.notes).cloned().collect(),
         points: c.overall.points,
         readings: c.overall.readings,
         chi2_per_point: c.overall.chi2_per_point,

@@ -250,11 +250,8 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
     let (contact, contact_model) = fingerprint(&model, &points);
     let column = table.signals.reading.reading_column();
     let outliers = (0..settings.len()).flat_map(|i| standing_out(&of(i), column, noise)).collect();
-    let ranges: Vec<(f64, f64)> = (0..settings.len())
-        .map(|i| {
-            of(i).iter().fold((f64::INFINITY, 0.0), |(a, b), p| (a.min(p.point.frequency), p.point.frequency.max(b)))
-        })
-        .collect();
+    let driven: Vec<Vec<(f64, f64)>> =
+        (0..settings.len()).map(|i| of(i).iter().map(|p| (p.point.frequency, p.point.drive)).collect()).collect();
     let mut notes = Vec::new();
     for key in (Calibration { fit: fit.clone(), ..calibration.clone() }).at_bounds() {
         notes.push(format!(
@@ -282,7 +279,7 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
         contact,
         contact_model,
         outliers,
-        curves: model_curves(&model, &settings, &ranges, &table.series),
+        curves: model_curves(&model, &settings, &driven, &table.series),
         notes,
         model,
         points,

@@ -428,7 +428,8 @@ mod tests {
         let paper = crate::scenario::paper();
         let frame = Frame::of(&paper);
         let mapped = |header: &str, column: usize| mapped(header, MEASURED[column].key, column, &frame);
-        let value = |header: &str, column: usize| mapped(header, column).expect("a unit").0.convert("1").expect("a number");
+        let value =
+            |header: &str, column: usize| mapped(header, column).expect("a unit").0.convert("1").expect("a number");
         assert_eq!(value("f [kHz]", FREQUENCY), 1e3);
         assert_eq!(value("roller_speed_mm_s", SPEED), 1e-3);
         assert_eq!(value("f", FREQUENCY), 1.0);

@@ -66,7 +66,7 @@ pub fn comparison_view(c: &Comparison, figures: &[FigureInput]) -> ComparisonVie
         signals: super::rig::signals(signals),
         file: c.table.file.display().to_string(),
         hash: c.table.hash.clone(),
-        notes: c.table.notes.clone(),
+        notes: c.table.notes.iter().chain(&c.notes).cloned().collect(),
         overall: MatchView { speed: none(), load: none(), drive: none(), ..metrics(&all, signals, digits.as_ref()) },
         parameters: c.fit.parameters.iter().zip(&c.intervals).map(|(p, i)| fitted(p, i)).collect(),
         ties: c.correlations.iter().map(tie).collect(),

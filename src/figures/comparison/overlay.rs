@@ -6,7 +6,7 @@ use super::multiples::{Multiples, frequencies};
 use super::sigma::{BAND, Sigma};
 use super::words::{self, Amplitude};
 
-use crate::compare::{Compared, Comparison, Setting};
+use crate::compare::{Compared, Comparison};
 use crate::figures::axes::{Axis, Panel, range};
 use crate::figures::canvas::{Canvas, Point, Stroke};
 use crate::figures::legend::{Entry, Key};
@@ -14,7 +14,6 @@ use crate::figures::marks::Mark;
 use crate::figures::resonance::{phase_axis, unbroken};
 use crate::figures::style::{Color, INK, SHADE, SLIP, STATIC, count};
 use crate::figures::{Drawing, Figure, FigureError};
-use crate::measurement::Series;
 use std::f64::consts::PI;
 
 /// Standard deviations on either side of a point that its bar spans.
@@ -70,11 +69,6 @@ impl<'a> Data<'a> {
         (if self.wraps && phase > 0.5 * PI { phase - 2.0 * PI } else { phase }).to_degrees()
     }
 
-    /// The condition of that index.
-    pub fn setting(&self, condition: usize) -> &Setting {
-        &self.c.conditions[condition].setting
-    }
-
     /// The points of a condition.
     pub fn points(&self, condition: usize) -> impl Iterator<Item = &'a Compared> + use<'a> {
         self.c.points.iter().filter(move |p| p.condition == condition)
@@ -93,21 +87,20 @@ impl<'a> Data<'a> {
         self.points(condition).filter_map(of).collect()
     }
 
-    /// The curve of the model, as shown. Where the drive changes along the readings it joins what the model says of them: between
-    /// them nobody knows the drive.
+    /// The curve of the model, as shown.
     pub fn curve(&self, condition: usize) -> Vec<Point> {
-        let changes = |series: &Series| series.drives.0 != series.drives.1;
-        if self.c.table.series.get(condition).is_some_and(changes) {
-            let value = |p: &Compared| match self.phase {
-                true => self.degrees(p.model.phase),
-                false => self.amplitude.value(p.model.amplitude, p.point.drive),
-            };
-            return self.points(condition).map(|p| (p.point.frequency, value(p))).collect();
-        }
         let curve = &self.c.curves[condition];
-        let drive = self.setting(condition).drive;
         let pairs = curve.frequency.iter().zip(if self.phase { &curve.phase } else { &curve.amplitude });
-        pairs.map(|(&f, &y)| (f, if self.phase { self.degrees(y) } else { self.amplitude.value(y, drive) })).collect()
+        let value = |(y, drive): (f64, f64)| match self.phase {
+            true => self.degrees(y),
+            false => self.amplitude.value(y, drive),
+        };
+        pairs.zip(&curve.drive).map(|((&f, &y), &drive)| (f, value((y, drive)))).collect()
+    }
+
+    /// The parts of a curve to be joined: phases are not across half a turn.
+    pub fn runs<'b>(&self, curve: &'b [Point]) -> Vec<&'b [Point]> {
+        if self.phase { unbroken(curve) } else { vec![curve] }
     }
 
     /// Name and unit of the values.
@@ -154,7 +147,7 @@ impl<'a> Data<'a> {
     fn main(&self, canvas: &mut Canvas, panel: &Panel, condition: usize) {
         let curve = self.curve(condition);
         canvas.series("model", |canvas| {
-            unbroken(&curve).iter().for_each(|run| panel.curve(canvas, run, Stroke::solid(MODEL, 2.2)));
+            self.runs(&curve).iter().for_each(|run| panel.curve(canvas, run, Stroke::solid(MODEL, 2.2)));
         });
         self.readings(canvas, panel, condition);
         let far: Vec<Point> = self.outliers(condition).collect();

@@ -91,7 +91,11 @@ fn course(series: &Series, setting: &Setting) -> String {
     let (least, most) = series.drives;
     let [low, high] = [least, most].map(|drive| data::drive(drive, &setting.signal, 3));
     if low != high {
-        parts.push(format!("{low} to {high}"));
+        // One unit for both, where they have the same.
+        let unit = |text: &str| text.split_once(' ').map(|(_, unit)| unit.to_string());
+        let number = low.split(' ').next().unwrap_or(&low);
+        let from = if unit(&low) == unit(&high) { number } else { &low };
+        parts.push(format!("{from} to {high}"));
     }
     if series.direction == Direction::Down {
         parts.push("down".into());

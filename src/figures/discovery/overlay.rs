@@ -11,7 +11,6 @@ use crate::figures::comparison::sigma::{BAND, Sigma};
 use crate::figures::comparison::words;
 use crate::figures::legend::{Entry, Key};
 use crate::figures::marks::Mark;
-use crate::figures::resonance::unbroken;
 use crate::figures::style::{INK, SHADE, Table, cell, count, significant};
 use crate::figures::{Drawing, Figure, FigureError};
 
@@ -81,7 +80,7 @@ impl<'a> Steps<'a> {
         for (index, data) in self.data.iter().enumerate() {
             let curve = data.curve(condition);
             canvas.series(&self.steps[index].name(), |canvas| {
-                unbroken(&curve).iter().for_each(|run| panel.curve(canvas, run, self.stroke(index, 2.2)));
+                data.runs(&curve).iter().for_each(|run| panel.curve(canvas, run, self.stroke(index, 2.2)));
             });
         }
     }
