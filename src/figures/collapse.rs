@@ -94,7 +94,7 @@ impl<'a> Data<'a> {
         entries.push((Key::Heading, "Drive u₀".into()));
         for (i, drive) in self.drives.iter().enumerate() {
             let key = Key::Mark(MARKS[i % MARKS.len()], super::style::GREY, i < MARKS.len());
-            entries.push((key, Unit::of_signal(*drive, self.drive.unit).show(*drive, 4)));
+            entries.push((key, data::drive(*drive, &self.drive, 4)));
         }
         entries.push((Key::Heading, "Largest spread".into()));
         entries.push((Key::Heading, significant(self.largest_spread(), 2)));

@@ -102,6 +102,7 @@ impl Drawing {
             ("arm displacement b(θ − θ₀)", "displacement at the contact"),
             ("arm bθ′", "rig, at the contact"),
             ("Arm, bωα", "Rig"),
+            ("the amplitude bωα of the arm's speed", "the amplitude of the rig's speed at the contact"),
             ("Amplitude bωα of the arm's speed at the contact", "Amplitude of the rig's speed at the contact"),
             ("speed amplitude bωα", "speed amplitude at the contact"),
             ("bωα", "the speed at the contact"),

@@ -49,7 +49,8 @@ impl Axis {
                 ticks.push((value, if named { log_label(digit, exponent) } else { String::new() }));
             }
         }
-        ticks
+        // Between two of those values round ones on a linear scale name the axis.
+        if ticks.iter().all(|(_, label)| label.is_empty()) { self.linear_ticks(room) } else { ticks }
     }
 }
 
@@ -83,5 +84,6 @@ mod tests {
         assert_eq!(labels(&axis(1e-3, 1.0)), ["0.001", "0.01", "0.1", "1"]);
         assert_eq!(labels(&axis(1600.0, 40_000.0)), ["2000", "5000", "10000", "20000"]);
         assert_eq!(labels(&axis(0.5e-16, 2e-13)), ["10⁻¹⁶", "10⁻¹⁵", "10⁻¹⁴", "10⁻¹³"]);
+        assert_eq!(labels(&axis(1.05, 1.83)), ["1.2", "1.4", "1.6", "1.8"]);
     }
 }

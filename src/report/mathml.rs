@@ -173,7 +173,9 @@ impl Parser<'_> {
         let run = self.run(letter);
         if let Some(name) = FUNCTIONS.into_iter().find(|name| run == *name) {
             let low = self.run(|c| LOWERED.contains(c));
-            let name = format!("<mi>{name}</mi>");
+            // Set close to what stands before it but for the sine, which follows a letter.
+            let apart = if name == "sin" { "<mspace width=\"0.17em\"/>" } else { "" };
+            let name = format!("{apart}<mi>{name}</mi>");
             let index: String =
                 low.chars().filter_map(|c| LOW.chars().nth(LOWERED.chars().position(|l| l == c)?)).collect();
             return if low.is_empty() { name } else { format!("<msub>{name}<mn>{index}</mn></msub>") };

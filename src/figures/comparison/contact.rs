@@ -417,6 +417,7 @@ impl Figure<Comparison> for Contact {
             count(data.columns.len(), "column")
         );
         let svg = data.draw(self.title(), &alt)?;
-        Ok(Drawing::of(self, (data.caption(), alt), (svg, data.csv()), data.notes()))
+        let drawing = Drawing::of(self, (data.caption(), alt), (svg, data.csv()), data.notes());
+        Ok(drawing.told_of(&comparison.scenario))
     }
 }

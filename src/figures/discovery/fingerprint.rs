@@ -216,6 +216,6 @@ impl Figure<Discovery> for Fingerprint {
             reading[2] = "Where it fails, compare the measured shape with what `stickslip effects NAME` tells.".into();
             return Ok(Drawing { title: title.into(), reading, ..drawing });
         }
-        Ok(drawing)
+        Ok(drawing.told_of(&discovery.explanation().comparison.scenario))
     }
 }
