@@ -28,3 +28,9 @@ mod tests {
         assert_eq!(spread([1.0, 2.0, 3.0, 4.0, 9e9], 3.0), MAD);
     }
 }
+
+/// The angle wrapped to (-pi, pi].
+pub fn wrap(angle: f64) -> f64 {
+    let turned = angle - std::f64::consts::TAU * (angle / std::f64::consts::TAU).round();
+    if turned <= -std::f64::consts::PI { turned + std::f64::consts::TAU } else { turned }
+}

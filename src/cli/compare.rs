@@ -126,7 +126,7 @@ pub(super) fn words(c: &Comparison) -> Vec<String> {
     let m = &c.overall;
     let (points, conditions) = (count(m.points, "point"), count(c.conditions.len(), "condition"));
     let mut lines = vec![format!("{}: {points}, {conditions}", c.scenario.title)];
-    let notes = c.table.notes.iter().map(String::as_str).chain(uncalibrated(&c.scenario));
+    let notes = c.table.notes.iter().chain(&c.notes).map(String::as_str).chain(uncalibrated(&c.scenario));
     lines.extend(notes.map(|note| format!("  note: {note}")));
     if !c.fit.parameters.is_empty() {
         lines.push(format!("calibrated ({}):", interval_words(c)));
@@ -183,7 +183,9 @@ pub(super) fn verdict(c: &Comparison) -> String {
         "runs {} of {:.0} expected, autocorrelation {:.2}, smooth part {:.1} times the rest",
         w.runs, w.runs_expected, w.autocorrelation, w.smooth_ratio
     );
-    if w.structured {
+    if !w.testable {
+        "whether the misfit has structure cannot be tested: the series have too few neighbouring readings".into()
+    } else if w.structured {
         format!("the misfit is structured, not noise ({tests})")
     } else {
         format!("what is left looks like noise ({tests})")

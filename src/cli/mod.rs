@@ -18,6 +18,7 @@ pub mod init;
 mod json;
 mod keep;
 mod ledger;
+mod new;
 mod past;
 mod question;
 pub mod report;
@@ -92,6 +93,14 @@ enum Command {
         seed: u32,
         #[command(flatten)]
         gates: gates::GateLimits,
+    },
+    /// Look at a measured table, and write a scenario that fits it
+    New {
+        /// The table: one row per steady state, with the frequency, the drive and the amplitude
+        table: PathBuf,
+        /// Write the scenario here instead of beside the table
+        #[arg(long, short, value_name = "FILE")]
+        output: Option<PathBuf>,
     },
     /// Find out which effect is missing in the model of some measurements
     Discover {
@@ -210,6 +219,7 @@ pub fn run(cli: Cli) -> Result<()> {
             let (json, out) = (json.as_ref(), out.as_ref());
             compare::execute(&compare::Job { path: &scenario, json, out, seed, limits: &gates }, &global)
         }
+        Command::New { table, output } => new::execute(&table, output.as_deref(), &global),
         Command::Discover { scenario, json, max_effects, seed, gates, verdict, limits } => {
             let options = Options { max_effects: max_effects.into(), seed, bounds: (&limits).into() };
             discover::execute(&scenario, json.map(Json::from).as_ref(), &options, (&gates, &verdict), &global)

@@ -1,9 +1,10 @@
 //! Moving the free parameters of a scenario to where its model fits best.
 
 use super::{Outlier, Setting};
+use crate::fit::resonance;
 use crate::fit::{CONVERGED, Fit, HUBER, Parameter, Problem, Settings, minimise, parameter, robust_chi2};
 use crate::measurement::{Point, Series, Table};
-use crate::model::Model;
+use crate::model::{Model, Operation};
 use crate::scenario::Scenario;
 use crate::solver::cycle::Tolerance;
 use crate::statistics::{median, spread};
@@ -14,6 +15,9 @@ use rayon::prelude::*;
 const STARTS: usize = 12;
 /// Starts that are followed to their end.
 const FOLLOWED: usize = 2;
+/// Times that a fit which met a bound begins again, and the share of the sum of squares by which that has to lower it.
+const RESTARTS: usize = 8;
+const LOWER: f64 = 1e-3;
 /// Evaluations of one fit at most.
 const EVALUATIONS: usize = 60;
 /// A residual this many times the scatter of its neighbours about a line, or the step from one to the next, away from that line
@@ -32,10 +36,22 @@ const ALIKE: f64 = 0.02;
 /// A calibrated model.
 #[derive(Debug, Clone)]
 pub struct Calibration {
+    /// The model that the ranges of the fit are about: as it is stated, or where a calibration that met a bound began again.
+    pub base: Model,
     /// The fit.
     pub fit: Fit,
     /// Residuals beyond this counted linearly.
     pub threshold: f64,
+}
+
+impl Calibration {
+    /// Keys of the parameters of rig, contact and instrument that ended at a bound of the search.
+    pub fn at_bounds(&self) -> Vec<&str> {
+        let ends = self.fit.parameters.iter().zip(&self.fit.values);
+        ends.filter(|(p, value)| !p.key.starts_with("effect.") && p.at_bound(**value))
+            .map(|(p, _)| p.key.as_str())
+            .collect()
+    }
 }
 
 /// Load, speed and drive of every series of a table.
@@ -66,11 +82,38 @@ pub fn problem<'a>(
     Problem::new(model.clone(), points, parameters, tolerance)
 }
 
-/// Fits the parameters named `keys`, starting from the model's own values and from others within their ranges (quasi-random,
-/// by `seed`). Residuals that are many times the typical one count linearly. The fit is no more accurate than
-/// [`Tolerance::FIT`]: at full accuracy, points without a steady state that it passes take seconds each. Residuals and
+/// Fits the parameters named `keys`, starting from the model's own values, from those that a linear resonance of the readings
+/// has, and from others within their ranges (quasi-random, by `seed`). A fit that ends at a bound begins again about it, while
+/// that lowers the sum of squares. Residuals that are many times the typical one count linearly. The fit is no more accurate
+/// than [`Tolerance::FIT`]: at full accuracy, points without a steady state that it passes take seconds each. Residuals and
 /// derivatives at its end are as accurate as `tolerance` says.
 pub fn calibrate(model: &Model, keys: &[String], points: &[Point], tolerance: Tolerance, seed: u32) -> Calibration {
+    let operations: Vec<Operation> = points.iter().map(crate::fit::operation).collect();
+    let model = model.clone().scaled_at(&operations);
+    let mut best = calibrated(&model, keys, points, tolerance, seed);
+    let started = resonance::started(&model, keys, points).map(|model| model.scaled_at(&operations));
+    if let Some(other) = started.map(|model| calibrated(&model, keys, points, tolerance, seed))
+        && other.fit.objective < best.fit.objective
+    {
+        best = other;
+    }
+    for _ in 0..RESTARTS {
+        if best.at_bounds().is_empty() {
+            break;
+        }
+        let there = problem(&best.base, keys, [], tolerance).model(&best.fit.values).scaled_at(&operations);
+        let other = calibrated(&there, keys, points, tolerance, seed);
+        // Of a number that the data do not determine any value does.
+        if other.fit.objective > best.fit.objective * (1.0 - LOWER) {
+            break;
+        }
+        best = other;
+    }
+    best
+}
+
+/// A calibration within the ranges about the model's own values.
+fn calibrated(model: &Model, keys: &[String], points: &[Point], tolerance: Tolerance, seed: u32) -> Calibration {
     let stated = problem(model, keys, points, tolerance.for_search());
     let parameters = stated.parameters().to_vec();
     let mut starts = vec![stated.values()];
@@ -103,7 +146,7 @@ pub fn calibrate(model: &Model, keys: &[String], points: &[Point], tolerance: To
         fit.evaluation = problem(model, keys, points, tolerance).evaluate(&fit.values, true);
     }
     fit.objective = robust_chi2(&fit.evaluation.residuals, threshold);
-    Calibration { fit, threshold }
+    Calibration { base: model.clone(), fit, threshold }
 }
 
 const SETTLE: Settings = Settings { evaluations: 1, threshold: f64::INFINITY, converged: CONVERGED };

@@ -2,6 +2,7 @@
 //!
 //! [`compare`] calibrates the free parameters, and judges what is left.
 
+mod branches;
 mod budget;
 mod calibrate;
 mod curves;
@@ -121,6 +122,8 @@ pub struct Comparison {
     pub contact_model: Vec<ContactPoint>,
     /// Single readings that stand out.
     pub outliers: Vec<Outlier>,
+    /// What the user should know about the calibration, in plain words.
+    pub notes: Vec<String>,
     /// The model between the measured frequencies, one curve per condition.
     pub curves: Vec<ModelCurve>,
     error_budget: OnceLock<ErrorBudget>,
@@ -173,24 +176,25 @@ pub struct Options {
 
 /// Calibrates the free parameters of a scenario and compares with its measurements.
 pub fn compare(scenario: &Scenario, table: &Table, options: &Options) -> Comparison {
+    let scenario = &table.applied_to(scenario);
     let model = Model::new(scenario);
     let calibration = calibrate(&model, &scenario.free, &table.points, Tolerance::default(), options.seed);
-    let comparison = judge(scenario, table, &model, &calibration, true);
+    let comparison = judge(scenario, table, &calibration, true);
     // Here, not by the first of the figures that are drawn in parallel.
     comparison.error_budget();
     comparison
 }
 
-/// Compares a model whose calibration is done with the measurements. `base` is the model before it; `profile` asks for
-/// intervals by profile likelihood rather than from the curvature; where these find a better calibration it is taken.
+/// Compares a model whose calibration is done with the measurements; `profile` asks for intervals by profile likelihood rather than from the curvature; where these find a better calibration it is taken.
 /// Where nothing but noise is left and its scatter contradicts the stated standard deviations, intervals, ranges of misfit and
 /// readings that stand out go by the scatter.
-pub fn judge(scenario: &Scenario, table: &Table, base: &Model, calibration: &Calibration, profile: bool) -> Comparison {
+pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, profile: bool) -> Comparison {
     let settings = settings_of(scenario, table);
-    let mut calibrated = Problem::new(base.clone(), &table.points, calibration.fit.parameters.clone(), Tolerance::FIT);
+    let mut calibrated =
+        Problem::new(calibration.base.clone(), &table.points, calibration.fit.parameters.clone(), Tolerance::FIT);
     let noise_of = |fit: &Fit| {
         let points = compared(&table.points, &fit.evaluation.predictions);
-        let whiteness = whiteness(&points, settings.len(), fit.parameters.len());
+        let whiteness = whiteness(&points, settings.len(), fit.parameters.len(), table.amplitude_noise);
         if whiteness.structured {
             Metrics::over(points.iter()).chi2_per_point.sqrt().max(1.0)
         } else {
@@ -208,7 +212,7 @@ pub fn judge(scenario: &Scenario, table: &Table, base: &Model, calibration: &Cal
     let of = |index: usize| points.iter().filter(move |p| p.condition == index).collect::<Vec<_>>();
     let conditions: Vec<_> =
         settings.iter().enumerate().map(|(i, &setting)| ConditionMetrics::over(setting, &of(i))).collect();
-    let whiteness = whiteness(&points, settings.len(), fit.parameters.len());
+    let whiteness = whiteness(&points, settings.len(), fit.parameters.len(), table.amplitude_noise);
     let noise = told(&whiteness);
     let regions = regions(&points, &conditions, noise);
     let (contact, contact_model) = fingerprint(&model, &points);
@@ -218,6 +222,21 @@ pub fn judge(scenario: &Scenario, table: &Table, base: &Model, calibration: &Cal
             of(i).iter().fold((f64::INFINITY, 0.0), |(a, b), p| (a.min(p.point.frequency), p.point.frequency.max(b)))
         })
         .collect();
+    let mut notes = Vec::new();
+    for key in (Calibration { fit: fit.clone(), ..calibration.clone() }).at_bounds() {
+        notes.push(format!(
+            "{key} ended at the bound of its search: the data do not hold it, or it is far off as stated"
+        ));
+    }
+    let two = points.iter().filter(|p| !p.model.others.is_empty()).count();
+    if two > 0 {
+        let off = branches::off_the_sweep(&points, &table.series);
+        notes.push(format!(
+            "the model has two stable states at {}; each is compared with the state nearest to it, {off} with another than the \
+             one that a sweep of the model is on",
+            count(two, "point")
+        ));
+    }
     Comparison {
         scenario: scenario.clone(),
         table: table.clone(),
@@ -230,7 +249,8 @@ pub fn judge(scenario: &Scenario, table: &Table, base: &Model, calibration: &Cal
         contact,
         contact_model,
         outliers,
-        curves: model_curves(&model, &settings, &ranges),
+        curves: model_curves(&model, &settings, &ranges, &table.series),
+        notes,
         model,
         points,
         conditions,

@@ -256,7 +256,8 @@ mod tests {
             series: 0,
         };
         let status = if answers { Status::Steady } else { Status::Failed("none".into()) };
-        let model = Prediction { amplitude: if answers { 1.3e-6 } else { f64::NAN }, phase: 0.0, status };
+        let model =
+            Prediction { amplitude: if answers { 1.3e-6 } else { f64::NAN }, phase: 0.0, status, others: Vec::new() };
         Compared {
             point,
             condition: 0,

@@ -1,6 +1,7 @@
 //! Whether residuals look like noise: runs of signs, autocorrelation along the frequency, smooth components.
 
 use super::Compared;
+use crate::measurement::NoiseSource;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, Normal};
 
 /// Smooth components (polynomials of the point's number) that a curve is searched for, at most.
@@ -35,6 +36,11 @@ pub struct Whiteness {
     pub rough_freedom: f64,
     /// Whether the misfit is structured rather than noise.
     pub structured: bool,
+    /// Whether there are neighbours enough along series for the tests to find structure at all.
+    pub testable: bool,
+    /// Whether the noise is that of the readings' own scatter along series, so that a larger misfit is none of it.
+    #[serde(skip)]
+    pub own_scatter: bool,
 }
 
 /// The stated noise is contradicted by a scatter that differs by more than this factor.
@@ -44,6 +50,9 @@ impl Whiteness {
     /// Scatter of the residuals about anything smooth over the stated noise, and whether it differs from one by more than
     /// chance.
     pub fn scatter(&self) -> (f64, bool) {
+        if self.own_scatter {
+            return (1.0, false);
+        }
         let factor = self.rough_chi2.sqrt();
         let sure = (factor.ln()).abs() > 4.0 / (2.0 * self.rough_freedom.max(1.0)).sqrt();
         (factor, sure && !(1.0 / NOISE_DIFFERS..NOISE_DIFFERS).contains(&factor))
@@ -56,15 +65,26 @@ impl Whiteness {
     }
 }
 
-/// Tests the residuals of all curves. `fitted` parameters have absorbed as many components.
-pub fn whiteness(points: &[Compared], conditions: usize, fitted: usize) -> Whiteness {
+/// Mean square of the residuals beyond which they are more than a noise that was estimated from the scatter of the readings
+/// along series: that estimate is known to a fifth or so.
+const EXCESS: f64 = 2.0;
+
+/// Tests the residuals of all series. `fitted` parameters have absorbed as many components; `source` is where the noise of the
+/// amplitudes comes from.
+pub fn whiteness(points: &[Compared], conditions: usize, fitted: usize, source: NoiseSource) -> Whiteness {
+    let own_scatter = source == NoiseSource::Estimated;
     let mut curves: Vec<Vec<f64>> = Vec::new();
     for condition in 0..conditions {
         let of = || points.iter().filter(move |p| p.condition == condition);
         curves.push(of().map(|p| p.amplitude_residual).collect());
         curves.push(of().filter_map(|p| p.phase_residual).collect());
     }
-    test(&curves, fitted)
+    let mut found = test(&curves, fitted);
+    let typical = typical(&curves.concat());
+    found.own_scatter = own_scatter;
+    // By the middle of them: a few outliers are no misfit.
+    found.structured |= own_scatter && typical * typical > EXCESS;
+    found
 }
 
 fn test(curves: &[Vec<f64>], fitted: usize) -> Whiteness {
@@ -97,6 +117,8 @@ fn test(curves: &[Vec<f64>], fitted: usize) -> Whiteness {
     let rough_chi2 = if rough_n > 0.0 { rough / rough_n } else { 1.0 };
     let smooth_ratio = smooth / smooth_n / rough_chi2.max(f64::MIN_POSITIVE);
     let smooth_p = FisherSnedecor::new(smooth_n, rough_n.max(1.0)).map_or(1.0, |f| f.sf(smooth_ratio));
+    // Of so many pairs of neighbours the fewest runs, one, have to be impossible by chance.
+    let testable = tail(2.0 * variance.sqrt()) < 0.1 * SIGNIFICANCE;
     let structured = smooth_p < SIGNIFICANCE || autocorrelation_p < SIGNIFICANCE || runs_p < 0.1 * SIGNIFICANCE;
     Whiteness {
         runs,
@@ -109,10 +131,15 @@ fn test(curves: &[Vec<f64>], fitted: usize) -> Whiteness {
         rough_chi2,
         rough_freedom: rough_n,
         structured,
+        testable,
+        own_scatter: false,
     }
 }
 
 fn typical(curve: &[f64]) -> f64 {
+    if curve.is_empty() {
+        return 0.0;
+    }
     let mut sizes: Vec<f64> = curve.iter().map(|r| r.abs()).collect();
     sizes.sort_by(f64::total_cmp);
     1.4826 * sizes[sizes.len() / 2]

@@ -37,11 +37,13 @@ impl Change {
 
 /// Fits an effect together with the scenario's free parameters and those of the effects that it has.
 pub fn fit_addition(scenario: &Scenario, table: &Table, effect: &'static dyn Effect, seed: u32) -> Change {
+    let scenario = &table.applied_to(scenario);
     let before = compare::compare(scenario, table, &compare::Options { seed });
     let model = Model::new(scenario);
     let addition = Addition::Effect(effect);
     let keys = movable(scenario, "");
     let base = calibrate(&model, &keys, &table.points, Tolerance::default(), seed);
+    let model = base.base.clone();
     let stated = compare::problem(&model, &keys, [], Tolerance::default()).values();
     let data = Data::new(model.clone(), &table.points, base.threshold, stated, seed);
     let from = Hypothesis { additions: Vec::new(), model, fit: base.fit, estimate: None, bic: f64::INFINITY };
@@ -56,6 +58,7 @@ pub fn fit_addition(scenario: &Scenario, table: &Table, effect: &'static dyn Eff
 
 /// Takes an effect away and fits the scenario's free parameters and those of its other effects.
 pub fn fit_removal(scenario: &Scenario, table: &Table, name: &str, seed: u32) -> Change {
+    let scenario = &table.applied_to(scenario);
     let before = compare::compare(scenario, table, &compare::Options { seed });
     let mut model = before.model.clone();
     model.effects.retain(|(effect, _)| effect.name() != name);
@@ -82,7 +85,7 @@ fn conclude(
     seed: u32,
 ) -> Change {
     let calibration = calibrate(&model, keys, &table.points, Tolerance::default(), seed);
-    let after = compare::judge(scenario, table, &model, &calibration, true);
+    let after = compare::judge(scenario, table, &calibration, true);
     // In units of the scatter that the better of the two leaves.
     let (one, other) = (before.fit.evaluation.chi2(), after.fit.evaluation.chi2());
     let readings = after.overall.readings as f64;

@@ -45,7 +45,9 @@ impl Search<'_> {
         let last = steps.len() - 1;
         let candidates = self.rank(&steps, rounds, ties, noise);
         let end = &steps[last];
-        let structured = end.comparison.whiteness.structured;
+        // Without neighbours nothing could have shown structure: then nothing is concluded from its absence.
+        let white = &end.comparison.whiteness;
+        let structured = white.structured || !white.testable;
         let verdict = match (structured, chosen.additions.iter().any(Addition::is_effect), chosen.additions.is_empty())
         {
             (true, _, _) => Verdict::Unexplained,
@@ -89,6 +91,14 @@ impl Search<'_> {
             };
             notes.push(format!("{label} would be better by {above:.1} in Schwarz's criterion, {verdict}"));
         }
+        if !white.testable {
+            notes.push(
+                "whether the residuals have structure cannot be tested: the series have too few neighbouring readings; no \
+                 verdict rests on its absence"
+                    .into(),
+            );
+        }
+        notes.extend(end.comparison.notes.iter().cloned());
         let troubled = end.hypothesis.fit.evaluation.troubled();
         if troubled > 0 {
             notes.push(format!("{troubled} points have no steady state in the explanation; each counts as a misfit of 2 to 6 standard deviations"));
@@ -108,8 +118,9 @@ impl Search<'_> {
     }
 
     pub(super) fn comparison(&self, hypothesis: &Hypothesis, profile: bool, noise: f64) -> Comparison {
-        let calibration = Calibration { fit: hypothesis.fit.clone(), threshold: HUBER * noise };
-        compare::judge(self.scenario, self.table, &hypothesis.model, &calibration, profile)
+        let (base, fit) = (hypothesis.model.clone(), hypothesis.fit.clone());
+        let calibration = Calibration { base, fit, threshold: HUBER * noise };
+        compare::judge(self.scenario, self.table, &calibration, profile)
     }
 
     /// All hypotheses of the first round and those about the explanation, the best first.

@@ -33,8 +33,10 @@ const EXCHANGES: usize = 2;
 
 /// Finds what is missing in the model of a scenario, given its measurements.
 pub fn discover(scenario: &Scenario, table: &Table, options: &Options) -> Discovery {
+    let scenario = &table.applied_to(scenario);
     let base = Model::new(scenario);
     let calibration = compare::calibrate(&base, &scenario.free, &table.points, Tolerance::default(), options.seed);
+    let base = calibration.base.clone();
     let stated = compare::problem(&base, &scenario.free, [], Tolerance::default()).values();
     let data = Data::new(base, &table.points, calibration.threshold, stated, options.seed);
     let pool = additions(&data.base, &scenario.free, table.points.iter().any(|p| p.phase.is_some()));
@@ -399,7 +401,12 @@ impl Search<'_> {
             return None;
         }
         let points = compare::compared(&self.table.points, &hypothesis.fit.evaluation.predictions);
-        Some(compare::whiteness(&points, self.table.series.len(), hypothesis.fit.parameters.len()))
+        Some(compare::whiteness(
+            &points,
+            self.table.series.len(),
+            hypothesis.fit.parameters.len(),
+            self.table.amplitude_noise,
+        ))
     }
 
     pub(super) fn readings(&self) -> usize {

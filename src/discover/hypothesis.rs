@@ -1,6 +1,6 @@
 //! What may be wrong with a model: a number of the rig or the instrument, or an effect that is missing; alone or together.
 
-use crate::effects::{self, Effect, REGISTRY, typical};
+use crate::effects::{self, Effect, REGISTRY, middle};
 use crate::fit::{Fit, Problem, parameter};
 use crate::measurement::Point;
 use crate::model::Model;
@@ -73,7 +73,8 @@ pub fn extended(model: &Model, additions: &[Addition]) -> Model {
     let mut model = model.clone();
     for addition in additions {
         if let Addition::Effect(effect) = addition {
-            model.effects.push((*effect, typical(*effect)));
+            let middle = middle(*effect, &model.scales);
+            model.effects.push((*effect, middle));
         }
     }
     model

@@ -185,7 +185,7 @@ fn grid(table: &Table, bounds: &Bounds) -> Vec<Operation> {
             }
         }
     }
-    all.retain(|at| at.load > 0.0 && at.drive > 0.0);
+    all.retain(|at| at.drive > 0.0);
     all
 }
 

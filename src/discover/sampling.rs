@@ -2,6 +2,7 @@
 
 use super::hypothesis::{Addition, Hypothesis, extended};
 use super::search::Data;
+use crate::fit::resonance;
 use crate::fit::{Evaluation, Parameter, Problem, parameter, robust_chi2};
 use crate::measurement::Point;
 use crate::model::Model;
@@ -176,10 +177,13 @@ pub fn samples(
     if let Addition::Recalibration(_) = addition {
         // The stated value, and a little to either side.
         let value = Problem::new(model.clone(), none, parameters.clone(), Tolerance::COARSE).values();
-        return [-0.05, 0.05]
-            .iter()
-            .map(|step| with(parameters.clone(), &[parameters[0].moved(value[0], *step)]))
-            .collect();
+        let mut values: Vec<f64> = [-0.05, 0.05].iter().map(|step| parameters[0].moved(value[0], *step)).collect();
+        // And where the resonance of the readings puts it: a sensor may be inverted, a gain off by any factor.
+        values.extend(resonance::started(&model, &addition.keys(), data.points).and_then(|there| {
+            let none: [&Point; 0] = [];
+            Problem::new(there, none, parameters.clone(), Tolerance::COARSE).values().first().copied()
+        }));
+        return values.into_iter().map(|value| with(parameters.clone(), &[value])).collect();
     }
     let mut all: Vec<Model> = hint.map(|values| with(parameters.clone(), values)).into_iter().collect();
     let signed = parameters.iter().any(|p| p.signed);

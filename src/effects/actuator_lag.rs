@@ -1,7 +1,9 @@
 //! The actuator follows its command like a low pass.
 
-use super::{Effect, Group, ParameterInfo, Zero};
+use super::{Effect, Group, Measure, ParameterInfo, Zero};
 use crate::model::dual::Dual;
+
+use crate::scenario::parameters::ZERO_OR_MORE;
 
 /// Lag of the actuator.
 pub struct ActuatorLag;
@@ -36,7 +38,8 @@ impl Effect for ActuatorLag {
     }
     fn parameters(&self) -> &'static [ParameterInfo] {
         const LIST: &[ParameterInfo] =
-            &[ParameterInfo::searched(("tau", "τ", "s"), (0.0, 1e3), (1e-6, 1e-2), "time constant of the actuator")];
+            &[ParameterInfo::searched(("tau", "τ", "s"), ZERO_OR_MORE, (1e-6, 1e-2), "time constant of the actuator")
+                .in_units_of(Measure::Time)];
         LIST
     }
 

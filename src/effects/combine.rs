@@ -13,6 +13,7 @@ const SINGLE: &[(&str, Contributes)] = &[
     ("an internal state of the interface", |e, p, _| e.interface_rate(p, 1.0, 1.0).is_some()),
     ("the heating of the interface", |e, _, d| e.heating(d).is_some()),
     ("a viscoelastic branch", |e, _, d| e.branch(d).is_some()),
+    ("a joint to ground", |e, _, d| e.joint(d).is_some()),
     ("the support of the roller", |e, _, d| e.support(d).is_some()),
 ];
 
@@ -42,7 +43,7 @@ pub fn compatible(effects: &[&dyn Effect]) -> Result<(), String> {
 /// Whether an effect enters the equations of the contact or of its load.
 pub fn enters_contact(effect: &dyn Effect) -> bool {
     let (p, d) = sample(effect);
-    SINGLE.iter().any(|(_, contributes)| contributes(effect, &p, &d))
+    (effect.joint(&d).is_none() && SINGLE.iter().any(|(_, contributes)| contributes(effect, &p, &d)))
         || effect.friction(&p, 1.0, 1.0).is_some()
         || effect.load_stiffness(&d).is_some()
         || effect.renewal(&d, Dual::constant(1.0)).is_some()
@@ -62,8 +63,8 @@ pub fn fits_rig(effect: &dyn Effect, contact: bool) -> Result<(), String> {
 
 /// Whether the published procedure can carry an effect: only changes of the drive, of the linear damping and of the reading.
 pub fn in_paper_formulation(effect: &dyn Effect) -> bool {
-    let (p, _) = sample(effect);
-    !enters_contact(effect) && effect.torque(&p, 0.0, 0.0).is_none()
+    let (p, d) = sample(effect);
+    !enters_contact(effect) && effect.torque(&p, 0.0, 0.0).is_none() && effect.joint(&d).is_none()
 }
 
 fn sample(effect: &dyn Effect) -> (Vec<f64>, Vec<Dual>) {

@@ -1,7 +1,9 @@
 //! Bristles leave the contact after a travel and are replaced unstretched.
 
-use super::{Effect, Group, ParameterInfo, Zero};
+use super::{Effect, Group, Measure, ParameterInfo, Zero};
 use crate::model::dual::Dual;
+
+use crate::scenario::parameters::POSITIVE;
 
 /// Renewal of the contact (brush).
 pub struct ContactRenewal;
@@ -38,10 +40,11 @@ impl Effect for ContactRenewal {
     fn parameters(&self) -> &'static [ParameterInfo] {
         const LIST: &[ParameterInfo] = &[ParameterInfo::searched(
             ("len", "ℓ", "m"),
-            (1e-9, 1e15),
+            POSITIVE,
             (1e-6, 1e-1),
             "travel over which a bristle stays in the contact",
-        )];
+        )
+        .in_units_of(Measure::Travel)];
         LIST
     }
 

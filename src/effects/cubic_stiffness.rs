@@ -1,6 +1,7 @@
 //! A torque that grows with the cube of the angle.
 
-use super::{Effect, Group, Law, ParameterInfo, Zero};
+use super::{Effect, Group, Law, Measure, ParameterInfo, Zero};
+use crate::scenario::parameters::ANY;
 
 /// Cubic stiffness of the arm (Duffing).
 pub struct CubicStiffness;
@@ -35,13 +36,11 @@ impl Effect for CubicStiffness {
         &[Zero { parameter: 0, value: 0.0 }]
     }
     fn parameters(&self) -> &'static [ParameterInfo] {
-        const LIST: &[ParameterInfo] = &[ParameterInfo::searched(
-            ("K_3", "K₃", "N m/rad^3"),
-            (-1e15, 1e15),
-            (1e5, 1e12),
-            "cubic coefficient of the torque",
-        )
-        .either_sign()];
+        const LIST: &[ParameterInfo] =
+            &[ParameterInfo::searched(("K_3", "K₃", "N m/rad^3"), ANY, (1e5, 1e12), "cubic coefficient of the torque")
+                .in_units_of(Measure::Cubic)
+                .alone(0.01, 1000.0)
+                .either_sign()];
         LIST
     }
 

@@ -1,7 +1,9 @@
 //! The interface heats up by its own friction and weakens.
 
-use super::{Effect, Group, ParameterInfo, Zero};
+use super::{Effect, Group, Measure, ParameterInfo, Zero};
 use crate::model::dual::Dual;
+
+use crate::scenario::parameters::POSITIVE;
 
 /// Frictional heating.
 pub struct FrictionalHeating;
@@ -43,11 +45,13 @@ impl Effect for FrictionalHeating {
         const LIST: &[ParameterInfo] = &[
             ParameterInfo::searched(
                 ("P_0", "P₀", "W"),
-                (1e-6, 1e15),
+                POSITIVE,
                 (0.1, 1e3),
                 "power that halves the friction coefficient",
-            ),
-            ParameterInfo::searched(("tau", "τ", "s"), (1e-9, 1e6), (1e-4, 1.0), "time over which the heat leaves"),
+            )
+            .in_units_of(Measure::Power),
+            ParameterInfo::searched(("tau", "τ", "s"), POSITIVE, (1e-4, 1.0), "time over which the heat leaves")
+                .in_units_of(Measure::Time),
         ];
         LIST
     }

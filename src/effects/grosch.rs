@@ -1,7 +1,9 @@
 //! The bell-shaped master curve of rubber friction over the logarithm of the slip rate.
 
-use super::{Effect, Group, Law, ParameterInfo, Zero};
+use super::{Effect, Group, Law, Measure, ParameterInfo, Zero};
 use std::f64::consts::LN_10;
+
+use crate::scenario::parameters::POSITIVE;
 
 /// Slip rate \[m/s\] that keeps the logarithm finite at rest.
 const SMALLEST: f64 = 1e-9;
@@ -48,7 +50,8 @@ impl Effect for Grosch {
                 (0.02, 2.0),
                 "height of the bell above the constant coefficient",
             ),
-            ParameterInfo::searched(("v_m", "vₘ", "m/s"), (1e-9, 1e6), (1e-4, 10.0), "slip rate of the maximum"),
+            ParameterInfo::searched(("v_m", "vₘ", "m/s"), POSITIVE, (1e-4, 10.0), "slip rate of the maximum")
+                .in_units_of(Measure::Speed),
             ParameterInfo::searched(("h", "h", "decades"), (0.05, 30.0), (0.3, 3.0), "standard width of the bell"),
         ];
         LIST

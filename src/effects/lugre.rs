@@ -1,7 +1,9 @@
 //! A rate element in place of the slip interface.
 
-use super::{Effect, Group, ParameterInfo, Zero};
+use super::{Effect, Group, Measure, ParameterInfo, Zero};
 use crate::model::dual::Dual;
+
+use crate::scenario::parameters::ZERO_OR_MORE;
 
 /// Bristle rate element (LuGre).
 pub struct LuGre;
@@ -42,10 +44,11 @@ impl Effect for LuGre {
     fn parameters(&self) -> &'static [ParameterInfo] {
         const LIST: &[ParameterInfo] = &[ParameterInfo::searched(
             ("sigma_2", "σ₂", "N s/m"),
-            (0.0, 1e9),
+            ZERO_OR_MORE,
             (0.0, 1e3),
             "viscous coefficient of the relative motion",
-        )];
+        )
+        .in_units_of(Measure::ContactDamping)];
         LIST
     }
 

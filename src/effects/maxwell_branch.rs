@@ -1,7 +1,9 @@
 //! A spring and a dashpot in series beside the bristles.
 
-use super::{Effect, Group, ParameterInfo, Zero};
+use super::{Effect, Group, Measure, ParameterInfo, Zero};
 use crate::model::dual::Dual;
+
+use crate::scenario::parameters::{POSITIVE, ZERO_OR_MORE};
 
 /// Viscoelastic branch (Maxwell).
 pub struct MaxwellBranch;
@@ -43,8 +45,10 @@ impl Effect for MaxwellBranch {
     }
     fn parameters(&self) -> &'static [ParameterInfo] {
         const LIST: &[ParameterInfo] = &[
-            ParameterInfo::searched(("k_1", "k₁", "N/m"), (0.0, 1e9), (1e3, 1e6), "stiffness of the branch"),
-            ParameterInfo::searched(("tau", "τ", "s"), (1e-9, 1e6), (1e-5, 1e-1), "relaxation time of the branch"),
+            ParameterInfo::searched(("k_1", "k₁", "N/m"), ZERO_OR_MORE, (1e3, 1e6), "stiffness of the branch")
+                .in_units_of(Measure::ContactStiffness),
+            ParameterInfo::searched(("tau", "τ", "s"), POSITIVE, (1e-5, 1e-1), "relaxation time of the branch")
+                .in_units_of(Measure::Time),
         ];
         LIST
     }

@@ -15,8 +15,12 @@ pub struct ParameterInfo {
     pub minimum: f64,
     /// Largest value that is physical.
     pub maximum: f64,
-    /// Magnitudes that a search should cover, the smaller may be 0; `None` where the catalogue gives none.
+    /// Magnitudes that a search should cover on the paper's rig, the smaller may be 0; `None` where the catalogue gives none.
     pub range: Option<(f64, f64)>,
+    /// What magnitudes are measured in on any other rig.
+    pub measure: Measure,
+    /// Magnitudes, in units of that measure, that a search should cover on a rig without a contact, where it differs.
+    pub alone: Option<(f64, f64)>,
     /// Whether a search should try both signs.
     pub signed: bool,
     /// One phrase of meaning.
@@ -31,12 +35,146 @@ impl ParameterInfo {
         range: (f64, f64),
         meaning: &'static str,
     ) -> Self {
-        Self { key, symbol, unit, minimum, maximum, range: Some(range), signed: false, meaning }
+        Self {
+            key,
+            symbol,
+            unit,
+            minimum,
+            maximum,
+            range: Some(range),
+            measure: Measure::Number,
+            alone: None,
+            signed: false,
+            meaning,
+        }
+    }
+
+    /// The same, its magnitude in this measure.
+    pub const fn in_units_of(self, measure: Measure) -> Self {
+        Self { measure, ..self }
+    }
+
+    /// The same, on a rig without a contact searched over these multiples of its measure.
+    pub const fn alone(self, low: f64, high: f64) -> Self {
+        Self { alone: Some((low, high)), ..self }
+    }
+
+    /// Magnitudes that a search should cover on a rig of these scales.
+    pub fn search_range(&self, scales: &Scales) -> (f64, f64) {
+        if let Some((low, high)) = self.alone.filter(|_| !scales.has_contact) {
+            let size = self.measure.size(scales);
+            return (low * size, high * size);
+        }
+        let (low, high) = self.range.unwrap_or((self.minimum.abs(), self.maximum));
+        // The ranges of the catalogue are those of the paper's rig: for it this is one.
+        let times = self.measure.size(scales) / self.measure.size(&Scales::PAPER);
+        (low * times, high * times)
     }
 
     /// The same, of either sign.
     pub const fn either_sign(self) -> Self {
         Self { signed: true, ..self }
+    }
+}
+
+/// The quantity in which magnitudes of a parameter are measured, so that a range holds for a rig of any size.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Measure {
+    /// A number of no dimension.
+    Number,
+    /// 1/w0.
+    Time,
+    /// Speed of the motion at the contact; where a roller turns, its mean with that of the roller on a logarithmic scale.
+    Speed,
+    /// Travel in 1/w0 at that speed.
+    Travel,
+    /// Stiffness of the bristles.
+    ContactStiffness,
+    /// Damping whose force at w0 is that of the bristles' stiffness.
+    ContactDamping,
+    /// Mass that the bristles' stiffness carries at w0.
+    ContactMass,
+    /// Power of friction at that speed.
+    Power,
+    /// 1/Q.
+    Loss,
+    /// Cubic stiffness that bends a resonance by its width; beside a contact, one as strong as the stiffness at the
+    /// deflection under friction.
+    Cubic,
+    /// Quadratic damping as strong as the linear one.
+    Quadratic,
+    /// Stiffness that moves the resonance by its width.
+    Stiffness,
+    /// Force that the drive has at resonance.
+    Force,
+}
+
+/// Sizes of a rig and its motion, SI units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scales {
+    /// w0 \[rad/s\].
+    pub omega: f64,
+    /// Q \[-\].
+    pub quality: f64,
+    /// K \[N/m, N m/rad\].
+    pub stiffness: f64,
+    /// Largest motion without contact \[m, rad\].
+    pub motion: f64,
+    /// q, motion at the contact per unit of the coordinate.
+    pub lever: f64,
+    /// kc \[N/m\].
+    pub contact_stiffness: f64,
+    /// mu W at the median load \[N\].
+    pub friction_force: f64,
+    /// Largest speed of the roller \[m/s\]; 0 where none turns.
+    pub roller_speed: f64,
+    /// Whether there is a contact.
+    pub has_contact: bool,
+}
+
+impl Scales {
+    /// The paper's rig at the conditions for which the ranges of the catalogue are stated: 20 N, rollers up to 0.1 m/s, drives
+    /// up to 7.5 um.
+    pub const PAPER: Self = Self {
+        omega: 451.3978289712967,
+        quality: 4.997761613942612,
+        stiffness: 1018.8,
+        motion: 1.860340336305119e-5,
+        lever: 0.06,
+        contact_stiffness: 8.9e4,
+        friction_force: 10.0,
+        roller_speed: 0.1,
+        has_contact: true,
+    };
+
+    /// Speed of the motion at the contact, and of the roller where it turns.
+    fn speed(&self) -> f64 {
+        let moving = self.lever * self.motion * self.omega;
+        if self.roller_speed > 0.0 { (moving * self.roller_speed).sqrt() } else { moving }
+    }
+}
+
+impl Measure {
+    /// Its size for a rig.
+    pub fn size(self, of: &Scales) -> f64 {
+        match self {
+            Self::Number => 1.0,
+            Self::Time => 1.0 / of.omega,
+            Self::Speed => of.speed(),
+            Self::Travel => of.speed() / of.omega,
+            Self::ContactStiffness => of.contact_stiffness,
+            Self::ContactDamping => of.contact_stiffness / of.omega,
+            Self::ContactMass => of.contact_stiffness / of.omega.powi(2),
+            Self::Power => of.friction_force * of.speed(),
+            Self::Loss => 1.0 / of.quality,
+            Self::Cubic if of.has_contact => {
+                of.stiffness / (of.lever * of.friction_force / of.stiffness).max(of.motion).powi(2)
+            }
+            Self::Cubic => of.stiffness / (of.quality * of.motion.powi(2)),
+            Self::Quadratic => of.stiffness / (of.quality * of.omega.powi(2) * of.motion),
+            Self::Stiffness => of.stiffness / of.quality,
+            Self::Force => of.stiffness * of.motion / of.quality,
+        }
     }
 }
 
@@ -72,7 +210,20 @@ pub struct Zero {
     pub value: f64,
 }
 
-/// Values in the middle of the search ranges (geometric mean to one digit): valid, and no statement about any material.
+/// Values in the middle of what a search covers on a rig of these scales (geometric mean).
+pub fn middle(effect: &dyn Effect, scales: &Scales) -> Vec<f64> {
+    let middle = |(info, typical): (&ParameterInfo, f64)| {
+        if info.alone.is_none() || scales.has_contact {
+            return typical * (info.measure.size(scales) / info.measure.size(&Scales::PAPER));
+        }
+        let (low, high) = info.search_range(scales);
+        (low * high).sqrt()
+    };
+    effect.parameters().iter().zip(typical(effect)).map(middle).collect()
+}
+
+/// Values in the middle of the search ranges on the paper's rig (geometric mean to one digit): valid, and no statement about
+/// any material.
 pub fn typical(effect: &dyn Effect) -> Vec<f64> {
     let middle = |info: &ParameterInfo| {
         let (low, high) = info.range.unwrap_or((info.minimum, info.maximum));

@@ -8,6 +8,7 @@ mod actuator_lag;
 mod combine;
 mod contact_renewal;
 mod cubic_stiffness;
+mod friction_joint;
 mod frictional_heating;
 mod grosch;
 mod lugre;
@@ -24,7 +25,7 @@ mod stribeck;
 mod structural_damping;
 
 pub use combine::{compatible, enters_contact, fits_rig, in_paper_formulation};
-pub use metadata::{Group, ParameterInfo, Zero, typical};
+pub use metadata::{Group, Measure, ParameterInfo, Scales, Zero, middle, typical};
 
 use crate::model::dual::Dual;
 
@@ -162,6 +163,7 @@ pub static REGISTRY: &[&dyn Effect] = &[
     &lugre::LuGre,
     &cubic_stiffness::CubicStiffness,
     &quadratic_damping::QuadraticDamping,
+    &friction_joint::FrictionJoint,
     &structural_damping::StructuralDamping,
     &actuator_lag::ActuatorLag,
     &roller_compliance::RollerCompliance,

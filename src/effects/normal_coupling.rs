@@ -1,7 +1,9 @@
 //! The motion of the arm changes the normal load.
 
-use super::{Effect, Group, ParameterInfo, Zero};
+use super::{Effect, Group, Measure, ParameterInfo, Zero};
 use crate::model::dual::Dual;
+
+use crate::scenario::parameters::ANY;
 
 /// Normal load coupled to the motion.
 pub struct NormalCoupling;
@@ -39,10 +41,11 @@ impl Effect for NormalCoupling {
     fn parameters(&self) -> &'static [ParameterInfo] {
         const LIST: &[ParameterInfo] = &[ParameterInfo::searched(
             ("k_n", "kₙ", "N/m"),
-            (-1e9, 1e9),
+            ANY,
             (1e2, 1e6),
             "change of the load per displacement of the arm at the contact",
         )
+        .in_units_of(Measure::ContactStiffness)
         .either_sign()];
         LIST
     }

@@ -1,6 +1,7 @@
 //! A torque that grows with the square of the angular velocity.
 
-use super::{Effect, Group, Law, ParameterInfo, Zero};
+use super::{Effect, Group, Law, Measure, ParameterInfo, Zero};
+use crate::scenario::parameters::ZERO_OR_MORE;
 
 /// Quadratic damping of the arm.
 pub struct QuadraticDamping;
@@ -38,10 +39,12 @@ impl Effect for QuadraticDamping {
     fn parameters(&self) -> &'static [ParameterInfo] {
         const LIST: &[ParameterInfo] = &[ParameterInfo::searched(
             ("D_2", "D₂", "N m s^2/rad^2"),
-            (0.0, 1e9),
+            ZERO_OR_MORE,
             (0.1, 1e4),
             "quadratic coefficient of the torque",
-        )];
+        )
+        .in_units_of(Measure::Quadratic)
+        .alone(0.01, 1000.0)];
         LIST
     }
 

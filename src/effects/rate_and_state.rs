@@ -1,6 +1,7 @@
 //! Rate-and-state friction with the ageing law.
 
-use super::{Effect, Group, Law, ParameterInfo, Zero};
+use super::{Effect, Group, Law, Measure, ParameterInfo, Zero};
+use crate::scenario::parameters::POSITIVE;
 
 /// Rate-and-state friction (ageing law).
 pub struct RateAndState;
@@ -50,8 +51,10 @@ impl Effect for RateAndState {
                 (0.002, 0.5),
                 "rise of the friction coefficient per factor e of age",
             ),
-            ParameterInfo::searched(("v_0", "v₀", "m/s"), (1e-12, 1e3), (1e-6, 1e-1), "slip rate of reference"),
-            ParameterInfo::searched(("D_c", "Dc", "m"), (1e-9, 1.0), (1e-6, 1e-3), "slip that replaces the junctions"),
+            ParameterInfo::searched(("v_0", "v₀", "m/s"), POSITIVE, (1e-6, 1e-1), "slip rate of reference")
+                .in_units_of(Measure::Speed),
+            ParameterInfo::searched(("D_c", "Dc", "m"), POSITIVE, (1e-6, 1e-3), "slip that replaces the junctions")
+                .in_units_of(Measure::Travel),
         ];
         LIST
     }

@@ -1,6 +1,7 @@
 //! Velocity strengthening: friction grows with the logarithm of the slip rate.
 
-use super::{Effect, Group, Law, ParameterInfo, Zero};
+use super::{Effect, Group, Law, Measure, ParameterInfo, Zero};
+use crate::scenario::parameters::POSITIVE;
 
 /// Velocity strengthening (logarithmic).
 pub struct RateStrengthening;
@@ -46,10 +47,11 @@ impl Effect for RateStrengthening {
             ),
             ParameterInfo::searched(
                 ("v_0", "v₀", "m/s"),
-                (1e-12, 1e3),
+                POSITIVE,
                 (1e-6, 1e-1),
                 "slip rate at which the rise sets in",
-            ),
+            )
+            .in_units_of(Measure::Speed),
         ];
         LIST
     }

@@ -1,7 +1,9 @@
 //! The roller gives way on its support.
 
-use super::{Effect, Group, ParameterInfo, Support, Zero};
+use super::{Effect, Group, Measure, ParameterInfo, Support, Zero};
 use crate::model::dual::Dual;
+
+use crate::scenario::parameters::POSITIVE;
 
 /// Compliance of the roller.
 pub struct RollerCompliance;
@@ -39,16 +41,13 @@ impl Effect for RollerCompliance {
         const LIST: &[ParameterInfo] = &[
             ParameterInfo::searched(
                 ("m_r", "mᵣ", "kg"),
-                (1e-9, 1e6),
+                POSITIVE,
                 (1e-3, 10.0),
                 "mass of the roller that moves tangentially",
-            ),
-            ParameterInfo::searched(
-                ("k_r", "kᵣ", "N/m"),
-                (1e-3, 1e18),
-                (1e3, 1e8),
-                "tangential stiffness of its support",
-            ),
+            )
+            .in_units_of(Measure::ContactMass),
+            ParameterInfo::searched(("k_r", "kᵣ", "N/m"), POSITIVE, (1e3, 1e8), "tangential stiffness of its support")
+                .in_units_of(Measure::ContactStiffness),
             ParameterInfo::searched(
                 ("zeta_r", "ζᵣ", "1"),
                 (0.0, 100.0),

@@ -1,7 +1,9 @@
 //! The reading comes later than the motion.
 
-use super::{Effect, Group, ParameterInfo, Zero};
+use super::{Effect, Group, Measure, ParameterInfo, Zero};
 use crate::model::dual::Dual;
+
+use crate::scenario::parameters::ANY;
 
 /// Delay of the sensor.
 pub struct SensorDelay;
@@ -36,10 +38,11 @@ impl Effect for SensorDelay {
     fn parameters(&self) -> &'static [ParameterInfo] {
         const LIST: &[ParameterInfo] = &[ParameterInfo::searched(
             ("tau", "τ", "s"),
-            (-1.0, 1.0),
+            ANY,
             (1e-6, 1e-2),
             "delay of the angle behind the actuator in the readings",
         )
+        .in_units_of(Measure::Time)
         .either_sign()];
         LIST
     }

@@ -1,6 +1,7 @@
 //! Velocity weakening: friction falls as the interface slips faster.
 
-use super::{Effect, Group, Law, ParameterInfo, Zero};
+use super::{Effect, Group, Law, Measure, ParameterInfo, Zero};
+use crate::scenario::parameters::POSITIVE;
 
 /// Velocity weakening (Stribeck).
 pub struct Stribeck;
@@ -47,10 +48,11 @@ impl Effect for Stribeck {
             ),
             ParameterInfo::searched(
                 ("v_s", "vₛ", "m/s"),
-                (1e-9, 1e3),
+                POSITIVE,
                 (1e-4, 1.0),
                 "slip rate over which the rise decays",
-            ),
+            )
+            .in_units_of(Measure::Speed),
         ];
         LIST
     }

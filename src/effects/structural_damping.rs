@@ -1,6 +1,6 @@
 //! Damping in proportion to the stiffness, whatever the frequency.
 
-use super::{Effect, Group, ParameterInfo, Zero};
+use super::{Effect, Group, Measure, ParameterInfo, Zero};
 use crate::model::dual::Dual;
 
 /// Structural damping of the arm.
@@ -37,7 +37,8 @@ impl Effect for StructuralDamping {
     }
     fn parameters(&self) -> &'static [ParameterInfo] {
         const LIST: &[ParameterInfo] =
-            &[ParameterInfo::searched(("eta", "η", "1"), (0.0, 10.0), (1e-3, 0.3), "loss factor of the arm")];
+            &[ParameterInfo::searched(("eta", "η", "1"), (0.0, 10.0), (1e-3, 0.3), "loss factor of the arm")
+                .in_units_of(Measure::Loss)];
         LIST
     }
 

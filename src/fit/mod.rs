@@ -5,8 +5,9 @@ mod least_squares;
 mod parameter;
 mod problem;
 mod profile;
+pub mod resonance;
 
 pub use least_squares::{CONVERGED, Fit, HUBER, Settings, minimise, robust_chi2};
 pub use parameter::{Parameter, parameter};
-pub use problem::{Evaluation, Prediction, Problem, TROUBLED, read};
+pub use problem::{Evaluation, Prediction, Problem, TROUBLED, operation, read};
 pub use profile::{Correlation, Identified, Interval, approximate_intervals, correlations, profiled};

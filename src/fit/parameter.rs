@@ -10,6 +10,8 @@ const CONTACT_FACTOR: f64 = 30.0;
 const RIG_FACTOR: f64 = 3.0;
 /// Its dampings, which nobody measures before the experiment, within this one.
 const RIG_DAMPING_FACTOR: f64 = 10.0;
+/// Numbers of any other rig, its stiffness apart, within this one.
+const UNKNOWN_FACTOR: f64 = 1e3;
 /// A fit may leave the range that the catalogue searches by this factor.
 const BEYOND: f64 = 3.0;
 /// Part of the largest magnitude that counts as zero where a range starts at zero.
@@ -51,7 +53,7 @@ pub fn parameter(model: &Model, key: &str) -> Option<Parameter> {
         for (candidate, values) in &model.effects {
             for (info, &value) in candidate.parameters().iter().zip(values) {
                 if candidate.name() == effect && info.key == name {
-                    return Some(of_effect(key, info, index, value));
+                    return Some(of_effect(key, info, index, value, model));
                 }
                 index += 1;
             }
@@ -63,19 +65,37 @@ pub fn parameter(model: &Model, key: &str) -> Option<Parameter> {
     let value = *model.clone().parameter(at, index)?;
     let factor = match table {
         "contact" => CONTACT_FACTOR,
-        "rig" if name.ends_with("damping") => RIG_DAMPING_FACTOR,
+        // Nobody knows the mass of a mode, its damping or the gain of a sensor before it is measured.
+        _ if !model.rig.is_arm() && !["natural_frequency", "stiffness"].contains(&name) => UNKNOWN_FACTOR,
+        "rig" if ["damping", "quality_factor", "damping_ratio"].iter().any(|end| name.ends_with(end)) => {
+            RIG_DAMPING_FACTOR
+        }
         _ => RIG_FACTOR,
     };
-    Some(of_base(key, info, index, value, factor))
+    Some(of_base(key, info, index, (value, size_beside_zero(model, table, info)), factor))
 }
 
-fn of_base(key: &str, info: &ParameterInfo, index: usize, value: f64, factor: f64) -> Parameter {
+/// A size for a number that is stated as zero: a critical damping, a friction coefficient of one.
+fn size_beside_zero(model: &Model, table: &str, info: &ParameterInfo) -> f64 {
+    let scales = &model.scales;
+    match (table, info.unit) {
+        (_, "1") => 1.0,
+        ("contact", _) => model.contact.stiffness / scales.omega,
+        _ => {
+            scales.stiffness
+                / scales.omega
+                / if info.unit == "N s/m" { scales.lever.powi(2).max(f64::MIN_POSITIVE) } else { 1.0 }
+        }
+    }
+}
+
+fn of_base(key: &str, info: &ParameterInfo, index: usize, (value, beside_zero): (f64, f64), factor: f64) -> Parameter {
     let logarithmic = info.minimum >= 0.0;
     let (lower, upper) = match (logarithmic, value > 0.0) {
         (true, true) => (value / factor, value * factor),
         // Nothing is known of what is stated as zero.
-        (true, false) => (1e-9 * info.maximum, 1e-3 * info.maximum),
-        (false, _) => (-std::f64::consts::PI, std::f64::consts::PI),
+        (true, false) => (SMALLEST * SMALLEST * beside_zero, beside_zero),
+        (false, _) => (value - std::f64::consts::PI, value + std::f64::consts::PI),
     };
     let clip = |x: f64| x.clamp(info.minimum, info.maximum);
     let scale = |x: f64| if logarithmic { x.ln() } else { x };
@@ -95,8 +115,8 @@ fn of_base(key: &str, info: &ParameterInfo, index: usize, value: f64, factor: f6
     }
 }
 
-fn of_effect(key: &str, info: &ParameterInfo, index: usize, value: f64) -> Parameter {
-    let (low, high) = info.range.unwrap_or((info.minimum.abs(), info.maximum));
+fn of_effect(key: &str, info: &ParameterInfo, index: usize, value: f64, model: &Model) -> Parameter {
+    let (low, high) = info.search_range(&model.scales);
     let low = if low > 0.0 { low } else { SMALLEST * high };
     let smallest = if info.signed || info.minimum <= 0.0 { low / BEYOND } else { (low / BEYOND).max(info.minimum) };
     let largest = (high * BEYOND).min(info.maximum);

@@ -34,6 +34,10 @@ pub struct Prediction {
     pub phase: f64,
     /// Whether it is a steady state.
     pub status: Status,
+    /// Readings (amplitude, phase) of the other stable states there: between folds the state nearest to the measured one is
+    /// compared with it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub others: Vec<(f64, f64)>,
 }
 
 /// Residuals in standard deviations, model minus measurement: per point the amplitude, then the phase where measured.
@@ -151,9 +155,13 @@ impl<'a> Problem<'a> {
             .into_par_iter()
             .map(|(point, warm)| {
                 warm.forget_orbit();
+                warm.expect(point.amplitude, point.phase);
                 if gives_up && troubled.load(Relaxed) as f64 > allowed {
                     let status = Status::Failed("one of too many points without a steady state".into());
-                    return (Prediction { amplitude: f64::NAN, phase: f64::NAN, status }, Vec::new());
+                    return (
+                        Prediction { amplitude: f64::NAN, phase: f64::NAN, status, others: Vec::new() },
+                        Vec::new(),
+                    );
                 }
                 let solution = solve_steady(&model, &operation(point), &tolerance, derivatives, warm);
                 let state = solution.state;
@@ -165,7 +173,8 @@ impl<'a> Problem<'a> {
                     Some(all) if state.status == Status::Steady => indices.iter().map(|&i| all[i]).collect(),
                     _ => zero(),
                 };
-                (Prediction { amplitude: state.amplitude, phase: state.phase, status: state.status }, gradient)
+                let others = solution.others;
+                (Prediction { amplitude: state.amplitude, phase: state.phase, status: state.status, others }, gradient)
             })
             .collect();
         let rows = self.points.iter().map(|p| 1 + usize::from(p.phase.is_some())).sum();
@@ -267,7 +276,8 @@ fn troubled(residual: f64) -> f64 {
     if residual.is_finite() { residual.abs().clamp(2.0, TROUBLED).copysign(residual) } else { TROUBLED }
 }
 
-fn operation(point: &Point) -> Operation {
+/// Where a point was measured.
+pub fn operation(point: &Point) -> Operation {
     Operation { speed: point.speed, load: point.load, drive: point.drive, frequency: point.frequency }
 }
 

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::Point;
 use super::pool::Reading;
+use crate::scenario::Scenario;
 use crate::statistics::median;
 
 /// Which way the frequency was swept.
@@ -33,6 +34,13 @@ pub struct Series {
     pub drive: f64,
     /// Smallest and largest drive.
     pub drives: (f64, f64),
+}
+
+impl super::Table {
+    /// The scenario with what the table says of drive and reading.
+    pub fn applied_to(&self, scenario: &Scenario) -> Scenario {
+        Scenario { signals: self.signals, ..scenario.clone() }
+    }
 }
 
 /// Series of points in canonical order that share load, speed and drive exactly; says in every point to which it belongs.

@@ -4,6 +4,7 @@ use super::dual::Dual;
 use super::{Model, Operation};
 use crate::effects::Support;
 use crate::scenario::{Dissipation, Elasticity, Excitation, Oscillator, RIG_PARAMETERS, Rig};
+use crate::statistics::wrap;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Index of the first parameter of the contact, after those of the rig.
@@ -155,6 +156,18 @@ impl Lumps {
         self.support = self.support.or(effect.support(p));
         self.heating = self.heating.or(effect.heating(p));
         self.joint = self.joint.or(effect.joint(p));
+    }
+
+    /// What the instrument shows of a motion of this complex amplitude: amplitude and phase in (-pi, pi].
+    pub fn reading(&self, (re, im): (f64, f64)) -> (f64, f64) {
+        let (x, y) = self.base_motion.as_ref().map_or((0.0, 0.0), |(x, y)| (x.value, y.value));
+        let (re, im) = if self.base_motion.is_some() { (re + x, im + y) } else { (re, im) };
+        self.polar_reading(re.hypot(im), im.atan2(re))
+    }
+
+    /// The same of an amplitude and a phase.
+    pub fn polar_reading(&self, amplitude: f64, phase: f64) -> (f64, f64) {
+        (self.amplitude_gain.value * amplitude, wrap(phase + self.phase_offset.value))
     }
 
     /// Complex amplitude \[rad\] of the arm without contact: Gamma e^{i phi0} / (K - J w^2 + i w C).

@@ -3,14 +3,16 @@
 //! The arm is described relative to its motion without contact, th = Im(Ad e^{iwt}) + z0, so that a constant contact force
 //! (full slip) leaves the limiting case III exact and the drive never has to be integrated.
 
+pub mod alone;
 pub mod contact;
 pub mod continuum;
 pub mod dual;
 pub mod lumps;
+mod scales;
 pub mod system;
 
 use crate::effects::ParameterInfo;
-use crate::effects::{self, Effect};
+use crate::effects::{self, Effect, Scales};
 use crate::scenario::parameters::CONTACT;
 use crate::scenario::{Contact, Instrument, Rig, Scenario, Signals};
 
@@ -40,6 +42,8 @@ pub struct Model {
     pub instrument: Instrument,
     /// What is driven and what is read.
     pub signals: Signals,
+    /// Sizes of the rig and its motion.
+    pub scales: Scales,
     /// Effects with their parameters in SI.
     pub effects: Vec<(&'static dyn Effect, Vec<f64>)>,
 }
@@ -67,6 +71,7 @@ impl Model {
             has_contact: scenario.contact.is_some(),
             instrument: scenario.instrument,
             signals: scenario.signals,
+            scales: Scales { has_contact: scenario.contact.is_some(), ..Scales::PAPER },
             effects,
         }
     }

@@ -182,6 +182,24 @@ pub struct Linear {
     pub damping: f64,
 }
 
+/// A single mode without a contact: M x'' + C x' + K x = drive + force(x, x') - joint(history of x).
+pub trait SingleMode {
+    /// M, C and K.
+    fn linear(&self) -> [f64; 3];
+    /// The drive as Im(drive e^{iwt}) (real, imaginary).
+    fn drive(&self) -> (f64, f64);
+    /// w \[rad/s\].
+    fn omega(&self) -> f64;
+    /// Force of the laws with its slopes by x and x'.
+    fn force(&self, x: f64, v: f64) -> [f64; 3];
+    /// Slip elements to ground, where there are any: stiffness, force at full slip, exponent.
+    fn joint(&self) -> Option<[f64; 3]>;
+    /// Adds the derivatives of the force by the parameters of the laws, times `weight`, to `sums`.
+    fn add_columns(&self, x: f64, v: f64, weight: f64, sums: &mut [f64]);
+    /// Number of these parameters.
+    fn columns(&self) -> usize;
+}
+
 /// Sliders in parallel between the arm and the roller, as pieces: what they share and what each obeys.
 pub trait SliderSystem {
     /// Period \[s\].

@@ -1,21 +1,32 @@
 //! Every base parameter stated once: key, symbol, unit, physical range, meaning. Parser, documentation and reports follow it.
 
 use super::rig::Coordinate;
-use crate::effects::ParameterInfo;
+use crate::effects::{Measure, ParameterInfo};
 
 /// Values that are positive, however small or large the rig.
-const POSITIVE: (f64, f64) = (f64::MIN_POSITIVE, f64::MAX);
+pub const POSITIVE: (f64, f64) = (f64::MIN_POSITIVE, f64::MAX);
 /// Values that are zero or more.
-const ZERO_OR_MORE: (f64, f64) = (0.0, f64::MAX);
+pub const ZERO_OR_MORE: (f64, f64) = (0.0, f64::MAX);
 /// Values of either sign.
-const ANY: (f64, f64) = (-f64::MAX, f64::MAX);
+pub const ANY: (f64, f64) = (-f64::MAX, f64::MAX);
 
 const fn info(
     (key, symbol, unit): (&'static str, &'static str, &'static str),
     (minimum, maximum): (f64, f64),
     meaning: &'static str,
 ) -> ParameterInfo {
-    ParameterInfo { key, symbol, unit, minimum, maximum, range: None, signed: false, meaning }
+    ParameterInfo {
+        key,
+        symbol,
+        unit,
+        minimum,
+        maximum,
+        range: None,
+        measure: Measure::Number,
+        alone: None,
+        signed: false,
+        meaning,
+    }
 }
 
 /// What values of a range need to be, for messages: `needs to be more than zero`, `needs 16 to 1e6`.

@@ -1,5 +1,6 @@
 //! Closed forms of a harmonic oscillator (paper Eqs. 9-16) and their extremes.
 
+pub use crate::statistics::wrap;
 use std::f64::consts::TAU;
 
 /// A damped oscillator driven by the torque Gamma e^{i phi0} = torque (k0 + i c0 w) (paper Eq. 8).
@@ -44,10 +45,4 @@ impl Oscillator {
         let f = 0.5 * (low + high);
         (f, value(f))
     }
-}
-
-/// The angle wrapped to (-pi, pi].
-pub fn wrap(angle: f64) -> f64 {
-    let turned = angle - TAU * (angle / TAU).round();
-    if turned <= -std::f64::consts::PI { turned + TAU } else { turned }
 }

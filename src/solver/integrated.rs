@@ -2,39 +2,121 @@
 
 use super::analytic::wrap;
 use super::time::{Plan, integrate};
+use crate::model::alone::Alone;
 use crate::model::contact::Problem;
+use crate::model::continuum::Element;
+use crate::model::system::SingleMode;
 use crate::model::{Model, Operation};
+use std::f64::consts::TAU;
 
 /// What a time integration reads.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Integrated {
-    /// alpha as the instrument shows it \[rad\].
+    /// Amplitude as the instrument shows it, alpha of the paper's rig \[rad\].
     pub amplitude: f64,
     /// phi as the instrument shows it \[rad\].
     pub phase: f64,
-    /// Mean angle \[rad\].
+    /// Mean of the coordinate \[rad, m\].
     pub mean: f64,
     /// Whether the motion became periodic; otherwise the numbers are averages over the window of the plan.
     pub periodic: bool,
 }
 
-/// Integrates the model at an operating point with load from rest, and reads the fundamental. Shares only the statement of
-/// the laws with the periodic solver.
+/// Integrates the model at an operating point from rest, and reads the fundamental. Shares only the statement of the laws with
+/// the periodic solver.
 pub fn integrated(model: &Model, at: &Operation, plan: &Plan) -> Integrated {
+    if at.load == 0.0 {
+        return alone(&Alone::new(model, at), plan);
+    }
     let problem = Problem::new(model, at);
     let lumps = &problem.lumps;
     let (free_re, free_im) = lumps.free_response();
-    let (free_re, free_im) = (free_re.value, free_im.value);
-    let (re, im, mean, periodic) = if at.load == 0.0 {
-        (free_re, free_im, 0.0, true)
-    } else {
-        let found = integrate(&problem.sliders(), plan);
-        (free_re + found.fundamental.0, free_im + found.fundamental.1, found.mean, found.periodic)
-    };
+    let found = integrate(&problem.sliders(), plan);
+    let (re, im) = (free_re.value + found.fundamental.0, free_im.value + found.fundamental.1);
     Integrated {
         amplitude: re.hypot(im) * lumps.amplitude_gain.value,
         phase: wrap(im.atan2(re) + lumps.phase_offset.value),
-        mean,
-        periodic,
+        mean: found.mean,
+        periodic: found.periodic,
     }
+}
+
+/// A slip element: its share of the joint, and where it would be without force.
+struct Slider {
+    element: Element,
+    rest: f64,
+}
+
+/// Elements of a joint of exponent `n`, as many for every factor of the stretch at which they slip.
+fn sliders(n: f64) -> Vec<Slider> {
+    const ELEMENTS: usize = 120;
+    const SMALLEST: f64 = 1e-4;
+    if n <= 1.0 {
+        return vec![Slider { element: Element { share: 1.0, limit: 1.0 }, rest: 0.0 }];
+    }
+    let edge = |i: usize| if i == 0 { 0.0 } else { SMALLEST.powf(1.0 - i as f64 / ELEMENTS as f64) };
+    let stuck = |xi: f64| (1.0 - xi).powf(n - 1.0);
+    let element = |i: usize| {
+        let (from, to) = (edge(i), edge(i + 1));
+        let element = Element { share: stuck(from) - stuck(to), limit: n * 0.5 * (from + to) };
+        Slider { element, rest: 0.0 }
+    };
+    (0..ELEMENTS).map(element).collect()
+}
+
+/// A mode without a contact, by the classical Runge-Kutta method, the joint as sliders that each keep where they came to rest.
+fn alone(mode: &Alone, plan: &Plan) -> Integrated {
+    let [mass, damping, stiffness] = mode.linear();
+    let ((re, im), omega) = (mode.drive(), mode.omega());
+    let joint = mode.joint();
+    let mut sliders: Vec<Slider> = joint.map_or_else(Vec::new, |[_, _, n]| sliders(n));
+    let pull = |sliders: &[Slider], x: f64| -> f64 {
+        let Some([k, limit, _]) = joint else { return 0.0 };
+        let of = |s: &Slider| {
+            let most = s.element.limit * limit;
+            s.element.share * (k * (x - s.rest)).clamp(-most, most)
+        };
+        sliders.iter().map(of).sum()
+    };
+    let h = TAU / omega / plan.steps as f64;
+    let (mut x, mut v) = (0.0, 0.0);
+    let mut last: Option<(f64, f64)> = None;
+    let mut read = Integrated { amplitude: f64::NAN, phase: f64::NAN, mean: f64::NAN, periodic: false };
+    for _ in 0..plan.cycles {
+        let (mut fundamental, mut mean) = ((0.0, 0.0), 0.0);
+        for step in 0..plan.steps {
+            let phase = |part: f64| TAU * (step as f64 + part) / plan.steps as f64;
+            let rate = |part: f64, x: f64, v: f64| {
+                let (sine, cosine) = phase(part).sin_cos();
+                let drive = re * sine + im * cosine;
+                (v, (drive - stiffness * x - damping * v + mode.force(x, v)[0] - pull(&sliders, x)) / mass)
+            };
+            let a = rate(0.0, x, v);
+            let b = rate(0.5, x + 0.5 * h * a.0, v + 0.5 * h * a.1);
+            let c = rate(0.5, x + 0.5 * h * b.0, v + 0.5 * h * b.1);
+            let d = rate(1.0, x + h * c.0, v + h * c.1);
+            // x = Im(A e^{iwt}): the real part goes with the sine.
+            let (sine, cosine) = phase(0.0).sin_cos();
+            fundamental = (fundamental.0 + x * sine, fundamental.1 + x * cosine);
+            mean += x;
+            x += h / 6.0 * (a.0 + 2.0 * b.0 + 2.0 * c.0 + d.0);
+            v += h / 6.0 * (a.1 + 2.0 * b.1 + 2.0 * c.1 + d.1);
+            if let Some([k, limit, _]) = joint {
+                for slider in &mut sliders {
+                    let most = slider.element.limit * limit / k;
+                    slider.rest = slider.rest.clamp(x - most, x + most);
+                }
+            }
+        }
+        let scale = 2.0 / plan.steps as f64;
+        let (re, im) = (scale * fundamental.0, scale * fundamental.1);
+        let settled = last.is_some_and(|(p, q)| (re - p).hypot(im - q) < plan.settled * re.hypot(im));
+        last = Some((re, im));
+        let (amplitude, phase) = mode.lumps.reading((re, im));
+        read = Integrated { amplitude, phase, mean: mean / plan.steps as f64, periodic: settled };
+        if settled || !re.is_finite() {
+            break;
+        }
+    }
+    read
 }

@@ -7,7 +7,8 @@ use super::cycle::{Integrator, Record, Tolerance};
 use super::paper_euler::{self, PaperContact};
 use super::radau::State;
 use super::shooting::{Periodic, Start, Unsolved};
-use super::{Method, Orbit, Status, SteadyState, parallel, shooting, time};
+use super::{Method, Orbit, Status, SteadyState, oscillator, parallel, shooting, time};
+use crate::model::alone::Alone;
 use crate::model::contact::{LimitingState, Problem, Sliders};
 use crate::model::dual::{Dual, MAX_PARAMETERS};
 use crate::model::lumps::Lumps;
@@ -35,12 +36,22 @@ pub struct Warm {
     /// Whether the orbit passed from mode to mode.
     broken: bool,
     sliders: Option<parallel::Memory>,
+    /// Complex amplitude of the last motion without a contact.
+    alone: Option<(f64, f64)>,
+    /// What was measured, amplitude and phase: of several steady states the nearest to it is taken.
+    measured: Option<(f64, Option<f64>)>,
 }
 
 impl Warm {
     /// Forgets the orbit, so that the next solution does not depend on it; the states of a continuum of sliders are kept.
     pub fn forget_orbit(&mut self) {
         self.orbit = None;
+        self.alone = None;
+    }
+
+    /// Of several steady states the one nearest to this reading is to be taken, amplitude and phase where there is one.
+    pub fn expect(&mut self, amplitude: f64, phase: Option<f64>) {
+        self.measured = Some((amplitude, phase));
     }
 
     /// The start for `system`. Kept relative to the deflection under the mean force, which a small change of stiffness,
@@ -72,6 +83,8 @@ pub struct Solution {
     /// Derivatives of (amplitude, phase) by the parameters of the model, in the order of
     /// [`crate::model::lumps::BASE_PARAMETERS`] and then of the effects; where asked for.
     pub derivatives: Option<Vec<(f64, f64)>>,
+    /// Readings (amplitude, phase) of the other stable states at the same point.
+    pub others: Vec<(f64, f64)>,
 }
 
 /// Solves one operating point; `euler_steps` matters for [`Formulation::Paper`] only. `warm` is the start and is updated.
@@ -106,7 +119,7 @@ pub fn solve_paper(model: &Model, at: &[Operation], steps: usize) -> Vec<SteadyS
     let solved = contacts.chunks(paper_euler::LANES).flat_map(|lanes| paper_euler::solve(lanes, steps, |_, _, _| ()));
     let mut states: Vec<SteadyState> = solved.collect();
     for (state, lumps) in states.iter_mut().zip(&lumps) {
-        (state.amplitude, state.phase) = reading(lumps, state.amplitude, state.phase);
+        (state.amplitude, state.phase) = lumps.polar_reading(state.amplitude, state.phase);
     }
     states
 }
@@ -127,13 +140,22 @@ impl Search<'_> {
 }
 
 fn search(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_>, warm: &mut Warm) -> Solution {
+    let found = unguarded(model, at, euler_steps, with, warm);
+    let SteadyState { amplitude, phase, status, .. } = &found.state;
+    if *status == Status::Steady && !(amplitude.is_finite() && phase.is_finite()) {
+        return failed("the motion has no bound: nothing damps it at this frequency".into());
+    }
+    found
+}
+
+fn unguarded(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_>, warm: &mut Warm) -> Solution {
     let &Search { tolerance, derivatives, .. } = with;
     if at.load == 0.0 {
-        return free(model, at, derivatives);
+        return alone(model, at, with, warm);
     }
     if model.contact.formulation == Formulation::Paper {
         let mut states = solve_paper(model, std::slice::from_ref(at), euler_steps);
-        return Solution { state: states.remove(0), derivatives: None };
+        return Solution { state: states.remove(0), derivatives: None, others: Vec::new() };
     }
     let problem = Problem::new(model, at);
     if let Some(limit) = problem.limiting_state() {
@@ -189,7 +211,7 @@ fn search(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_>, 
         cycles: periodic.cycles,
         change: periodic.residual,
     };
-    Solution { state: motion.observe(&problem.lumps, status, Method::Shooting), derivatives }
+    Solution { state: motion.observe(&problem.lumps, status, Method::Shooting), derivatives, others: Vec::new() }
 }
 
 /// The solution where the motion stays in one mode.
@@ -205,7 +227,11 @@ fn balanced(problem: &Problem, found: &Balance, warm: &mut Warm) -> Solution {
         change: found.left,
     };
     let derivatives = found.columns.as_ref().map(|columns| by_parameter(problem, response, columns));
-    Solution { state: motion.observe(&problem.lumps, Status::Steady, Method::HarmonicBalance), derivatives }
+    Solution {
+        state: motion.observe(&problem.lumps, Status::Steady, Method::HarmonicBalance),
+        derivatives,
+        others: Vec::new(),
+    }
 }
 
 /// Complex amplitude of the arm from that of its motion relative to the one without contact.
@@ -246,7 +272,7 @@ impl Motion {
     /// The observables as the instrument shows them.
     fn observe(&self, lumps: &Lumps, status: Status, method: Method) -> SteadyState {
         let (re, im) = self.response;
-        let (amplitude, phase) = reading(lumps, re.hypot(im), im.atan2(re));
+        let (amplitude, phase) = lumps.reading((re, im));
         SteadyState {
             amplitude,
             phase,
@@ -302,7 +328,7 @@ fn lock_in(problem: &Problem, why: &str) -> Solution {
     let lumps = &problem.lumps;
     let (re, im) = lumps.free_response();
     let (re, im) = (re.value + found.fundamental.0, im.value + found.fundamental.1);
-    let (amplitude, _) = reading(lumps, re.hypot(im), im.atan2(re));
+    let (amplitude, _) = lumps.reading((re, im));
     if !amplitude.is_finite() || amplitude > RUNAWAY * re_im(lumps.free_response()) {
         return failed(format!("{why}; integrated in time the motion grows without bound"));
     }
@@ -321,7 +347,7 @@ fn lock_in(problem: &Problem, why: &str) -> Solution {
         change: found.change,
     };
     let state = motion.observe(lumps, status, Method::TimeIntegration);
-    Solution { state, derivatives: None }
+    Solution { state, derivatives: None, others: Vec::new() }
 }
 
 fn re_im((re, im): (Dual, Dual)) -> f64 {
@@ -363,7 +389,7 @@ fn parallel_state(
     };
     let state = motion.observe(lumps, status, Method::Shooting);
     let derivatives = with.derivatives.then(|| differences(model, at));
-    Solution { state, derivatives }
+    Solution { state, derivatives, others: Vec::new() }
 }
 
 /// Central differences of (amplitude, phase) by every parameter of the model.
@@ -388,6 +414,11 @@ fn differences(model: &Model, at: &Operation) -> Vec<(f64, f64)> {
 
 /// Derivatives of (amplitude, phase) of the reading from those of the complex amplitude.
 fn polar_derivative(lumps: &Lumps, a: (f64, f64), da: (f64, f64), p: usize) -> (f64, f64) {
+    let (mut a, mut da) = (a, da);
+    if let Some((re, im)) = &lumps.base_motion {
+        a = (a.0 + re.value, a.1 + im.value);
+        da = (da.0 + re.gradient[p], da.1 + im.gradient[p]);
+    }
     let square = a.0 * a.0 + a.1 * a.1;
     let amplitude = square.sqrt();
     let gain = lumps.amplitude_gain;
@@ -395,10 +426,6 @@ fn polar_derivative(lumps: &Lumps, a: (f64, f64), da: (f64, f64), p: usize) -> (
         gain.value * (a.0 * da.0 + a.1 * da.1) / amplitude + gain.gradient[p] * amplitude,
         (a.0 * da.1 - a.1 * da.0) / square + lumps.phase_offset.gradient[p],
     )
-}
-
-fn reading(lumps: &Lumps, amplitude: f64, phase: f64) -> (f64, f64) {
-    (lumps.amplitude_gain.value * amplitude, wrap(phase + lumps.phase_offset.value))
 }
 
 fn paper_contact(lumps: &Lumps) -> PaperContact {
@@ -416,12 +443,63 @@ fn paper_contact(lumps: &Lumps) -> PaperContact {
     }
 }
 
-/// No contact: the closed form of case I.
-fn free(model: &Model, at: &Operation, derivatives: bool) -> Solution {
-    let lumps = Lumps::new(model, at);
-    let response = lumps.free_response();
-    let limit = LimitingState { response, mean: 0.0, stick_fraction: 0.0, force: (0.0, 0.0) };
-    closed_form(&lumps, limit, derivatives)
+/// No contact: the closed form of case I, or the stable states of a mode that is not linear. Of several, the one nearest to
+/// what was measured, else to the motion before, else the smallest.
+fn alone(model: &Model, at: &Operation, with: &Search<'_>, warm: &mut Warm) -> Solution {
+    let mode = Alone::new(model, at);
+    let lumps = &mode.lumps;
+    if mode.is_linear() {
+        let limit =
+            LimitingState { response: lumps.free_response(), mean: 0.0, stick_fraction: 0.0, force: (0.0, 0.0) };
+        return closed_form(lumps, limit, with.derivatives);
+    }
+    let states = oscillator::states(&mode, with.tolerance);
+    let distance = |state: &oscillator::Periodic| {
+        let (re, im) = state.response();
+        if let Some((amplitude, phase)) = warm.measured {
+            let (read, turned) = lumps.reading((re, im));
+            let apart = phase.map_or(0.0, |phase| wrap(turned - phase));
+            return (read / amplitude).ln().hypot(apart);
+        }
+        warm.alone.map_or(0.0, |(x, y)| (re - x).hypot(im - y))
+    };
+    let nearest = (0..states.len()).min_by(|&i, &j| distance(&states[i]).total_cmp(&distance(&states[j])));
+    let Some(chosen) = nearest else {
+        warm.alone = None;
+        return failed("no periodic motion was found".into());
+    };
+    let found = &states[chosen];
+    warm.alone = Some(found.response());
+    let motion = Motion {
+        response: found.response(),
+        mean: found.mean(),
+        stick_fraction: 0.0,
+        force: (0.0, 0.0),
+        cycles: found.steps,
+        change: found.left,
+    };
+    let state = motion.observe(lumps, stability(found.multiplier), Method::HarmonicBalance);
+    let derivatives = with.derivatives.then(|| of_mode(&mode, found));
+    let other = |i: usize| (i != chosen).then(|| lumps.reading(states[i].response()));
+    Solution { state, derivatives, others: (0..states.len()).filter_map(other).collect() }
+}
+
+/// Derivatives of (amplitude, phase) of a motion without contact by the parameters of the model.
+fn of_mode(mode: &Alone, found: &oscillator::Periodic) -> Vec<(f64, f64)> {
+    let lumps = &mode.lumps;
+    let (by, gradients) = (found.derivatives(lumps.omega), mode.gradients());
+    let mut response = vec![(0.0, 0.0); MAX_PARAMETERS];
+    for (p, (re, im)) in response.iter_mut().enumerate() {
+        for ((by_re, by_im), dual) in by.iter().zip(&gradients) {
+            *re += by_re * dual.gradient[p];
+            *im += by_im * dual.gradient[p];
+        }
+    }
+    for (column, (re, im)) in found.by_laws().enumerate() {
+        let slot = &mut response[Alone::parameter(column)];
+        *slot = (slot.0 + re, slot.1 + im);
+    }
+    response.into_iter().enumerate().map(|(p, by)| polar_derivative(lumps, found.response(), by, p)).collect()
 }
 
 /// The observables of a state that is known in closed form.
@@ -434,7 +512,7 @@ fn closed_form(lumps: &Lumps, limit: LimitingState, derivatives: bool) -> Soluti
     let derivatives = derivatives.then(|| {
         (0..MAX_PARAMETERS).map(|p| polar_derivative(lumps, a, (re.gradient[p], im.gradient[p]), p)).collect()
     });
-    Solution { state, derivatives }
+    Solution { state, derivatives, others: Vec::new() }
 }
 
 fn failed(why: String) -> Solution {
@@ -452,7 +530,7 @@ fn failed(why: String) -> Solution {
         status: Status::Failed(why),
         method: Method::Shooting,
     };
-    Solution { state, derivatives: None }
+    Solution { state, derivatives: None, others: Vec::new() }
 }
 
 /// One period of the steady state at `samples` instants; empty where there is none.

@@ -1,6 +1,7 @@
 //! What several tests need: the paper's rig, built by hand so that the tests do not lean on the scenario reader.
 #![allow(dead_code)]
 
+use stickslip::effects::Scales;
 use stickslip::model::{Model, Operation};
 use stickslip::scenario::{Contact, Formulation, Instrument, Rig, Signals, TorsionalArm};
 use stickslip::solver::{SteadyState, Warm, cycle::Tolerance, solve};
@@ -23,6 +24,7 @@ pub fn paper_model(formulation: Formulation) -> Model {
         contact: Contact { stiffness: 8.9e4, damping: 26.0, friction: 0.5, formulation },
         has_contact: true,
         signals: Signals::ARM,
+        scales: Scales::PAPER,
         instrument: Instrument::default(),
         effects: Vec::new(),
     }

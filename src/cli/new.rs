@@ -1,0 +1,336 @@
+//! `stickslip new`: looks at a measured table, says what it sees, and writes a scenario that fits it.
+
+use super::{Global, say};
+use crate::error::{Error, Result};
+use crate::files;
+use crate::fit::resonance::{Resonance, of_all, resonance};
+use crate::measurement::{Direction, Point, Series, Survey, survey};
+use crate::scenario::diagnostic::whole_file;
+use crate::scenario::{Coordinate, Signal};
+use crate::statistics::{median, wrap};
+use crate::units::{self, count};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+/// Two neighbours along a series whose amplitudes differ by this many times what their neighbours do are a jump, if by more
+/// than this many standard deviations.
+const JUMP: (f64, f64) = (5.0, 8.0);
+
+/// Looks at `table` and writes the scenario to `output`, or beside the table under its name.
+pub fn execute(table: &Path, output: Option<&Path>, global: &Global) -> Result<()> {
+    let seen = survey(table)?;
+    let target = output.map_or_else(|| table.with_extension("toml"), PathBuf::from);
+    if target.symlink_metadata().is_ok() {
+        let title = format!("{} exists already, nothing was written", target.display());
+        return Err(Error::Input(whole_file(&title, "name another file with -o, or move it away")));
+    }
+    let draft = Draft::new(&seen, table)?;
+    let text = draft.scenario(&target);
+    crate::scenario::load_text(&target, &text)?;
+    files::create(&target, text.as_bytes())?;
+    for line in draft.description() {
+        say(global, &line);
+    }
+    say(global, &format!("wrote {}", target.display()));
+    say(global, &format!("next: stickslip discover {}", target.display()));
+    Ok(())
+}
+
+/// What a table tells of its rig.
+struct Draft<'a> {
+    seen: &'a Survey,
+    table: &'a Path,
+    coordinate: Coordinate,
+    resonance: Resonance,
+    /// The resonance with the contact stuck, where one is told by roller speeds or loads.
+    stuck: Option<Resonance>,
+    rolls: bool,
+}
+
+impl<'a> Draft<'a> {
+    fn new(seen: &'a Survey, table: &'a Path) -> Result<Self> {
+        let refuse =
+            |title: &str, help: &str| Err(Error::Input(whole_file(&format!("`{}`: {title}", table.display()), help)));
+        let Some(coordinate) = seen.coordinate() else {
+            return refuse(
+                "the drive is a displacement and the reading an angle, or the other way round",
+                "that is no oscillator of one coordinate; `stickslip init` writes the template of a torsional arm",
+            );
+        };
+        let points = &seen.table.points;
+        let rolls = points.iter().any(|p| p.speed > 0.0 || p.load > 0.0);
+        // Without load, or where the roller is fastest, the rig is alone; at the lowest speed under load the contact sticks.
+        let fastest = points.iter().map(|p| p.speed).fold(0.0, f64::max);
+        let unloaded = points.iter().any(|p| p.load == 0.0);
+        let alone = |p: &&Point| if unloaded { p.load == 0.0 } else { p.speed == fastest };
+        let slowest = points.iter().filter(|p| p.load > 0.0).map(|p| p.speed).fold(f64::INFINITY, f64::min);
+        let of = |part: Vec<Point>| of_all(&part, seen.table.signals.reading.order);
+        let free = if rolls { points.iter().filter(alone).cloned().collect() } else { points.clone() };
+        let stuck: Vec<Point> = points.iter().filter(|p| p.load > 0.0 && p.speed == slowest).cloned().collect();
+        let Some(resonance) = of(free).or_else(|| of(points.clone())) else {
+            return refuse(
+                "no resonance is seen in any series",
+                "a series needs five frequencies or more across the resonance; check which columns are drive and amplitude",
+            );
+        };
+        let stuck = if rolls { of(stuck) } else { None };
+        Ok(Self { seen, table, coordinate, resonance, stuck, rolls })
+    }
+
+    fn signals(&self) -> (Signal, Signal) {
+        (self.seen.table.signals.drive, self.seen.table.signals.reading)
+    }
+
+    /// Whether the drive is a motion of the base.
+    fn base_driven(&self) -> bool {
+        ["m", "rad", "m/s^2", "rad/s^2"].contains(&self.signals().0.unit)
+    }
+
+    /// Reading per drive at resonance of a rig of mass one without gains.
+    fn expected_peak(&self) -> f64 {
+        let (drive, reading) = self.signals();
+        let w = TAU * self.resonance.frequency;
+        let per_force = self.resonance.quality / (w * w) * w.powi(reading.order.into());
+        match (self.base_driven(), drive.order) {
+            (true, 0) => per_force * w * w,
+            _ => per_force,
+        }
+    }
+
+    /// What differs in phase at resonance from a rig whose reading follows the drive, where phases are there.
+    fn phase_offset(&self) -> Option<f64> {
+        let (drive, reading) = self.signals();
+        // The inertial force of a base is against its acceleration.
+        let against = if self.base_driven() && drive.order == 2 { PI } else { 0.0 };
+        let expected = FRAC_PI_2 * (f64::from(reading.order) - 1.0) + against;
+        self.resonance.phase.map(|phase| wrap(phase - expected))
+    }
+
+    fn series(&self) -> impl Iterator<Item = (&Series, Vec<&Point>)> {
+        let table = &self.seen.table;
+        let of = |index: usize| table.points.iter().filter(move |p| p.series == index).collect();
+        table.series.iter().enumerate().map(move |(index, series)| (series, of(index)))
+    }
+
+    /// What is seen, in lines.
+    fn description(&self) -> Vec<String> {
+        let table = &self.seen.table;
+        let (drive, reading) = self.signals();
+        let mut lines = vec![format!("{}: {}", self.table.display(), table.summary())];
+        for (number, (series, points)) in self.series().enumerate() {
+            lines.push(format!("  {}", self.of_series(number, series, &points, drive, reading)));
+        }
+        lines.extend(table.notes.iter().map(|note| format!("  note: {note}")));
+        let r = &self.resonance;
+        lines.push(format!(
+            "resonance near {}, quality factor about {}",
+            units::format(digits(r.frequency, 4), "Hz"),
+            digits(r.quality, 2)
+        ));
+        lines.extend(self.lacking().into_iter().map(|text| format!("  note: {text}")));
+        lines
+    }
+
+    fn of_series(&self, number: usize, series: &Series, points: &[&Point], drive: Signal, reading: Signal) -> String {
+        let show = |value: f64, unit: &str| units::format(digits(value, 3), unit);
+        let name =
+            if series.name.is_empty() { format!("series {}", number + 1) } else { format!("series {}", series.name) };
+        let (low, high) = series.drives;
+        let driven = if high / low < 1.0 + 1e-9 {
+            show(series.drive, drive.unit)
+        } else {
+            format!("{} to {}", show(low, drive.unit), show(high, drive.unit))
+        };
+        let range = |of: &dyn Fn(&Point) -> f64| {
+            points.iter().map(|p| of(p)).fold((f64::INFINITY, 0.0f64), |(a, b), x| (a.min(x), b.max(x)))
+        };
+        let (least, most) = range(&|p| p.amplitude);
+        let swept = match series.direction {
+            Direction::Up => ", swept up",
+            Direction::Down => ", swept down",
+            Direction::Unknown => "",
+        };
+        let contact = if self.rolls {
+            format!("V = {}, W = {}, ", show(series.speed, "m/s"), show(series.load, "N"))
+        } else {
+            String::new()
+        };
+        let peak = resonance(points, reading.order).map_or(String::new(), |r| {
+            format!(", peak near {} with Q about {}", show(r.frequency, "Hz"), digits(r.quality, 2))
+        });
+        let jumps = match jumps(points) {
+            0 => String::new(),
+            n => format!(", {} (two stable states?)", count(n, "jump")),
+        };
+        format!(
+            "{name}: {}, {contact}{} {driven}, {} {} to {}{swept}{peak}{jumps}",
+            count(points.len(), "point"),
+            drive.name,
+            reading.name,
+            show(least, reading.unit),
+            show(most, reading.unit)
+        )
+    }
+
+    /// What the table lacks, and what that costs.
+    fn lacking(&self) -> Vec<String> {
+        let mut lacking = Vec::new();
+        if self.resonance.phase.is_none() {
+            lacking.push("no phases: delays cannot be told, damping and nonlinearity less well".into());
+        }
+        let drives: Vec<f64> = self.seen.table.series.iter().map(|s| s.drive).collect();
+        let spread = drives.iter().copied().fold(0.0, f64::max) / drives.iter().copied().fold(f64::INFINITY, f64::min);
+        if spread < 1.2 {
+            lacking.push(
+                "one drive level: whether anything depends on the amplitude shows only in the shape of the peak; sweep again \
+                 at a third and at three times the drive"
+                    .into(),
+            );
+        }
+        if !self.resonance.spanned {
+            lacking.push("the readings lie on one side of the resonance only".into());
+        }
+        lacking
+    }
+
+    /// The scenario in the notation of its file.
+    fn scenario(&self, target: &Path) -> String {
+        let (drive, reading) = self.signals();
+        let angle = self.coordinate == Coordinate::Angle;
+        let number = |value: f64| digits(value, 5);
+        let r = &self.resonance;
+        let stem =
+            self.table.file_stem().map_or("table".into(), |stem| stem.to_string_lossy().replace(['"', '\\'], "'"));
+        let mut text = format!(
+            "# Written by `stickslip new` from what the readings show; every number may be corrected.\ntitle = \"Resonance of {stem}\"\n\
+             provenance = \"measured; starting values estimated from the readings\"\n\n[rig]\nkind = \"oscillator\"\n"
+        );
+        if angle {
+            text += "coordinate = \"angle\"\n";
+        }
+        let mut free = vec!["rig.natural_frequency", "rig.quality_factor"];
+        if self.base_driven() {
+            text += "drive = \"base\"                 # or \"spring\", with spring_stiffness\n\
+                     reading = \"relative\"           # to the base; or \"absolute\"\n";
+        } else {
+            text += "drive = \"force\"                # or \"base\"; \"spring\"\n";
+        }
+        let ratio = r.peak / self.expected_peak();
+        let volts = (drive.unit == "V", reading.unit == "V");
+        let mut instrument = String::new();
+        let motion = if angle { "rad" } else { "m" };
+        match (self.base_driven(), volts) {
+            (false, (false, false)) => {
+                let (key, unit) = if angle { ("inertia", "kg m^2") } else { ("mass", "kg") };
+                let _ = writeln!(text, "{key} = \"{} {unit}\"", number(1.0 / ratio));
+                free.insert(0, if angle { "rig.inertia" } else { "rig.mass" });
+            }
+            (_, (_, true)) => {
+                text += "# the mass is not known: it is 1, and the drive is known up to a factor\n";
+                let _ = writeln!(instrument, "sensitivity = \"{} V/{motion}\"    # reading per motion", number(ratio));
+                free.push("instrument.sensitivity");
+            }
+            (false, (true, false)) => {
+                text += "# the mass is not known: it is 1, and the drive is known up to a factor\n";
+                let force = if angle { "V/(N m)" } else { "V/N" };
+                let _ = writeln!(
+                    instrument,
+                    "drive_sensitivity = \"{} {force}\"    # reading per force",
+                    number(1.0 / ratio)
+                );
+                free.push("instrument.drive_sensitivity");
+            }
+            (true, _) => {
+                let _ = writeln!(
+                    instrument,
+                    "amplitude_gain = {}    # reading over the motion of a single mass",
+                    number(ratio)
+                );
+                free.push("instrument.amplitude_gain");
+            }
+        }
+        if volts == (true, true) {
+            let force = if angle { "V/(N m)" } else { "V/N" };
+            let _ = writeln!(instrument, "drive_sensitivity = \"1 {force}\"    # not known: it sets the unit of force");
+        }
+        if let Some(offset) = self.phase_offset() {
+            let inverted = offset.abs() > FRAC_PI_2;
+            let remark = if inverted { "    # the reading has the opposite sign" } else { "" };
+            let _ = writeln!(instrument, "phase_offset = \"{} rad\"{remark}", number(if inverted { PI } else { 0.0 }));
+            free.push("instrument.phase_offset");
+        }
+        let _ = writeln!(
+            text,
+            "natural_frequency = \"{} Hz\"\nquality_factor = {}",
+            digits(r.frequency, 7),
+            number(r.quality)
+        );
+        if self.rolls {
+            self.write_contact(&mut text, 1.0 / ratio);
+            free.extend(["contact.stiffness", "contact.damping", "contact.friction"]);
+        }
+        if !instrument.is_empty() {
+            let _ = write!(text, "\n[instrument]\n{instrument}");
+        }
+        let _ = write!(text, "\n[measurement]\nfile = \"{}\"\n", path_from(target, self.table));
+        if !self.seen.mapping.is_empty() {
+            let pairs: Vec<String> =
+                self.seen.mapping.iter().map(|(key, header)| format!("{key} = {header:?}")).collect();
+            let _ = writeln!(text, "columns = {{ {} }}", pairs.join(", "));
+        }
+        let free: Vec<String> = free.iter().map(|key| format!("\"{key}\"")).collect();
+        let _ = write!(text, "\n[fit]\nfree = [{}]\n", free.join(", "));
+        text
+    }
+
+    /// A contact that does to the resonance what the one of the table does.
+    fn write_contact(&self, text: &mut String, mass: f64) {
+        let mass = if self.base_driven() || self.signals().1.unit == "V" { 1.0 } else { mass };
+        let w0 = TAU * self.resonance.frequency;
+        let stuck = self.stuck.unwrap_or(self.resonance);
+        let w1 = TAU * stuck.frequency;
+        let stiffness = (mass * (w1 * w1 - w0 * w0)).max(0.1 * mass * w0 * w0);
+        let damping = (mass * (w1 / stuck.quality - w0 / self.resonance.quality)).max(0.01 * stiffness / w1);
+        let _ = write!(
+            text,
+            "\n[contact]                        # from what it does to the resonance\nstiffness = \"{} N/m\"\n\
+             damping = \"{} N s/m\"\nfriction = 0.5\n",
+            digits(stiffness, 3),
+            digits(damping, 3)
+        );
+    }
+}
+
+/// The number with so many significant digits.
+fn digits(value: f64, digits: usize) -> f64 {
+    format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value)
+}
+
+/// Steps between neighbours along the frequency that are far larger than the steps about them.
+fn jumps(points: &[&Point]) -> usize {
+    let step = |pair: &[&Point]| (pair[1].amplitude / pair[0].amplitude).ln().abs();
+    let steps: Vec<f64> = points.windows(2).map(step).collect();
+    let noise = median(points.iter().map(|p| p.amplitude_sd / p.amplitude));
+    let is_jump = |i: usize| {
+        let near = (i.saturating_sub(2)..(i + 3).min(steps.len())).filter(|&j| j != i).map(|j| steps[j]);
+        let largest = near.fold(0.0, f64::max);
+        steps[i] > JUMP.0 * largest.max(noise) && steps[i] > JUMP.1 * noise
+    };
+    (0..steps.len()).filter(|&i| is_jump(i)).count()
+}
+
+/// The path of the table as a scenario at `target` has to state it.
+fn path_from(target: &Path, table: &Path) -> String {
+    let folder =
+        |path: &Path| path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new(".")).canonicalize();
+    let plain = |path: &Path| path.to_string_lossy().replace('\\', "\\\\").replace('"', "\\\"");
+    let name = table.file_name().map(PathBuf::from).unwrap_or_default();
+    match (folder(target), folder(table)) {
+        (Ok(here), Ok(there)) => match there.strip_prefix(&here) {
+            Ok(below) => plain(&below.join(name)),
+            Err(_) => plain(&there.join(name)),
+        },
+        _ => plain(table),
+    }
+}

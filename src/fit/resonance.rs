@@ -1,0 +1,250 @@
+//! A linear resonance estimated from readings alone: where a calibration of a rig starts, however far off its stated values.
+//!
+//! Drive over motion is the dynamic stiffness K - M w^2 + i w C up to the gains of the instruments. Against d = w^2/wc^2 - 1 it
+//! is nearly a straight line in the complex plane (the inverse of the resonance circle), and its squared magnitude a parabola;
+//! both are linear least squares, each reading weighted by its size.
+
+use crate::measurement::Point;
+use crate::model::lumps::Lumps;
+use crate::model::{Model, Operation};
+use crate::scenario::{Dissipation, Elasticity, Rig};
+use crate::statistics::{median, wrap};
+use nalgebra::{Complex, DMatrix, DVector};
+use std::f64::consts::TAU;
+
+/// Fewest readings of a series that tell a resonance.
+const FEWEST: usize = 5;
+/// Quality factors beyond these are estimates of noise.
+const QUALITY: (f64, f64) = (0.5, 1e7);
+
+/// A linear resonance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Resonance {
+    /// f0 \[Hz\].
+    pub frequency: f64,
+    /// Q \[-\].
+    pub quality: f64,
+    /// Reading over drive at f0.
+    pub peak: f64,
+    /// Phase of the reading at f0 relative to that of the drive \[rad\], where phases are measured.
+    pub phase: Option<f64>,
+    /// Whether the readings reach the resonance from both sides.
+    pub spanned: bool,
+}
+
+/// The resonance of one series of readings that are the motion differentiated `order` times; `None` where they tell none.
+pub fn resonance(points: &[&Point], order: u8) -> Option<Resonance> {
+    let usable: Vec<&Point> =
+        points.iter().copied().filter(|p| p.amplitude > 0.0 && p.drive > 0.0 && p.frequency > 0.0).collect();
+    let highest = usable.iter().max_by(|a, b| (a.amplitude / a.drive).total_cmp(&(b.amplitude / b.drive)))?;
+    if usable.len() < FEWEST {
+        return None;
+    }
+    let center = highest.frequency;
+    let detuning = |p: &Point| (p.frequency / center).powi(2) - 1.0;
+    // In units of the smallest.
+    let least = highest.drive / highest.amplitude;
+    let size = |p: &Point| p.drive / p.amplitude * (p.frequency / center).powi(order.into()) / least;
+    let turn = std::f64::consts::FRAC_PI_2 * f64::from(order);
+    let with_phase: Vec<&Point> = usable.iter().copied().filter(|p| p.phase.is_some()).collect();
+    let line = if with_phase.len() >= FEWEST {
+        let value = |p: &Point| Complex::from_polar(size(p), turn - p.phase.unwrap_or(0.0));
+        straight_line(&with_phase.iter().map(|p| (detuning(p), value(p))).collect::<Vec<_>>())
+    } else {
+        None
+    };
+    let parabola = parabola(&usable.iter().map(|p| (detuning(p), size(p).powi(2))).collect::<Vec<_>>());
+    // z = slope (d - d0 - i/Q ..): where the line passes the origin, and how far from it.
+    let (shift, width, slope, angle) = match (line, parabola) {
+        (Some((offset, slope)), _) => {
+            let at = -offset / slope;
+            (at.re, at.im.abs(), slope.norm(), Some(slope.arg()))
+        }
+        (None, Some((shift, width, slope))) => (shift, width, slope, None),
+        (None, None) => return None,
+    };
+    let frequency = center * (1.0 + shift).max(0.0).sqrt();
+    // i w C = i (w/w0) (w0^2/Q) M.
+    let quality = ((frequency / center).powi(2) / width).clamp(QUALITY.0, QUALITY.1);
+    if !(frequency > 0.0 && quality.is_finite() && slope > 0.0) {
+        return None;
+    }
+    let stiffness_at_resonance = slope * least * (frequency / center).powi(2) / quality;
+    let peak = (frequency / center).powi(order.into()) / stiffness_at_resonance;
+    // At resonance z = i M w0^2/Q turned as the slope -M wc^2 is.
+    let phase = angle.map(|angle| wrap(turn - (angle + std::f64::consts::PI + std::f64::consts::FRAC_PI_2)));
+    let spanned = usable.iter().any(|p| p.frequency < frequency) && usable.iter().any(|p| p.frequency > frequency);
+    Some(Resonance { frequency, quality, peak, phase, spanned })
+}
+
+/// Offset and slope of z = offset + slope d.
+fn straight_line(values: &[(f64, Complex<f64>)]) -> Option<(Complex<f64>, Complex<f64>)> {
+    let (mut n, mut d, mut dd) = (0.0, 0.0, 0.0);
+    let (mut z, mut dz) = (Complex::new(0.0, 0.0), Complex::new(0.0, 0.0));
+    for (detuning, value) in values {
+        let weight = 1.0 / value.norm_sqr();
+        n += weight;
+        d += weight * detuning;
+        dd += weight * detuning * detuning;
+        z += value * weight;
+        dz += value * (weight * detuning);
+    }
+    let determinant = n * dd - d * d;
+    if determinant <= f64::EPSILON * n * dd {
+        return None;
+    }
+    Some(((z * dd - dz * d) / determinant, (dz * n - z * d) / determinant))
+}
+
+/// Shift, width and slope of y = slope^2 [(d - shift)^2 + width^2].
+fn parabola(values: &[(f64, f64)]) -> Option<(f64, f64, f64)> {
+    let reach = values.iter().map(|(d, _)| d.abs()).fold(0.0, f64::max);
+    let rows = DMatrix::from_fn(values.len(), 3, |i, j| (values[i].0 / reach).powi(j as i32) / values[i].1);
+    let right = DVector::from_element(values.len(), 1.0);
+    let found = rows.svd(true, true).solve(&right, 1e-12).ok()?;
+    let (a, b, c) = (found[0], found[1] / reach, found[2] / (reach * reach));
+    if c <= 0.0 {
+        return None;
+    }
+    let shift = -0.5 * b / c;
+    let square = a / c - shift * shift;
+    // Where noise hides the width, that of the amplitudes within a factor of the root of two of the largest.
+    let near: Vec<f64> = values.iter().filter(|(_, y)| *y < 2.0).map(|(d, _)| (d - shift).abs()).collect();
+    let width = if square > 0.0 { square.sqrt() } else { near.iter().copied().fold(0.0, f64::max) };
+    (width > 0.0).then(|| (shift, width, c.sqrt()))
+}
+
+/// The resonances of all series, the median of each of their numbers; `None` where no series tells one.
+pub fn of_all(points: &[Point], order: u8) -> Option<Resonance> {
+    let mut found = Vec::new();
+    for series in 0..=points.iter().map(|p| p.series).max()? {
+        let own: Vec<&Point> = points.iter().filter(|p| p.series == series).collect();
+        found.extend(resonance(&own, order));
+    }
+    let first = found.first()?;
+    let phases: Vec<f64> = found.iter().filter_map(|r| r.phase).collect();
+    let phase = phases.first().map(|one| wrap(one + median(phases.iter().map(|phase| wrap(phase - one)))));
+    Some(Resonance {
+        frequency: median(found.iter().map(|r| r.frequency)),
+        quality: median(found.iter().map(|r| r.quality)),
+        peak: median(found.iter().map(|r| r.peak)),
+        phase,
+        spanned: first.spanned,
+    })
+}
+
+/// The model with those of its numbers that are `free` to move where the resonance of the readings puts them; `None` for the
+/// paper's kind of rig, whose contact makes most of its resonance, and where no resonance is seen.
+pub fn started(model: &Model, free: &[String], points: &[Point]) -> Option<Model> {
+    let Rig::Oscillator(_) = model.rig else { return None };
+    let seen = of_all(points, model.signals.reading.order)?;
+    let mut model = model.clone();
+    let is_free = |key: &str| free.iter().any(|k| k == key);
+    let typical = points.iter().min_by(|a, b| {
+        let distance = |p: &Point| (p.frequency / seen.frequency).ln().abs();
+        distance(a).total_cmp(&distance(b))
+    })?;
+    let at = Operation { speed: 0.0, load: 0.0, drive: typical.drive, frequency: seen.frequency };
+    let Rig::Oscillator(rig) = &mut model.rig else { return None };
+    match rig.elasticity_form {
+        Elasticity::NaturalFrequency if is_free("rig.natural_frequency") => rig.elasticity = seen.frequency,
+        Elasticity::Stiffness if is_free("rig.stiffness") => {
+            rig.elasticity = rig.mass * (TAU * seen.frequency).powi(2);
+        }
+        _ => {}
+    }
+    let critical = (rig.mass * rig.stiffness()).sqrt();
+    match rig.dissipation_form {
+        Dissipation::QualityFactor if is_free("rig.quality_factor") => rig.dissipation = seen.quality,
+        Dissipation::DampingRatio if is_free("rig.damping_ratio") => rig.dissipation = 0.5 / seen.quality,
+        Dissipation::Damping if is_free("rig.damping") => rig.dissipation = critical / seen.quality,
+        _ => {}
+    }
+    let reading = |model: &Model| {
+        let lumps = Lumps::new(model, &at);
+        let (re, im) = lumps.free_response();
+        lumps.reading((re.value, im.value))
+    };
+    let ratio = seen.peak * at.drive / reading(&model).0;
+    if !(ratio.is_finite() && ratio > 0.0) {
+        return None;
+    }
+    let Rig::Oscillator(rig) = &mut model.rig else { return None };
+    // Of numbers that do the same one moves.
+    if is_free("rig.mass") || is_free("rig.inertia") {
+        rig.mass /= ratio;
+        if rig.elasticity_form == Elasticity::Stiffness {
+            rig.elasticity /= ratio;
+        }
+        if rig.dissipation_form == Dissipation::Damping {
+            rig.dissipation /= ratio;
+        }
+    } else if is_free("instrument.amplitude_gain") || is_free("instrument.sensitivity") {
+        model.instrument.amplitude_gain *= ratio;
+    } else if is_free("instrument.drive_gain") {
+        model.instrument.drive_gain *= ratio;
+    } else if is_free("instrument.drive_sensitivity") {
+        model.instrument.drive_gain /= ratio;
+    }
+    if let Some(phase) = seen.phase.filter(|_| is_free("instrument.phase_offset")) {
+        model.instrument.phase_offset = wrap(model.instrument.phase_offset + phase - reading(&model).1);
+    }
+    Some(model)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn points(frequency: f64, quality: f64, order: u8, offset: f64, with_phase: bool) -> Vec<Point> {
+        let point = |row: usize| {
+            let f = frequency * (1.0 + (row as f64 - 20.0) / 8.0 / quality);
+            let w = TAU * f;
+            let z = Complex::new((TAU * frequency).powi(2) - w * w, w * TAU * frequency / quality);
+            let reading = Complex::new(0.0, w).powu(order.into()) * 3.0 / z;
+            Point {
+                row,
+                line: row,
+                speed: 0.0,
+                load: 0.0,
+                drive: 3.0,
+                frequency: f,
+                amplitude: reading.norm() * 7.0,
+                phase: with_phase.then(|| wrap(reading.arg() + offset)),
+                amplitude_sd: 1.0,
+                phase_sd: None,
+                mean: None,
+                replicates: 1,
+                series: 0,
+            }
+        };
+        (0..41).map(point).collect()
+    }
+
+    #[test]
+    fn a_resonance_of_any_size_is_found_with_and_without_phases() {
+        for (frequency, quality) in [(0.1, 3.0), (80.0, 30.0), (1e6, 1e4)] {
+            for order in 0..3 {
+                for (offset, with_phase) in [(0.0, true), (std::f64::consts::PI, true), (-0.7, true), (0.0, false)] {
+                    let points = points(frequency, quality, order, offset, with_phase);
+                    let found = of_all(&points, order).expect("a resonance");
+                    let close = 2.0 / quality;
+                    assert!(
+                        (found.frequency / frequency - 1.0).abs() < close / quality + 1e-6,
+                        "{found:?} {frequency}"
+                    );
+                    assert!((found.quality / quality - 1.0).abs() < close + 1e-3, "{found:?} {quality}");
+                    let w = TAU * frequency;
+                    let peak = 7.0 * quality / (w * w) * w.powi(order.into());
+                    assert!((found.peak / peak - 1.0).abs() < 2.0 * close + 1e-3, "{found:?} {peak}");
+                    let expected = wrap(std::f64::consts::FRAC_PI_2 * (f64::from(order) - 1.0) + offset);
+                    assert_eq!(found.phase.is_some(), with_phase);
+                    assert!(
+                        found.phase.is_none_or(|phase| wrap(phase - expected).abs() < close + 1e-3),
+                        "{found:?} {expected}"
+                    );
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! A rig without a contact, or at a load of zero: one mode with the torques of the effects and slip elements to ground.
+
+use super::dual::Dual;
+use super::lumps::{FIRST_EFFECT_PARAMETER, Lumps};
+use super::system::SingleMode;
+use super::{Model, Operation};
+use crate::effects::Effect;
+
+/// The mode at one operating point.
+pub struct Alone {
+    /// The coefficients with their gradients.
+    pub lumps: Lumps,
+    laws: Vec<(&'static dyn Effect, Vec<f64>, usize)>,
+    columns: usize,
+}
+
+impl Alone {
+    /// The mode of `model` at an operating point, whatever its contact would do.
+    pub fn new(model: &Model, at: &Operation) -> Self {
+        let mut laws = Vec::new();
+        let mut first = 0;
+        for (effect, p) in &model.effects {
+            if effect.torque(p, 0.0, 0.0).is_some() {
+                laws.push((*effect, p.clone(), first));
+            }
+            first += p.len();
+        }
+        Self { lumps: Lumps::new(model, at), laws, columns: first }
+    }
+
+    /// Whether the mode is linear, so that its motion is known in closed form.
+    pub fn is_linear(&self) -> bool {
+        self.laws.is_empty() && self.lumps.joint.is_none()
+    }
+
+    /// Gradients of what the derivatives of a solution are known by: M, C, K, the drive (real, imaginary) and the three
+    /// numbers of the joint.
+    pub fn gradients(&self) -> [Dual; 8] {
+        let Lumps { inertia, damping, stiffness, torque_re, torque_im, .. } = self.lumps;
+        let [k, force, exponent] = self.lumps.joint.unwrap_or([Dual::constant(0.0); 3]);
+        [inertia, damping, stiffness, torque_re, torque_im, k, force, exponent]
+    }
+
+    /// Index among the parameters of the model of column number `column`.
+    pub fn parameter(column: usize) -> usize {
+        FIRST_EFFECT_PARAMETER + column
+    }
+}
+
+impl SingleMode for Alone {
+    fn linear(&self) -> [f64; 3] {
+        [self.lumps.inertia.value, self.lumps.damping.value, self.lumps.stiffness.value]
+    }
+    fn drive(&self) -> (f64, f64) {
+        (self.lumps.torque_re.value, self.lumps.torque_im.value)
+    }
+    fn omega(&self) -> f64 {
+        self.lumps.omega
+    }
+    fn force(&self, x: f64, v: f64) -> [f64; 3] {
+        let laws = self.laws.iter().filter_map(|(effect, p, _)| effect.torque(p, x, v));
+        laws.fold([0.0; 3], |sum, law| [sum[0] + law.value, sum[1] + law.d_first, sum[2] + law.d_second])
+    }
+    fn joint(&self) -> Option<[f64; 3]> {
+        self.lumps.joint.map(|joint| joint.map(|dual| dual.value))
+    }
+    fn add_columns(&self, x: f64, v: f64, weight: f64, sums: &mut [f64]) {
+        for (effect, p, first) in &self.laws {
+            let Some(law) = effect.torque(p, x, v) else { continue };
+            for (sum, by) in sums[*first..first + p.len()].iter_mut().zip(law.d_parameters) {
+                *sum += weight * by;
+            }
+        }
+    }
+    fn columns(&self) -> usize {
+        self.columns
+    }
+}

@@ -1,0 +1,553 @@
+//! Periodic states of a single mode without a contact: every stable one, by harmonic balance with alternating frequency and
+//! time.
+//!
+//! The balance of the first harmonic alone is one equation for the amplitude, all roots of which are found on a grid; so both
+//! stable states between the folds of a resonance are found at any frequency, whatever was solved before. Newton's method on
+//! all harmonics starts from them. Unknowns are the mean and the cosine and sine of every harmonic.
+
+use super::joint::{Instant, pulls, unloading};
+use super::tolerance::Tolerance;
+use crate::model::system::SingleMode;
+use crate::roots::regula_falsi;
+use nalgebra::{DMatrix, DVector};
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::f64::consts::TAU;
+use std::rc::Rc;
+
+/// Highest harmonics that are tried in turn; all odd.
+const HARMONICS: [usize; 4] = [5, 11, 21, 41];
+/// Instants per harmonic, and under a joint, whose force has kinks: at the default accuracy, and at least.
+const INSTANTS: usize = 6;
+const INSTANTS_OF_JOINT: (usize, usize) = (512, 64);
+/// Largest of the last harmonics over the first at which a series is long enough: what is left out acts on the first harmonic
+/// by its square.
+const TAIL: f64 = 5e-5;
+/// The same below which the longest series is accepted.
+const LONGEST_TAIL: f64 = 1e-2;
+/// Newton steps with one number of harmonics.
+const STEPS: usize = 40;
+/// Relative Newton step below which a balance that no step improves any more is as good as its kinks allow.
+const AT_KINKS: f64 = 1e-6;
+/// Amplitudes at which the balance of the first harmonic is looked at, per factor of ten, and instants for it.
+const GRID_PER_DECADE: f64 = 8.0;
+const GRID_INSTANTS: usize = 16;
+/// Refinements of where two roots may have met; relative accuracy of roots and of the amplitudes of resonance.
+const REFINEMENTS: usize = 30;
+const ROOT: f64 = 1e-6;
+const RESONANT: f64 = 1e-7;
+/// A damping ratio that stands for none.
+const UNDAMPED: f64 = 1e-9;
+/// Largest modulus of the multipliers of a stable state: rounding apart, one.
+const STABLE: f64 = 1.0 + 1e-9;
+/// Amplitudes of two states that differ by less than this share are one.
+const SAME: f64 = 1e-6;
+
+/// A periodic state.
+#[derive(Debug, Clone)]
+pub struct Periodic {
+    /// Harmonic of every number of the series.
+    harmonics: Vec<usize>,
+    /// The mean where there is one, then cosine and sine of every harmonic.
+    pub series: Vec<f64>,
+    /// Newton steps that were made.
+    pub steps: usize,
+    /// Relative size of the last of them.
+    pub left: f64,
+    /// Largest modulus of the Floquet multipliers.
+    pub multiplier: f64,
+    /// Adjoints of the cosine and of the sine of the first harmonic.
+    adjoints: [Vec<f64>; 2],
+    /// By which numbers of joint and laws the residual changes: rows of derivatives projected by the adjoints.
+    by_joint: [[f64; 3]; 2],
+    by_law: [Vec<f64>; 2],
+}
+
+impl Periodic {
+    /// Position of the cosine of the first harmonic.
+    fn first(&self) -> usize {
+        usize::from(self.harmonics[0] == 0)
+    }
+
+    /// Complex amplitude A of x = Im(A e^{iwt}).
+    pub fn response(&self) -> (f64, f64) {
+        (self.series[self.first() + 1], self.series[self.first()])
+    }
+
+    /// Mean.
+    pub fn mean(&self) -> f64 {
+        if self.first() == 0 { 0.0 } else { self.series[0] }
+    }
+
+    /// Derivatives of (real, imaginary) part of the amplitude by M, C, K, drive (real, imaginary), and the joint's numbers.
+    pub fn derivatives(&self, omega: f64) -> [(f64, f64); 8] {
+        let first = self.first();
+        let part = |which: usize| {
+            let adjoint = &self.adjoints[which];
+            let (mut mass, mut damping) = (0.0, 0.0);
+            let mut stiffness = if first == 0 { 0.0 } else { adjoint[0] * self.series[0] };
+            for at in (first..self.series.len()).step_by(2) {
+                let (a, b) = (self.series[at], self.series[at + 1]);
+                let (u, v) = (adjoint[at], adjoint[at + 1]);
+                let kw = self.harmonics[at] as f64 * omega;
+                stiffness += u * a + v * b;
+                mass -= kw * kw * (u * a + v * b);
+                damping += kw * (u * b - v * a);
+            }
+            let joint = self.by_joint[which];
+            // The drive stands on the other side.
+            [-mass, -damping, -stiffness, adjoint[first + 1], adjoint[first], -joint[0], -joint[1], -joint[2]]
+        };
+        let (imaginary, real) = (part(0), part(1));
+        std::array::from_fn(|i| (real[i], imaginary[i]))
+    }
+
+    /// The same by the parameters of the laws.
+    pub fn by_laws(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        self.by_law[1].iter().zip(&self.by_law[0]).map(|(real, imaginary)| (*real, *imaginary))
+    }
+}
+
+/// All stable periodic states, the smallest amplitude first; without any, the unstable ones.
+pub fn states(mode: &dyn SingleMode, tolerance: &Tolerance) -> Vec<Periodic> {
+    let roots = first_harmonic_roots(mode);
+    let [.., stiffness] = mode.linear();
+    let mut found: Vec<Periodic> = Vec::new();
+    // Of three the middle one is unstable, as is every other one between folds. Beyond where the restoring force ends there is
+    // no oscillation.
+    for root in roots.into_iter().step_by(2).filter(|root| stiffness + describing(mode, *root).0 > 0.0) {
+        let Some(periodic) = solve(mode, root, tolerance) else { continue };
+        let (re, im) = periodic.response();
+        let same = |other: &Periodic| {
+            let (x, y) = other.response();
+            (re - x).hypot(im - y) < SAME * re.hypot(im)
+        };
+        if !found.iter().any(same) {
+            found.push(periodic);
+        }
+    }
+    let stable = |p: &Periodic| p.multiplier <= STABLE;
+    if found.iter().any(stable) {
+        found.retain(stable);
+    }
+    let size = |p: &Periodic| p.response().0.hypot(p.response().1);
+    found.sort_by(|a, b| size(a).total_cmp(&size(b)));
+    found
+}
+
+/// Stiffness and quadrature of the forces over x = X sin(wt): the dynamic stiffness without the linear mode.
+fn describing(mode: &dyn SingleMode, amplitude: f64) -> (f64, f64) {
+    let (omega, n) = (mode.omega(), GRID_INSTANTS);
+    let (mut in_phase, mut quadrature) = (0.0, 0.0);
+    for j in 0..n {
+        let (sine, cosine) = (TAU * (j as f64 + 0.5) / n as f64).sin_cos();
+        let force = mode.force(amplitude * sine, omega * amplitude * cosine)[0];
+        in_phase -= force * sine;
+        quadrature -= force * cosine;
+    }
+    let scale = 2.0 / (n as f64 * amplitude);
+    let (mut k, mut c) = (scale * in_phase, scale * quadrature);
+    if let Some(joint) = mode.joint() {
+        // On the way down from the top; on the way up it is the negative.
+        for j in 0..n / 2 {
+            let (sine, cosine) = (TAU * (0.25 + (j as f64 + 0.5) / n as f64)).sin_cos();
+            let force = unloading(joint, amplitude, amplitude * sine);
+            k += 2.0 * scale * force * sine;
+            c += 2.0 * scale * force * cosine;
+        }
+    }
+    (k, c)
+}
+
+/// Amplitudes at which the first harmonic is in balance, in ascending order.
+fn first_harmonic_roots(mode: &dyn SingleMode) -> Vec<f64> {
+    let ([mass, damping, stiffness], omega, (re, im)) = (mode.linear(), mode.omega(), mode.drive());
+    let drive = re.hypot(im);
+    let static_part = stiffness - mass * omega * omega;
+    let resistance = (damping * omega).max(UNDAMPED * omega * (mass * stiffness).sqrt());
+    // Nothing moves more than a mode in resonance that only the linear damping holds; a little beyond, to see it turn back.
+    let most = 1.2 * drive / resistance;
+    let detuning = |log: f64| static_part + describing(mode, log.exp()).0;
+    let excess = |log: f64| {
+        let x = log.exp();
+        let (k, c) = describing(mode, x);
+        (x * (static_part + k).hypot(resistance + c) / drive).ln()
+    };
+    // From where no force of an effect can matter: far below the linear motion.
+    let least = 1e-2 * (drive / static_part.hypot(resistance)).min(drive / stiffness).min(most);
+    if !(least > 0.0 && most.is_finite()) {
+        return Vec::new();
+    }
+    let (low, high) = (least.ln(), most.ln());
+    let count = ((high - low) / std::f64::consts::LN_10 * GRID_PER_DECADE).ceil().max(8.0) as usize;
+    let at = |i: usize| low + (high - low) * i as f64 / count as f64;
+    let mut grid: Vec<(f64, f64)> = (0..=count).map(|i| (at(i), excess(at(i)))).collect();
+    // At the amplitudes of resonance the excess has dips as narrow as the resonance.
+    let signs: Vec<bool> = grid.iter().map(|(log, _)| detuning(*log) > 0.0).collect();
+    for i in (1..signs.len()).filter(|&i| signs[i] != signs[i - 1]) {
+        let bracket = [grid[i - 1].0, grid[i].0];
+        let resonance = regula_falsi(detuning, bracket, bracket.map(detuning), (RESONANT, 0.0), REFINEMENTS);
+        grid.push((resonance, excess(resonance)));
+    }
+    grid.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // Where the excess turns back before it reaches zero, two roots may lie between three places.
+    let mut inserted = Vec::new();
+    for three in grid.windows(3) {
+        let [a, b, c] = [three[0], three[1], three[2]];
+        let towards = |s: f64| s * b.1 > 0.0 && s * b.1 <= s * a.1 && s * b.1 <= s * c.1;
+        let Some(sign) = [1.0, -1.0].into_iter().find(|s| towards(*s)) else { continue };
+        inserted.push(nearest_to_zero(&excess, sign, [a.0, b.0, c.0], b));
+    }
+    grid.extend(inserted);
+    grid.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut roots = Vec::new();
+    for pair in grid.windows(2) {
+        let ((a, fa), (b, fb)) = (pair[0], pair[1]);
+        if (fa > 0.0) != (fb > 0.0) {
+            roots.push(regula_falsi(excess, [a, b], [fa, fb], (ROOT, 0.0), REFINEMENTS).exp());
+        }
+    }
+    roots
+}
+
+/// The place between the outer two at which the excess, of one sign at all three, comes nearest to zero (golden section).
+fn nearest_to_zero(excess: &impl Fn(f64) -> f64, sign: f64, [a, _, c]: [f64; 3], best: (f64, f64)) -> (f64, f64) {
+    let golden = 0.5 * (5f64.sqrt() - 1.0);
+    let (mut low, mut high, mut best) = (a, c, best);
+    for _ in 0..REFINEMENTS {
+        let (x, y) = (high - golden * (high - low), low + golden * (high - low));
+        let (fx, fy) = (excess(x), excess(y));
+        for (place, value) in [(x, fx), (y, fy)] {
+            if sign * value < sign * best.1 {
+                best = (place, value);
+            }
+        }
+        if sign * best.1 <= 0.0 {
+            return best;
+        }
+        if sign * fx < sign * fy { high = y } else { low = x }
+    }
+    best
+}
+
+/// The basis functions at many instants of one period: cosine and sine of the harmonics, the mean first where there is one.
+struct Laid {
+    /// Harmonics of the unknowns: each twice, the mean once.
+    harmonics: Vec<usize>,
+    /// Values at every instant, and their derivatives by the phase.
+    basis: DMatrix<f64>,
+    slopes: DMatrix<f64>,
+    instants: usize,
+    /// Instants on which forces are projected: half of them where the second half of a period is the negative of the first.
+    projected: usize,
+}
+
+impl Laid {
+    fn new(harmonics: Vec<usize>, instants: usize, odd: bool) -> Self {
+        let unknowns = harmonics.len();
+        let (mut basis, mut slopes) = (DMatrix::zeros(instants, unknowns), DMatrix::zeros(instants, unknowns));
+        for j in 0..instants {
+            let (values, by_phase) = basis_at(&harmonics, TAU * j as f64 / instants as f64);
+            for m in 0..unknowns {
+                (basis[(j, m)], slopes[(j, m)]) = (values[m], by_phase[m]);
+            }
+        }
+        let projected = if odd { instants / 2 } else { instants };
+        Self { harmonics, basis, slopes, instants, projected }
+    }
+
+    /// The basis of the harmonics up to `highest`, kept for the next time.
+    fn of(highest: usize, instants: usize, odd: bool) -> Rc<Self> {
+        thread_local!(static KEPT: RefCell<HashMap<(usize, usize, bool), Rc<Laid>>> = RefCell::default());
+        KEPT.with_borrow_mut(|kept| {
+            let new = || Rc::new(Self::new(harmonics(highest, odd), instants, odd));
+            kept.entry((highest, instants, odd)).or_insert_with(new).clone()
+        })
+    }
+
+    /// Position of the cosine of harmonic `k`.
+    fn cosine(&self, k: usize) -> usize {
+        self.harmonics.iter().position(|h| *h == k).unwrap_or(0)
+    }
+
+    /// Positions and harmonics of the cosines.
+    fn pairs(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let first = self.cosine(1);
+        (first..self.harmonics.len()).step_by(2).map(|at| (at, self.harmonics[at]))
+    }
+}
+
+/// Harmonics of the unknowns up to `highest`: of an odd motion the odd ones alone.
+fn harmonics(highest: usize, odd: bool) -> Vec<usize> {
+    let all = (if odd { 1 } else { 0 }..=highest).filter(|k| !odd || k % 2 == 1);
+    all.flat_map(|k| std::iter::repeat_n(k, if k == 0 { 1 } else { 2 })).collect()
+}
+
+/// Cosine, then sine of every harmonic, and their derivatives by the phase.
+fn basis_at(harmonics: &[usize], phase: f64) -> (Vec<f64>, Vec<f64>) {
+    let mut last = 0;
+    let value = |&k: &usize| {
+        let (sine, cosine) = (k as f64 * phase).sin_cos();
+        let second = std::mem::replace(&mut last, k) == k;
+        if second { (sine, k as f64 * cosine) } else { (cosine, -(k as f64) * sine) }
+    };
+    let both: Vec<(f64, f64)> = if harmonics.first() == Some(&0) {
+        std::iter::once((1.0, 0.0)).chain(harmonics[1..].iter().map(value)).collect()
+    } else {
+        harmonics.iter().map(value).collect()
+    };
+    both.into_iter().unzip()
+}
+
+/// Forces at every instant with their slopes, and what they are on the harmonics.
+struct Balance {
+    residual: DVector<f64>,
+    jacobian: DMatrix<f64>,
+    /// Of the joint, by its three numbers, on the harmonics.
+    by_joint: Option<DMatrix<f64>>,
+    /// Motion, velocity and tangential stiffness and damping at every instant.
+    motion: Vec<[f64; 4]>,
+}
+
+/// Whether the forces of opposite motions are opposite, so that a motion may be odd.
+fn is_odd(mode: &dyn SingleMode, amplitude: f64) -> bool {
+    let v = amplitude * mode.omega();
+    [0.3, 0.9].iter().all(|share| {
+        let (there, back) = (mode.force(share * amplitude, 0.7 * v), mode.force(-share * amplitude, -0.7 * v));
+        there[0] == -back[0]
+    })
+}
+
+/// The periodic state that Newton's method reaches from a motion at the drive's frequency of this amplitude.
+fn solve(mode: &dyn SingleMode, amplitude: f64, tolerance: &Tolerance) -> Option<Periodic> {
+    let ([mass, damping, stiffness], omega, (re, im)) = (mode.linear(), mode.omega(), mode.drive());
+    let (k, c) = describing(mode, amplitude);
+    // A = drive / Z.
+    let (x, y) = (stiffness + k - mass * omega * omega, omega * damping + c);
+    let square = x * x + y * y;
+    let (a_re, a_im) = ((re * x + im * y) / square, (im * x - re * y) / square);
+    let scale = amplitude / a_re.hypot(a_im);
+    let odd = is_odd(mode, amplitude);
+    let first = usize::from(!odd);
+    let mut series = vec![0.0; first];
+    series.extend([a_im * scale, a_re * scale]);
+    let mut steps = 0;
+    for (level, &highest) in HARMONICS.iter().enumerate() {
+        let mut instants = (INSTANTS * highest).max(24);
+        if mode.joint().is_some() {
+            let (most, least) = INSTANTS_OF_JOINT;
+            let wanted = (most as f64 / tolerance.relief().powi(5)) as usize;
+            instants = instants.max(wanted.max(least));
+        }
+        let laid = Laid::of(highest, instants + instants % 2, odd);
+        series.resize(laid.harmonics.len(), 0.0);
+        let (balance, left) = newton(mode, &laid, &mut series, tolerance, &mut steps)?;
+        let size = |at: usize| series[at].hypot(series[at + 1]);
+        let count = series.len();
+        let tail = size(count - 2).max(size(count - 4)) / size(first);
+        let last = level + 1 == HARMONICS.len();
+        if tail < TAIL * tolerance.slack().sqrt() || (last && tail < LONGEST_TAIL) {
+            return Some(finished(mode, &laid, (series, steps, left), &balance));
+        }
+    }
+    None
+}
+
+/// Newton's method, its steps halved while they lead uphill.
+fn newton(
+    mode: &dyn SingleMode,
+    laid: &Laid,
+    series: &mut [f64],
+    tolerance: &Tolerance,
+    steps: &mut usize,
+) -> Option<(Balance, f64)> {
+    let mut balance = evaluate(mode, laid, series);
+    let mut norm = balance.residual.norm();
+    for _ in 0..STEPS {
+        let step = balance.jacobian.clone().lu().solve(&balance.residual)?;
+        let size = series.iter().map(|z| z * z).sum::<f64>().sqrt();
+        let mut share = 1.0;
+        loop {
+            let moved: Vec<f64> = series.iter().zip(step.iter()).map(|(z, d)| z - share * d).collect();
+            *steps += 1;
+            let next = evaluate(mode, laid, &moved);
+            let reached = next.residual.norm();
+            let left = step.norm() / size;
+            if !left.is_finite() {
+                return None;
+            }
+            if reached <= norm || left < tolerance.left() {
+                series.copy_from_slice(&moved);
+                let done = left < tolerance.left();
+                (balance, norm) = (next, reached);
+                if done {
+                    return Some((balance, left));
+                }
+                break;
+            }
+            share *= 0.5;
+            if share < 1e-3 {
+                return (left < AT_KINKS * tolerance.slack()).then_some((balance, left));
+            }
+        }
+    }
+    None
+}
+
+/// The balance of every harmonic: K x + C x' + M x'' - force + joint - drive, and its slopes.
+fn evaluate(mode: &dyn SingleMode, laid: &Laid, series: &[f64]) -> Balance {
+    let ([mass, damping, stiffness], omega, (re, im)) = (mode.linear(), mode.omega(), mode.drive());
+    let (n, unknowns) = (laid.projected, series.len());
+    let z = DVector::from_column_slice(series);
+    let (x, v) = (&laid.basis * &z, &laid.slopes * &z * omega);
+    let mut force = DVector::zeros(n);
+    // Rows of the slopes of the force by the unknowns.
+    let mut slopes = DMatrix::zeros(n, unknowns);
+    let mut motion = Vec::with_capacity(n);
+    for j in 0..n {
+        let [value, by_x, by_v] = mode.force(x[j], v[j]);
+        force[j] = -value;
+        for m in 0..unknowns {
+            slopes[(j, m)] = -by_x * laid.basis[(j, m)] - by_v * omega * laid.slopes[(j, m)];
+        }
+        motion.push([x[j], v[j], -by_x, -by_v]);
+    }
+    let mut by_joint = None;
+    if let Some(joint) = mode.joint() {
+        let (mut by_parameters, mut tangent) = (DMatrix::zeros(n, 3), 0.0);
+        let (pulls, corners) = pulls(joint, x.as_slice(), &turns(laid, series));
+        for (j, pull) in pulls.into_iter().take(n).enumerate() {
+            let Some(from) = corners.get(pull.corner) else { break };
+            force[j] += pull.force;
+            for m in 0..unknowns {
+                slopes[(j, m)] += from.by[m] + pull.stiffness * (laid.basis[(j, m)] - from.dx[m]);
+            }
+            for (p, by) in pull.by_parameters.into_iter().enumerate() {
+                by_parameters[(j, p)] = by;
+            }
+            tangent += pull.stiffness / n as f64;
+        }
+        // What a disturbance meets beside the memory of the elements, which only dissipates: their mean stiffness.
+        motion.iter_mut().for_each(|at| at[2] += tangent);
+        by_joint = Some(project(laid, &by_parameters));
+    }
+    let mut residual: DVector<f64> =
+        project(laid, &DMatrix::from_column_slice(n, 1, force.as_slice())).column(0).into();
+    let mut jacobian = project(laid, &slopes);
+    if laid.harmonics[0] == 0 {
+        residual[0] += stiffness * series[0];
+        jacobian[(0, 0)] += stiffness;
+    }
+    for (i, k) in laid.pairs() {
+        let kw = k as f64 * omega;
+        let (along, across) = (stiffness - mass * kw * kw, damping * kw);
+        let j = i + 1;
+        residual[i] += along * series[i] + across * series[j];
+        residual[j] += along * series[j] - across * series[i];
+        jacobian[(i, i)] += along;
+        jacobian[(i, j)] += across;
+        jacobian[(j, j)] += along;
+        jacobian[(j, i)] -= across;
+    }
+    let first = laid.cosine(1);
+    residual[first] -= im;
+    residual[first + 1] -= re;
+    Balance { residual, jacobian, by_joint, motion }
+}
+
+/// Harmonics of columns that are given at the instants.
+fn project(laid: &Laid, columns: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut harmonics = laid.basis.rows(0, laid.projected).tr_mul(columns) * (2.0 / laid.projected as f64);
+    if laid.harmonics[0] == 0 {
+        harmonics.row_mut(0).scale_mut(0.5);
+    }
+    harmonics
+}
+
+/// Where the motion turns back between an instant and the next: by the secant of its velocity there.
+fn turns(laid: &Laid, series: &[f64]) -> Vec<Option<Instant>> {
+    let n = laid.instants;
+    let velocity = &laid.slopes * DVector::from_column_slice(series);
+    let turn = |j: usize| {
+        let (a, b) = (velocity[j], velocity[(j + 1) % n]);
+        if (a > 0.0) == (b > 0.0) || a == b {
+            return None;
+        }
+        let phase = TAU * (j as f64 + a / (a - b)) / n as f64;
+        let (by, _) = basis_at(&laid.harmonics, phase);
+        Some(Instant { x: by.iter().zip(series).map(|(b, z)| b * z).sum(), by })
+    };
+    (0..n).map(turn).collect()
+}
+
+/// The state with what its derivatives need.
+fn finished(
+    mode: &dyn SingleMode,
+    laid: &Laid,
+    (series, steps, left): (Vec<f64>, usize, f64),
+    balance: &Balance,
+) -> Periodic {
+    let transposed = balance.jacobian.transpose().lu();
+    let unknowns = series.len();
+    let adjoint = |unknown: usize| -> Vec<f64> {
+        let mut right = DVector::zeros(unknowns);
+        right[unknown] = 1.0;
+        transposed.solve(&right).map_or_else(|| vec![f64::NAN; unknowns], |found| found.iter().copied().collect())
+    };
+    let first = laid.cosine(1);
+    let adjoints = [adjoint(first), adjoint(first + 1)];
+    let by_joint = [0, 1].map(|which| {
+        let Some(by) = &balance.by_joint else { return [0.0; 3] };
+        std::array::from_fn(|p| (0..unknowns).map(|m| adjoints[which][m] * by[(m, p)]).sum())
+    });
+    let by_law = [0, 1].map(|which| {
+        let mut sums = vec![0.0; mode.columns()];
+        if sums.is_empty() {
+            return sums;
+        }
+        for (j, [x, v, ..]) in balance.motion.iter().enumerate() {
+            let projected = |m: usize| laid.basis[(j, m)] * if laid.harmonics[m] == 0 { 1.0 } else { 2.0 };
+            let weight: f64 = (0..unknowns).map(|m| adjoints[which][m] * projected(m)).sum();
+            mode.add_columns(*x, *v, weight / laid.projected as f64, &mut sums);
+        }
+        sums
+    });
+    let multiplier = multiplier(mode, &balance.motion, laid.instants);
+    let harmonics = laid.harmonics.clone();
+    Periodic { harmonics, series, steps, left, multiplier, adjoints, by_joint, by_law }
+}
+
+/// Largest modulus of the Floquet multipliers: a disturbance M y'' + (C + c) y' + (K + k) y = 0 over one period, by the exact
+/// flow between instants.
+fn multiplier(mode: &dyn SingleMode, motion: &[[f64; 4]], instants: usize) -> f64 {
+    let [mass, damping, stiffness] = mode.linear();
+    let h = TAU / mode.omega() / instants as f64;
+    let w0 = (stiffness / mass).sqrt();
+    let mut product = [[1.0, 0.0], [0.0, 1.0]];
+    // Of an odd motion the second half of the period has the slopes of the first.
+    for [_, _, k, c] in motion.iter().cycle().take(instants) {
+        // In units of 1/w0: y'' + 2 d y' + s y = 0.
+        let (s, d) = ((stiffness + k) / stiffness, 0.5 * (damping + c) / (mass * w0));
+        let t = h * w0;
+        let square = s - d * d;
+        let (cosine, sine) = if square >= 0.0 {
+            let w = square.sqrt();
+            ((w * t).cos(), if w * t < 1e-8 { t } else { (w * t).sin() / w })
+        } else {
+            let w = (-square).sqrt();
+            ((w * t).cosh(), if w * t < 1e-8 { t } else { (w * t).sinh() / w })
+        };
+        let fade = (-d * t).exp();
+        let flow = [[fade * (cosine + d * sine), fade * sine], [-fade * s * sine, fade * (cosine - d * sine)]];
+        let p = product;
+        for i in 0..2 {
+            for j in 0..2 {
+                product[i][j] = flow[i][0] * p[0][j] + flow[i][1] * p[1][j];
+            }
+        }
+    }
+    let (trace, determinant) =
+        (product[0][0] + product[1][1], product[0][0] * product[1][1] - product[0][1] * product[1][0]);
+    let root = 0.25 * trace * trace - determinant;
+    if root >= 0.0 { 0.5 * trace.abs() + root.sqrt() } else { determinant.max(0.0).sqrt() }
+}

@@ -1,0 +1,135 @@
+//! Tables of rigs without a contact, as laboratories have them: what a new user does, and the same physics at any size.
+
+use std::path::{Path, PathBuf};
+use stickslip::discover::{Basis, Discovery, Options, Verdict, discover};
+use stickslip::{measurement, scenario};
+
+fn table(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/oscillators").join(name).with_extension("csv")
+}
+
+/// `stickslip new TABLE -o SCENARIO`.
+fn new(table: &Path, scenario: &Path) {
+    assert_cmd::Command::cargo_bin("stickslip")
+        .expect("built")
+        .args(["new", "--quiet"])
+        .arg(table)
+        .arg("-o")
+        .arg(scenario)
+        .assert()
+        .success();
+}
+
+fn found(path: &Path) -> Discovery {
+    let scenario = scenario::load(path).unwrap_or_else(|error| panic!("{error}"));
+    let table = measurement::load(&scenario).unwrap_or_else(|error| panic!("{error}")).expect("measurements");
+    discover(&scenario, &table, &Options::default())
+}
+
+/// A table with nothing but frequency, drive and reading: `new`, then `discover`, without an edit.
+#[test]
+fn what_the_generator_hid_is_found_from_the_table_alone() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let cases = [
+        ("a", Verdict::EffectMissing, &["cubic-stiffness"][..]),
+        ("b", Verdict::EffectMissing, &["friction-joint"]),
+        ("c", Verdict::NothingMissing, &[]),
+        ("d", Verdict::EffectMissing, &["quadratic-damping"]),
+    ];
+    for (name, verdict, effects) in cases {
+        let path = folder.path().join(name).with_extension("toml");
+        new(&table(name), &path);
+        let d = found(&path);
+        assert_eq!((d.verdict, d.explanation().hypothesis.effects()), (verdict, effects.iter().map(|e| (*e).into()).collect()), "{name}");
+        assert!(d.explanation().comparison.overall.chi2_per_point < 1.5, "{name}");
+    }
+}
+
+/// Mass, length and time in other units: forces and readings follow.
+fn rescaled(name: &str, [mass, length, time]: [f64; 3], folder: &Path) -> PathBuf {
+    let text = std::fs::read_to_string(table(name)).expect("a table");
+    let mut lines = text.trim_start_matches('\u{feff}').lines();
+    let header: Vec<&str> = lines.next().expect("a header").split(',').collect();
+    let factor = |column: &str| match column {
+        "frequency_hz" => 1.0 / time,
+        "force_n" => mass * length / (time * time),
+        "amplitude_m" => length,
+        "amplitude_m_s" => length / time,
+        "amplitude_m_s2" => length / (time * time),
+        _ => 1.0,
+    };
+    let mut out = header.join(",") + "\n";
+    for line in lines {
+        let cell = |(column, cell): (&&str, &str)| match factor(column) {
+            1.0 => cell.to_string(),
+            by => format!("{:e}", cell.parse::<f64>().expect("a number") * by),
+        };
+        let cells: Vec<String> = header.iter().zip(line.split(',')).map(cell).collect();
+        out += &(cells.join(",") + "\n");
+    }
+    let path = folder.join(format!("{name}-{mass:e}-{length:e}-{time:e}.csv"));
+    std::fs::write(&path, out).expect("written");
+    let (mass_at, frequency, quality) = match name {
+        "a" => (0.4, 55.0, 280.0),
+        _ => (3e-6, 7958.0, 250.0),
+    };
+    let scenario = format!(
+        "title = \"x\"\n[rig]\nkind = \"oscillator\"\nmass = {:e}\nnatural_frequency = {:e}\nquality_factor = {quality}\n\
+         [measurement]\nfile = \"{}\"\n[fit]\nfree = [\"rig.mass\", \"rig.natural_frequency\", \"rig.quality_factor\"]\n",
+        mass_at * mass,
+        frequency / time,
+        path.file_name().expect("a name").to_string_lossy()
+    );
+    let path = path.with_extension("toml");
+    std::fs::write(&path, scenario).expect("written");
+    path
+}
+
+#[test]
+fn the_same_physics_at_another_size_gets_the_same_answer() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let summary = |d: &Discovery| -> Vec<(String, f64)> {
+        let fitted = d.candidates.iter().filter(|c| c.hypothesis.basis() == Basis::AllPoints);
+        fitted.map(|c| (c.hypothesis.label(), c.delta_bic)).collect()
+    };
+    for name in ["a", "d"] {
+        let stated = found(&rescaled(name, [1.0; 3], folder.path()));
+        for scales in [[3.7e5, 2.9e-6, 8.1e3], [1.3e-6, 7.7e4, 4.9e-5], [6.1e-3, 5.3e5, 9.7e5]] {
+            let other = found(&rescaled(name, scales, folder.path()));
+            assert_eq!(other.verdict, stated.verdict, "{name} {scales:?}");
+            let (one, two) = (summary(&stated), summary(&other));
+            assert_eq!(one.len(), two.len(), "{name} {scales:?}: {one:?} {two:?}");
+            for ((label, bic), (same, of)) in one.iter().zip(&two) {
+                assert_eq!(label, same, "{name} {scales:?}");
+                assert!((bic - of).abs() < 1e-3 * (1.0 + bic.abs()), "{name} {scales:?} {label}: {bic} {of}");
+            }
+        }
+    }
+}
+
+/// Start values far off end at the same optimum.
+#[test]
+fn a_calibration_has_no_hidden_box() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = rescaled("d", [1.0; 3], folder.path());
+    let text = std::fs::read_to_string(&path).expect("a scenario");
+    let fit = |text: &str| {
+        std::fs::write(&path, text).expect("written");
+        let scenario = scenario::load(&path).unwrap_or_else(|error| panic!("{error}"));
+        let table = measurement::load(&scenario).expect("a table").expect("measurements");
+        stickslip::compare::compare(&scenario, &table, &stickslip::compare::Options { seed: 0 }).fit.objective
+    };
+    let good = fit(&text);
+    for (from, to) in [
+        ("quality_factor = 250", "quality_factor = 2.5"),
+        ("quality_factor = 250", "quality_factor = 25000"),
+        ("mass = 3e-6", "mass = 3e-4"),
+        ("mass = 3e-6", "mass = 3e-8"),
+        ("natural_frequency = 7.958e3", "natural_frequency = 11000"),
+        ("natural_frequency = 7.958e3", "natural_frequency = 5600"),
+    ] {
+        assert!(text.contains(from), "{text}");
+        let far = fit(&text.replace(from, to));
+        assert!((far / good - 1.0).abs() < 1e-4, "{to}: {far} for {good}");
+    }
+}
