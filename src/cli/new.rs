@@ -18,7 +18,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Sum of squares by which one kind of reading has to fit better than a simpler one.
-const DISTINCT: f64 = 4.0;
+const DISTINCT: f64 = 10.0;
 /// Two neighbours along a series whose amplitudes differ by this many times what their neighbours do are a jump, if by more
 /// than this many standard deviations.
 const JUMP: (f64, f64) = (5.0, 8.0);
