@@ -284,6 +284,11 @@ fn kind(dimension: Dimension) -> String {
     text
 }
 
+/// A unit of the scenario files in print: `kg m^2` becomes `kg m²`; that of a pure number stays `1`.
+pub fn printed(unit: &str) -> String {
+    unit.replace("^2", "²").replace("^3", "³").replace("^5", "⁵").replace("^-1", "⁻¹")
+}
+
 /// A value in SI with a prefix and digits for people: `2.5e-6 m` becomes `2.5 µm`, `1e-4 m/s` becomes `0.1 mm/s`.
 /// Six significant digits; the text can be parsed again.
 pub fn format(value: f64, si_unit: &str) -> String {
@@ -303,7 +308,10 @@ pub fn format(value: f64, si_unit: &str) -> String {
     if !matches!(si_unit, "m" | "s" | "N" | "Hz" | "W" | "rad" | "m/s" | "V" | "m/s^2" | "rad/s" | "rad/s^2") {
         return format!("{} {si_unit}", digits(value));
     }
-    let (prefix, scale) = SCALES.iter().find(|(_, scale)| size >= scale * 0.999_999_5).unwrap_or(&("n", 1e-9));
+    // Nobody writes krad or km/s^2.
+    let largest = if matches!(si_unit, "rad" | "rad/s" | "rad/s^2" | "m/s" | "m/s^2") { 1.0 } else { f64::INFINITY };
+    let mut scales = SCALES.iter().filter(|(_, scale)| *scale <= largest);
+    let (prefix, scale) = scales.find(|(_, scale)| size >= scale * 0.999_999_5).unwrap_or(&("n", 1e-9));
     format!("{} {prefix}{si_unit}", digits(value / scale))
 }
 
@@ -329,6 +337,60 @@ pub fn format_interval(values: [f64; 3], si_unit: &str) -> [String; 3] {
 fn digits(value: f64) -> String {
     let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value) + 0.0;
     if rounded != 0.0 && !(1e-4..1e6).contains(&rounded.abs()) { format!("{rounded:e}") } else { format!("{rounded}") }
+}
+
+/// Frequencies are written to about this part of their spacing.
+const FINER: f64 = 70.0;
+
+/// How the frequencies of a curve are written, whether they are around 0.5 Hz or 1 MHz: in which unit, and with as many
+/// decimals as their spacing resolves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frequencies {
+    /// Hertz per unit.
+    pub factor: f64,
+    /// Hz, kHz or MHz.
+    pub unit: &'static str,
+    /// Decimals in that unit.
+    pub decimals: usize,
+}
+
+impl Frequencies {
+    /// Those that suit frequencies in ascending order, of several curves one after the other.
+    pub fn of(frequencies: impl IntoIterator<Item = f64>) -> Self {
+        let all: Vec<f64> = frequencies.into_iter().filter(|f| f.is_finite()).collect();
+        let mut steps: Vec<f64> = all.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
+        steps.sort_by(f64::total_cmp);
+        let highest = all.iter().copied().fold(0.0, f64::max);
+        let (factor, unit) = match highest {
+            f if f < 2e4 => (1.0, "Hz"),
+            f if f < 2e7 => (1e3, "kHz"),
+            _ => (1e6, "MHz"),
+        };
+        let step = steps.get(steps.len() / 2).copied().unwrap_or(highest / 100.0) / factor;
+        let decimals = if step > 0.0 { (FINER / step).log10().round().clamp(0.0, 9.0) as usize } else { 2 };
+        Self { factor, unit, decimals }
+    }
+
+    /// Number and unit, with all decimals.
+    pub fn fixed(&self, frequency: f64) -> String {
+        format!("{:.*} {}", self.decimals, frequency / self.factor, self.unit)
+    }
+
+    /// The number alone, without needless digits.
+    pub fn number(&self, frequency: f64) -> String {
+        let text = format!("{:.*}", self.decimals, frequency / self.factor);
+        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+    }
+
+    /// Number and unit.
+    pub fn show(&self, frequency: f64) -> String {
+        format!("{} {}", self.number(frequency), self.unit)
+    }
+
+    /// A difference of two, with a digit less.
+    pub fn difference(&self, frequency: f64) -> String {
+        format!("{:.*} {}", self.decimals.saturating_sub(1).max(1), frequency / self.factor, self.unit)
+    }
 }
 
 /// Number of insertions, deletions, replacements and swaps of neighbours that turn one text into the other.
@@ -379,6 +441,19 @@ mod tests {
         assert_eq!(shown([1.0, 1e-9, 12345.6], "N"), "1 N 1 nN 12.3 kN");
         assert_eq!(shown([1.0, 0.123_456, f64::INFINITY], "1"), "1 0.123 inf");
         assert_eq!(shown([2.345_67; 3], "1"), "2.35 2.35 2.35");
+    }
+
+    #[test]
+    fn frequencies_have_the_digits_of_their_spacing() {
+        let of = |from: f64, step: f64| Frequencies::of((0..50).map(move |i| from + step * f64::from(i)));
+        assert_eq!(of(52.0, 2.0).show(71.0 + 1e-9), "71 Hz");
+        assert_eq!((of(52.0, 2.0).show(71.234), of(52.0, 2.0).difference(1.26)), ("71.23 Hz".into(), "1.3 Hz".into()));
+        assert_eq!(of(0.5, 0.002).show(0.512_34), "0.51234 Hz");
+        assert_eq!(of(53.9, 0.055).show(54.061_234), "54.061 Hz");
+        assert_eq!(of(1e6, 100.0).show(1_000_300.0), "1000.3 kHz");
+        assert_eq!(of(1e6, 100.0).difference(140.0), "0.14 kHz");
+        assert_eq!(Frequencies::of([]).show(3.0), "3 Hz");
+        assert_eq!(Frequencies::of([72.0]).show(72.0), "72 Hz");
     }
 
     #[test]
@@ -455,6 +530,9 @@ mod tests {
         assert_eq!(format(0.5, "1"), "0.5");
         assert_eq!(format(5e-3, "kg m^2"), "0.005 kg m^2");
         assert_eq!(format(1e9, "N m/rad^3"), "1e9 N m/rad^3");
+        assert_eq!(format(1500.0, "m/s^2"), "1500 m/s^2");
+        assert_eq!(format(0.0015, "m/s^2"), "1.5 mm/s^2");
+        assert_eq!(printed("N s^2/m^2"), "N s²/m²");
     }
 
     #[test]

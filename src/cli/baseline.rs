@@ -7,6 +7,7 @@ use crate::figures::FigureError;
 use crate::figures::baseline::{Pair, draw};
 use crate::gate::Judged;
 use crate::report::{self, BaselineView, Change, ChangeView, FigureView, PictureView, ReportView};
+use crate::scenario::Signal;
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
@@ -15,7 +16,7 @@ const DRAWN: usize = 4;
 /// Changes of one kind, and inputs, told on the terminal.
 const TOLD: usize = 10;
 
-/// Frequency \[Hz\] and amplitude \[rad\] by name of the curve, in the order of the file.
+/// Frequency \[Hz\] and amplitude by name of the curve, in the order of the file.
 type Curves = Vec<(String, Vec<(f64, f64)>)>;
 
 /// An earlier run.
@@ -45,7 +46,7 @@ impl Baseline {
         let mut curves = BTreeMap::new();
         for scenario in view.scenarios.iter().filter(|scenario| inside(&scenario.id)) {
             if let Ok(text) = again::text(&folder.join(simulate::curves_name(&scenario.id))) {
-                curves.insert(scenario.id.clone(), parse(&text));
+                curves.insert(scenario.id.clone(), parse(&text).0);
             }
         }
         Ok(Self { path: path.to_path_buf(), view, curves })
@@ -65,13 +66,13 @@ impl Baseline {
         for scenario in &now.scenarios {
             let (Some(before), true) = (self.curves.get(&scenario.id), view.figures.len() < DRAWN) else { continue };
             let Ok(text) = again::text(&out.path().join(simulate::curves_name(&scenario.id))) else { continue };
-            let after = parse(&text);
+            let (after, reading) = parse(&text);
             let pairs = after.into_iter().filter_map(|(name, after)| {
                 let before = before.iter().find(|(other, _)| *other == name)?.1.clone();
                 Some(Pair { name, before, after })
             });
             let pairs: Vec<Pair> = shortened(pairs.collect());
-            match draw(&pairs, &scenario.id, report::TOLERANCE) {
+            match draw(&pairs, &scenario.id, report::TOLERANCE, &reading) {
                 Ok(drawing) => {
                     let section = format!("baseline/{}", scenario.id);
                     let input = simulate::write(drawing, &section, out)?;
@@ -154,14 +155,18 @@ pub fn inside(name: &str) -> bool {
         && Path::new(name).components().all(|part| matches!(part, Component::Normal(_)))
 }
 
-/// Curves of a `curves.csv`, named by what stands in their rows; rows that are no numbers are passed over.
-fn parse(text: &str) -> Curves {
+/// Curves of a `curves.csv`, named by what stands in their rows, and what they are of; rows that are no numbers are passed over.
+fn parse(text: &str) -> (Curves, Signal) {
     let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(text.as_bytes());
-    let Ok(header) = reader.headers().cloned() else { return Vec::new() };
+    let Ok(header) = reader.headers().cloned() else { return (Vec::new(), Signal::ANGLE) };
     let column = |name: &str| header.iter().position(|cell| cell == name);
-    let (Some(frequency), Some(amplitude)) = (column("frequency_hz"), column("amplitude_rad")) else {
-        return Vec::new();
+    let reading = Signal::READINGS.into_iter().find(|reading| column(reading.reading_column()).is_some());
+    let reading = reading.unwrap_or(Signal::ANGLE);
+    let (Some(frequency), Some(amplitude)) = (column("frequency_hz"), column(reading.reading_column())) else {
+        return (Vec::new(), reading);
     };
+    let others = Signal::DRIVES.iter().filter(|drive| **drive != Signal::DRIVE_DISPLACEMENT);
+    let others = others.map(|drive| (drive.drive_column(), drive.symbol, 1.0, drive.unit));
     let scaled = [
         ("drive_m", "u₀", 1e6, "µm"),
         ("load_n", "W", 1.0, "N"),
@@ -177,7 +182,7 @@ fn parse(text: &str) -> Curves {
         for name in ["formulation", "euler_steps", "branch"] {
             parts.extend(column(name).and_then(|c| row.get(c)).filter(|cell| !cell.is_empty()).map(String::from));
         }
-        for (name, symbol, factor, unit) in scaled {
+        for (name, symbol, factor, unit) in scaled.into_iter().chain(others.clone()) {
             let value =
                 column(name).and_then(number).map(|value| crate::figures::style::significant(factor * value, 4));
             parts.extend(value.map(|value| format!("{symbol} = {value} {unit}").trim_end().to_string()));
@@ -189,7 +194,7 @@ fn parse(text: &str) -> Curves {
         });
         curves[place].1.push((f, a));
     }
-    curves
+    (curves, reading)
 }
 
 /// The pairs with names without what all of them have in common.

@@ -1,6 +1,9 @@
 //! Options that bound the next measurement: `--speed '0 mm/s..50 mm/s'`.
 
 use crate::discover::Bounds;
+use crate::error::{Error, Result};
+use crate::measurement::Table;
+use crate::scenario::Scenario;
 use crate::units;
 use clap::Args;
 
@@ -14,9 +17,9 @@ pub struct Limits {
     /// Loads, e.g. '0.1 N..20 N'
     #[arg(long, value_name = "FROM..TO", value_parser = load)]
     load: Option<Range>,
-    /// Drives, e.g. '1 um..10 um'
+    /// Drives, e.g. '1 um..10 um'; of a rig driven by a force '0.1 N..5 N'
     #[arg(long, value_name = "FROM..TO", value_parser = drive)]
-    drive: Option<Range>,
+    drive: Option<String>,
     /// Frequencies, e.g. '50 Hz..100 Hz'
     #[arg(long, value_name = "FROM..TO", value_parser = frequency)]
     frequency: Option<Range>,
@@ -24,27 +27,60 @@ pub struct Limits {
 
 type Range = (f64, f64);
 
-impl From<&Limits> for Bounds {
-    fn from(l: &Limits) -> Self {
-        Self { speed: l.speed, load: l.load, drive: l.drive, frequency: l.frequency }
+/// Units that a drive may have.
+const DRIVES: [&str; 7] = ["m", "N", "N m", "rad", "m/s^2", "rad/s^2", "V"];
+
+impl Limits {
+    /// The bounds for a scenario and its table.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where they are of something that the rig does not have.
+    pub fn of(&self, scenario: &Scenario, table: &Table) -> Result<Bounds> {
+        let refuse = |option: &str, why: &str, help: &str| {
+            Err(Error::Input(format!("error: {option}: {why}\n  = help: {help}")))
+        };
+        if scenario.contact.is_none() {
+            for (option, given) in [("--speed", self.speed), ("--load", self.load)] {
+                if given.is_some() {
+                    return refuse(option, "the rig has no contact", "leave the option out");
+                }
+            }
+        }
+        let unit = table.signals.drive.unit;
+        let drive = match self.drive.as_deref().map(|text| range(text, unit, true)) {
+            Some(Err(why)) => {
+                return refuse("--drive", &why, &format!("the drive of this rig is in {unit}"));
+            }
+            read => read.and_then(std::result::Result::ok),
+        };
+        Ok(Bounds { speed: self.speed, load: self.load, drive, frequency: self.frequency })
     }
 }
 
-fn speed(text: &str) -> Result<Range, String> {
+fn speed(text: &str) -> std::result::Result<Range, String> {
     range(text, "m/s", false)
 }
-fn load(text: &str) -> Result<Range, String> {
+fn load(text: &str) -> std::result::Result<Range, String> {
     range(text, "N", true)
 }
-fn drive(text: &str) -> Result<Range, String> {
-    range(text, "m", true)
+
+/// In whatever unit a drive may have; which one the rig's has is not known yet.
+fn drive(text: &str) -> std::result::Result<String, String> {
+    let read = DRIVES.map(|unit| range(text, unit, true));
+    if read.iter().any(std::result::Result::is_ok) {
+        return Ok(text.into());
+    }
+    // What is wrong whatever the unit says more than that another one was expected.
+    let told = read.into_iter().filter_map(std::result::Result::err).min_by_key(|why| why.contains("is a unit of"));
+    Err(told.unwrap_or_default())
 }
-fn frequency(text: &str) -> Result<Range, String> {
+
+fn frequency(text: &str) -> std::result::Result<Range, String> {
     range(text, "Hz", true)
 }
 
 /// Two quantities with `..` between them, ascending; one alone is a range of that value only.
-fn range(text: &str, unit: &str, positive: bool) -> Result<Range, String> {
+fn range(text: &str, unit: &str, positive: bool) -> std::result::Result<Range, String> {
     let (from, to) = text.split_once("..").unwrap_or((text, text));
     // A number without a unit has that of the other end.
     let written = |part: &str| units::split_number(part.trim()).1.to_string();
@@ -84,6 +120,8 @@ mod tests {
         assert!(speed("5 mm..6 mm").unwrap_err().contains("speed"));
         assert!(load("0 N..5 N").unwrap_err().contains("more than zero"));
         assert!(drive("5 um..2 um").unwrap_err().contains("smaller value first"));
+        assert!(drive("1 mN..2 N").is_ok() && drive("0.1..2 m/s^2").is_ok());
+        assert!(drive("1 kg..2 kg").unwrap_err().contains("a mass"));
         assert!(frequency("50..60").unwrap_err().contains("\"10..20 Hz\""));
     }
 }

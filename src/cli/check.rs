@@ -37,7 +37,7 @@ fn print(scenario: &Scenario, table: Option<&Table>) -> Result<()> {
         text += &format!("    {}\n", table.ranges());
     }
     let told = table.and_then(|_| uncalibrated(scenario));
-    for note in table.iter().flat_map(|table| &table.notes).map(String::as_str).chain(told) {
+    for note in table.iter().flat_map(|table| &table.notes).cloned().chain(told) {
         text += &format!("    note: {note}\n");
     }
     match std::io::stdout().lock().write_all(text.as_bytes()) {

@@ -10,7 +10,7 @@ use crate::files;
 use crate::fit::{Identified, Interval, Parameter};
 use crate::gate;
 use crate::measurement::{self, Table};
-use crate::scenario::{self, Formulation, Scenario};
+use crate::scenario::{self, Formulation, Scenario, Signals};
 use crate::units;
 use std::path::Path;
 
@@ -92,16 +92,28 @@ pub(super) fn table(scenario: &Scenario) -> Result<Option<Table>> {
     Ok(table)
 }
 
+/// The scenario whose sweep is simulated: what is read in it is what was measured, where anything was.
+pub(super) fn swept(scenario: &Scenario, table: Option<&Table>) -> Scenario {
+    let reading = table.map_or(scenario.signals.reading, |table| table.signals.reading);
+    Scenario { signals: Signals { reading, ..scenario.signals }, ..scenario.clone() }
+}
+
 /// The comparison of a scenario with its table in a report.
 pub(super) fn compare(scenario: &Scenario, table: &Table) -> Comparison {
     compare::compare(scenario, table, &Options { seed: 0 })
 }
 
 /// Said where a scenario with measurements leaves everything as stated.
-pub(super) fn uncalibrated(scenario: &Scenario) -> Option<&'static str> {
-    scenario.free.is_empty().then_some(
-        "nothing is calibrated: [fit] free names no parameter; contact.stiffness and contact.damping are the usual ones",
-    )
+pub(super) fn uncalibrated(scenario: &Scenario) -> Option<String> {
+    // What nobody knows before the measurement: a contact, or resonance and damping of a rig.
+    let usual = if scenario.contact.is_some() {
+        "contact.stiffness and contact.damping".into()
+    } else {
+        let of_mode = scenario.rig.parameters().into_iter().filter(|(at, _)| [1, 2].contains(at));
+        of_mode.map(|(_, info)| format!("rig.{}", info.key)).collect::<Vec<_>>().join(" and ")
+    };
+    let told = || format!("nothing is calibrated: [fit] free names no parameter; {usual} are the usual ones");
+    scenario.free.is_empty().then(told)
 }
 
 /// chi2 per reading without what stands out, in words.
@@ -126,7 +138,7 @@ pub(super) fn words(c: &Comparison) -> Vec<String> {
     let m = &c.overall;
     let (points, conditions) = (count(m.points, "point"), count(c.conditions.len(), "condition"));
     let mut lines = vec![format!("{}: {points}, {conditions}", c.scenario.title)];
-    let notes = c.table.notes.iter().chain(&c.notes).map(String::as_str).chain(uncalibrated(&c.scenario));
+    let notes = c.table.notes.iter().chain(&c.notes).cloned().chain(uncalibrated(&c.scenario));
     lines.extend(notes.map(|note| format!("  note: {note}")));
     if !c.fit.parameters.is_empty() {
         lines.push(format!("calibrated ({}):", interval_words(c)));

@@ -1,14 +1,17 @@
 //! `stickslip discover`: which effect is missing.
 
+use super::bounds::Limits;
 use super::compare::{
     interval_words, parameter, stands_out, uncalibrated, verdict, with_measurements, without_outliers,
 };
 use super::gates::{self, GateLimits, Verdicts};
 use super::{Global, Json, Stamped, say};
-use crate::compare::{self, Setting};
+use crate::compare;
 use crate::discover::{self, Candidate, Discovery, Options, Verdict};
 use crate::error::Result;
 use crate::gate;
+use crate::measurement::Table;
+use crate::units::Frequencies;
 use std::path::Path;
 
 /// Candidates shown on the terminal.
@@ -19,14 +22,15 @@ const CANDIDATES: usize = 8;
 pub fn execute(
     path: &Path,
     json: Option<&Json>,
-    options: &Options,
+    (options, bounds): (&Options, &Limits),
     (limits, verdict): (&GateLimits, &Verdicts),
     global: &Global,
 ) -> Result<()> {
     let (mut scenario, table) = with_measurements(path)?;
     limits.apply(&mut scenario.gate);
     verdict.apply(&mut scenario.gate);
-    let discovery = discover::discover(&scenario, &table, options);
+    let options = Options { bounds: bounds.of(&scenario, &table)?, ..options.clone() };
+    let discovery = discover::discover(&scenario, &table, &options);
     let mut judged = gate::of_comparison(&scenario.gate, &discovery.steps[0].comparison);
     judged.extend(gate::of_discovery(&scenario.gate, &discovery));
     if let Some(json) = json {
@@ -48,7 +52,7 @@ pub(super) fn words(d: &Discovery) -> Vec<String> {
     let scenario = &end.comparison.scenario;
     let mut lines = vec![format!("{}: {}", scenario.title, discover::sentence(d))];
     let notes = end.comparison.table.notes.iter().chain(&d.notes);
-    lines.extend(notes.map(String::as_str).chain(uncalibrated(scenario)).map(|note| format!("note: {note}")));
+    lines.extend(notes.cloned().chain(uncalibrated(scenario)).map(|note| format!("note: {note}")));
     lines.push("ladder:                                chi2   rms error  left-out".into());
     for step in &d.steps {
         let c = &step.comparison.overall;
@@ -91,26 +95,22 @@ pub(super) fn words(d: &Discovery) -> Vec<String> {
         lines.extend(c.regions.iter().take(CANDIDATES).map(|region| format!("  {}", region.sentence)));
     }
     if let Some(next) = &d.next_measurement {
-        let comparison = &d.explanation().comparison;
-        let setting = Setting {
-            speed: next.speed_m_s,
-            load: next.load_n,
-            drive: next.drive_m,
-            signal: comparison.table.signals.drive,
-            contact: comparison.model.has_contact,
-            number: 0,
-        };
         let [one, other] = &next.separates;
         lines.push(format!(
-            "measure next: {}, f = {:.1} Hz: {one} and {other} differ by {:.1} sigma there, {}",
-            compare::words(&setting),
-            next.frequency_hz,
+            "measure next: {}, f = {}: {one} and {other} differ by {:.1} sigma there, {}",
+            compare::words(&next.setting),
+            digits(&c.table).difference(next.frequency_hz),
             next.sigma,
             next.meaning()
         ));
     }
     lines.extend(step(d));
     lines
+}
+
+/// How the frequencies of a table are written.
+fn digits(table: &Table) -> Frequencies {
+    Frequencies::of(table.points.iter().map(|p| p.frequency))
 }
 
 /// The command or the change that comes next.

@@ -3,8 +3,9 @@
 use std::fmt::Write as _;
 use std::io::Write as _;
 
-use crate::effects::{Effect, ParameterInfo, REGISTRY, find, typical};
+use crate::effects::{Effect, ParameterInfo, REGISTRY, find, fits_rig, typical};
 use crate::error::{Error, Result};
+use crate::scenario::Coordinate;
 use crate::units;
 
 /// Widest line of the output.
@@ -41,7 +42,7 @@ pub fn table() -> String {
     for effect in REGISTRY {
         for (index, info) in effect.parameters().iter().enumerate() {
             let first = |text: &str| if index == 0 { text.to_string() } else { String::new() };
-            let unit = if info.unit == "1" { "-" } else { info.unit };
+            let [unit, other] = of_both(info);
             let zero = effect.zero().iter().find(|zero| zero.parameter == index);
             let none = if effect.zero().is_empty() && index == 0 { "never" } else { "" };
             rows.push([
@@ -52,11 +53,39 @@ pub fn table() -> String {
                 range(info),
                 zero.map_or(none.into(), |zero| number(zero.value)),
             ]);
+            if !other.is_empty() {
+                rows.push(["", "", "", &format!("or {other}"), "", ""].map(String::from));
+            }
         }
     }
-    aligned(&rows, "")
-        + "\nA fit begins within the range of its search, and may go beyond it by a factor of 3.\n\
+    let mut text = aligned(&rows, "") + "\n";
+    for (rigs, fits) in RIGS {
+        let names: Vec<_> = REGISTRY.iter().filter(|e| where_it_fits(**e) == *fits).map(|e| e.name()).collect();
+        if !names.is_empty() {
+            text.push_str(&wrapped(&format!("For {rigs}: {}.", names.join(", ")), ""));
+        }
+    }
+    text + "\nA unit is that for an angle, after \"or\" that for a displacement.\n\
+        A range is that on the published rig; on another it follows the size of the rig and its motion.\n\
+        A fit begins within the range of its search, and may go beyond it by a factor of 3.\n\
         stickslip effects NAME   equation, meaning, source, fingerprint and an example\n"
+}
+
+/// Rigs in words, and whether an effect fits those with a contact and those without.
+const RIGS: &[(&str, (bool, bool))] = &[
+    ("any rig, with or without a [contact]", (true, true)),
+    ("a rig with a [contact] only", (true, false)),
+    ("a rig without a [contact] only", (false, true)),
+];
+
+fn where_it_fits(effect: &dyn Effect) -> (bool, bool) {
+    (fits_rig(effect, true).is_ok(), fits_rig(effect, false).is_ok())
+}
+
+/// Unit for an angle, and that for a displacement where it is another.
+fn of_both(info: &ParameterInfo) -> [&'static str; 2] {
+    let other = info.unit_for(Coordinate::Displacement);
+    [if info.unit == "1" { "-" } else { info.unit }, if other == info.unit { "" } else { other }]
 }
 
 /// Everything that the catalogue knows of one effect.
@@ -64,8 +93,10 @@ pub fn page(effect: &dyn Effect) -> String {
     let title = format!("{} - {}", effect.name(), effect.title());
     let mut text = format!("{title}\n{}\n\n", "=".repeat(title.chars().count()));
     let mut section = |name: &str, body: String| text.extend([name, "\n", &body, "\n"]);
-    section("Equation", wrapped(effect.equation(), "    "));
+    section("Equation", equation(effect));
     section("Meaning", wrapped(effect.meaning(), "    "));
+    let rigs = RIGS.iter().find(|(_, fits)| *fits == where_it_fits(effect)).map_or("no rig", |(rigs, _)| *rigs);
+    section("For", wrapped(rigs, "    "));
     section("Parameters", parameters(effect));
     section("Returns the base at", wrapped(&zero(effect), "    "));
     section("What it does to a resonance curve", wrapped(effect.fingerprint(), "    "));
@@ -74,12 +105,25 @@ pub fn page(effect: &dyn Effect) -> String {
     text.trim_end().to_string() + "\n"
 }
 
+/// The law for an angle, and that for a displacement where an effect of the rig has a law of its own.
+fn equation(effect: &dyn Effect) -> String {
+    let text = wrapped(effect.equation(), "    ");
+    let linear = effect.equation().replace("torque", "force").replace('θ', "x");
+    if linear == effect.equation() || !where_it_fits(effect).1 {
+        return text;
+    }
+    text + &wrapped(&format!("for a displacement x: {linear}"), "    ")
+}
+
 fn parameters(effect: &dyn Effect) -> String {
     let mut rows = vec![["key", "symbol", "unit", "range of a search", "accepted"].map(String::from)];
     for info in effect.parameters() {
-        let unit = if info.unit == "1" { "-" } else { info.unit };
+        let [unit, other] = of_both(info);
         let accepted = format!("{} to {}", number(info.minimum), number(info.maximum));
         rows.push([info.key.into(), info.symbol.into(), unit.into(), range(info), accepted]);
+        if !other.is_empty() {
+            rows.push(["", "", &format!("or {other}"), "", ""].map(String::from));
+        }
     }
     let mut text = aligned(&rows, "    ");
     for info in effect.parameters() {

@@ -28,7 +28,7 @@ pub fn trial(
     let one = |(key, (info, value)): (String, (&ParameterInfo, f64))| Estimate {
         key,
         value,
-        unit: info.unit,
+        unit: info.unit_for(scenario.rig.coordinate()),
         low: None,
         high: None,
         felt: f64::INFINITY,

@@ -221,8 +221,9 @@ pub fn run(cli: Cli) -> Result<()> {
         }
         Command::New { table, output } => new::execute(&table, output.as_deref(), &global),
         Command::Discover { scenario, json, max_effects, seed, gates, verdict, limits } => {
-            let options = Options { max_effects: max_effects.into(), seed, bounds: (&limits).into() };
-            discover::execute(&scenario, json.map(Json::from).as_ref(), &options, (&gates, &verdict), &global)
+            let options = Options { max_effects: max_effects.into(), seed, ..Options::default() };
+            let json = json.map(Json::from);
+            discover::execute(&scenario, json.as_ref(), (&options, &limits), (&gates, &verdict), &global)
         }
         Command::Add { effect, scenario, output, dry_run, remove, seed } => {
             let job = add::Job { effect: &effect, path: &scenario, output: output.as_deref(), dry_run, remove, seed };

@@ -20,7 +20,7 @@ use clap::Args;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// Title of the page.
+/// Title of a page about the paper's kind of rig.
 const TITLE: &str = "Rubber in frictional contact: model and experiment";
 /// Bytes of a page that is still opened at once on a phone; drawings of an earlier run are left out beyond.
 const LARGEST: usize = 4_900_000;
@@ -95,9 +95,15 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     clock.lap("claims");
     let atlas = of_paper(&scenarios).map(|_| atlas(&cache, &results)).transpose()?;
     clock.lap("atlas");
-    let verified = keep::or_compute(&cache, &Key::of("verification", &scenario::paper()), || Ok(verified()))?;
+    // The checks are of the paper's rig: where no scenario is, those of the points at hand are left.
+    let of_paper_kind = scenarios.iter().any(|scenario| scenario.rig.is_arm());
+    let verified = match of_paper_kind {
+        true => keep::or_compute(&cache, &Key::of("verification", &scenario::paper()), || Ok(verified()))?,
+        false => (Vec::new(), false),
+    };
     clock.lap("verification");
-    let whole = [claims.as_ref().map(|(_, kept)| *kept), atlas.as_ref().map(|(_, kept)| *kept), Some(verified.1)];
+    let of_checks = of_paper_kind.then_some(verified.1);
+    let whole = [claims.as_ref().map(|(_, kept)| *kept), atlas.as_ref().map(|(_, kept)| *kept), of_checks];
     kept += whole.iter().flatten().filter(|kept| **kept).count();
     let parts = sections.len() + whole.iter().flatten().count();
 
@@ -113,10 +119,10 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     checks.extend(verification::numerical_error(points.concat()).iter().map(check_view));
     let mut provenance = Provenance::from_environment(&command(paths, limits, verdict), rayon::current_num_threads());
     provenance.timings = clock.laps;
-    let mut plain = ReportView::assemble(TITLE, claims.views, sections, atlas.0, checks, &provenance);
-    if tables.iter().any(Option::is_some)
-        && let [main, others @ ..] = trial::committed()
-    {
+    let mut plain = ReportView::assemble(&title(&scenarios), claims.views, sections, atlas.0, checks, &provenance);
+    // The trials that come with the program are of the paper's rig as well.
+    let tried = scenarios.iter().zip(&tables).any(|(scenario, table)| scenario.rig.is_arm() && table.is_some());
+    if tried && let [main, others @ ..] = trial::committed() {
         plain = plain.with_trust(main, others, &simulate::committed_trials(main, others, &results)?);
     }
     let against = match &baseline {
@@ -152,6 +158,16 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     say(global, &format!("wrote {} and {}", out.join("report.html").display(), out.join("report.json").display()));
     extras.iter().for_each(|path| say(global, &format!("wrote {}", path.display())));
     gates::passed(&judged)
+}
+
+/// Title of the page: of scenarios none of which is about the paper's kind of rig, their own.
+fn title(scenarios: &[Scenario]) -> String {
+    match scenarios {
+        some if some.iter().any(|scenario| scenario.rig.is_arm()) => TITLE.into(),
+        [one] => one.title.clone(),
+        [first, others @ ..] => format!("{} and {} more", first.title, others.len()),
+        [] => TITLE.into(),
+    }
 }
 
 /// The page with as many drawings of an earlier run as it may hold; all of them are among the files.

@@ -21,7 +21,7 @@ pub fn execute(path: &Path, results: &Folder, global: &Global) -> Result<()> {
     for scenario in &scenarios {
         let table = compare::table(scenario)?;
         files::prepare(out)?;
-        let outcome = simulate::outcome(scenario, global.quiet)?;
+        let outcome = simulate::outcome(&compare::swept(scenario, table.as_ref()), global.quiet)?;
         let figures = simulate::figures(std::slice::from_ref(&outcome), results)?;
         let folder = out.join(&scenario.id);
         let points: usize = outcome.curves.iter().map(|curve| curve.states.len()).sum();

@@ -66,7 +66,8 @@ pub fn make(
 }
 
 fn compute(work: &Work<'_>, out: &Folder, clock: &mut Clock, quiet: bool) -> Result<Vec<Section>> {
-    let outcomes = work.iter().map(|(s, _)| simulate::outcome(s, quiet)).collect::<Result<Vec<_>>>()?;
+    let swept = work.iter().map(|(scenario, table)| compare::swept(scenario, table.as_ref()));
+    let outcomes = swept.map(|scenario| simulate::outcome(&scenario, quiet)).collect::<Result<Vec<_>>>()?;
     clock.lap("sweeps");
     // Towards its end each of these keeps few threads busy.
     let (figures, compared) = rayon::join(|| simulate::figures(&outcomes, out), || compared(work, out));

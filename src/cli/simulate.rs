@@ -8,8 +8,9 @@ use crate::discover::Discovery;
 use crate::error::{Error, Result};
 use crate::figures::{self, Drawing, Figure, FigureError};
 use crate::report::{self, EffectView, FigureInput};
-use crate::scenario::Scenario;
-use crate::sweep::{self, Outcome};
+use crate::scenario::{Coordinate, Scenario};
+use crate::solver::SteadyState;
+use crate::sweep::{self, Condition, Outcome};
 use crate::trial::{Series, Summary};
 use rayon::prelude::*;
 use std::sync::OnceLock;
@@ -17,7 +18,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Pixels of a PNG per logical pixel of its figure.
 const PNG_SCALE: f32 = 2.0;
-/// Figures of a scenario that names none.
+/// Figures of a scenario that names none, as far as it has what they show.
 const DEFAULT_FIGURES: [&str; 2] = ["resonance", "velocity-amplitude"];
 
 /// Set by Ctrl-C; nothing is written after that.
@@ -162,37 +163,58 @@ pub fn curves_name(id: &str) -> String {
 
 /// Every steady state of an outcome as CSV.
 fn curves(outcome: &Outcome) -> String {
-    let mut text = String::from(
-        "formulation,euler_steps,drive_m,load_n,friction,speed_m_s,frequency_hz,amplitude_rad,phase_rad,mean_rad,\
-         speed_amplitude_m_s,stick_fraction,force_minimum_n,force_maximum_n,cycles,periodicity_error,status,branch\n",
-    );
+    let columns = columns(&outcome.scenario);
+    let mut text = columns.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(",") + "\n";
     for curve in &outcome.curves {
-        let c = &curve.condition;
-        let formulation = crate::report::formulation(c.formulation);
         let up = curve.frequency.iter().zip(&curve.states).map(|(f, s)| (f, s, "up"));
         let down = curve.frequency.iter().zip(&curve.down).filter_map(|(f, s)| s.as_ref().map(|s| (f, s, "down")));
-        for (f, s, branch) in up.chain(down) {
+        for (frequency, state, branch) in up.chain(down) {
             // A curve without a second branch has none to name.
             let branch = if curve.down.is_empty() { "" } else { branch };
-            let status = s.status.word();
-            text += &format!(
-                "{formulation},{},{:e},{},{},{:e},{f},{:.9e},{:.9},{:.9e},{:.9e},{:.6},{:.9e},{:.9e},{},{:.1e},{status},{branch}\n",
-                c.euler_steps,
-                c.drive,
-                c.load,
-                c.friction,
-                c.speed,
-                s.amplitude,
-                s.phase,
-                s.mean,
-                s.speed_amplitude,
-                s.stick_fraction,
-                s.force_minimum,
-                s.force_maximum,
-                s.cycles,
-                s.periodicity_error,
-            );
+            let row = Row { condition: &curve.condition, frequency: *frequency, state, branch };
+            text += &(columns.iter().map(|(_, cell)| cell(&row)).collect::<Vec<_>>().join(",") + "\n");
         }
     }
     text
+}
+
+/// One steady state of a sweep.
+struct Row<'a> {
+    condition: &'a Condition,
+    frequency: f64,
+    state: &'a SteadyState,
+    branch: &'static str,
+}
+
+/// A column and its cell in a row.
+type Column = (&'static str, fn(&Row<'_>) -> String);
+
+/// The columns of a scenario's curves: of a contact only where there is one.
+fn columns(scenario: &Scenario) -> Vec<Column> {
+    let contact = scenario.contact.is_some();
+    let mean = match scenario.rig.coordinate() {
+        Coordinate::Angle => "mean_rad",
+        Coordinate::Displacement => "mean_m",
+    };
+    let all: [(bool, Column); 18] = [
+        (contact, ("formulation", |row| crate::report::formulation(row.condition.formulation).into())),
+        (contact, ("euler_steps", |row| row.condition.euler_steps.to_string())),
+        (true, (scenario.signals.drive.drive_column(), |row| format!("{:e}", row.condition.drive))),
+        (contact, ("load_n", |row| row.condition.load.to_string())),
+        (contact, ("friction", |row| row.condition.friction.to_string())),
+        (contact, ("speed_m_s", |row| format!("{:e}", row.condition.speed))),
+        (true, ("frequency_hz", |row| row.frequency.to_string())),
+        (true, (scenario.signals.reading.reading_column(), |row| format!("{:.9e}", row.state.amplitude))),
+        (true, ("phase_rad", |row| format!("{:.9}", row.state.phase))),
+        (true, (mean, |row| format!("{:.9e}", row.state.mean))),
+        (contact, ("speed_amplitude_m_s", |row| format!("{:.9e}", row.state.speed_amplitude))),
+        (contact, ("stick_fraction", |row| format!("{:.6}", row.state.stick_fraction))),
+        (contact, ("force_minimum_n", |row| format!("{:.9e}", row.state.force_minimum))),
+        (contact, ("force_maximum_n", |row| format!("{:.9e}", row.state.force_maximum))),
+        (true, ("cycles", |row| row.state.cycles.to_string())),
+        (true, ("periodicity_error", |row| format!("{:.1e}", row.state.periodicity_error))),
+        (true, ("status", |row| row.state.status.word().into())),
+        (true, ("branch", |row| row.branch.into())),
+    ];
+    all.into_iter().filter(|(wanted, _)| *wanted).map(|(_, column)| column).collect()
 }

@@ -3,7 +3,7 @@
 use super::{Compared, Metrics, Outlier};
 use crate::model::{Model, Operation};
 use crate::solver::time::Plan;
-use crate::solver::{Status, integrated};
+use crate::solver::{Status, integrated, plan_for};
 use rayon::prelude::*;
 
 /// Points at which both solvers are compared.
@@ -14,7 +14,7 @@ const PLAN: Plan = Plan { steps: 2000, cycles: 400, settled: 1e-7, window: 1, so
 /// Root mean square errors of the amplitude in percent; the squares of the three parts add up to that of the total.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct ErrorBudget {
-    /// Difference of the two solvers, at a sample of the points.
+    /// Difference of the two solvers, at a sample of the points; NaN where a rig without contact rings too long for that.
     pub numerical_percent: f64,
     /// Noise of the measurements, with the readings that stand out.
     pub noise_percent: f64,
@@ -41,19 +41,21 @@ pub(super) fn budget(
         .filter_map(|p| {
             let q = &p.point;
             let at = Operation { speed: q.speed, load: q.load, drive: q.drive, frequency: q.frequency };
-            let other = integrated(model, &at, &PLAN);
+            let other = integrated(model, &at, &plan_for(model, &at, &PLAN));
             other.periodic.then(|| 100.0 * (other.amplitude / p.model.amplitude - 1.0))
         })
         .collect();
     let square = differences.iter().map(|d| d * d).sum::<f64>() / differences.len().max(1) as f64;
     let total = overall.rms_error_percent;
-    let numerical = square.sqrt().min(total);
-    let stands_out = |p: &&Compared| outliers.iter().any(|o| o.row == p.point.row && o.column == "amplitude_rad");
+    let compared = model.has_contact || !differences.is_empty();
+    let numerical = if compared { square.sqrt().min(total) } else { 0.0 };
+    let stands_out = |p: &&Compared| outliers.iter().any(|o| o.row == p.point.row && !o.is_phase());
     let errors = usable.iter().copied().filter(stands_out).map(|p| p.error_percent().powi(2));
     let thrown = errors.sum::<f64>() / usable.len().max(1) as f64;
     // Residuals may by chance be smaller than the stated noise.
     let noise = (scatter * overall.noise_percent).powi(2) + thrown;
     let noise = noise.min(total * total - numerical * numerical).max(0.0).sqrt();
     let model = (total * total - numerical * numerical - noise * noise).max(0.0).sqrt();
+    let numerical = if compared { numerical } else { f64::NAN };
     ErrorBudget { numerical_percent: numerical, noise_percent: noise, model_percent: model, total_percent: total }
 }

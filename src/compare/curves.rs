@@ -15,19 +15,39 @@ const POINTS: usize = 121;
 pub struct ModelCurve {
     /// f \[Hz\].
     pub frequency: Vec<f64>,
-    /// alpha \[rad\].
+    /// Drive, in the unit of the table's.
+    pub drive: Vec<f64>,
+    /// Amplitude, in the unit of the reading.
     pub amplitude: Vec<f64>,
     /// phi \[rad\].
     pub phase: Vec<f64>,
 }
 
-/// Curves over the given ranges of frequency, one per series, each swept as that was.
-pub fn model_curves(model: &Model, settings: &[Setting], ranges: &[(f64, f64)], series: &[Series]) -> Vec<ModelCurve> {
-    let work: Vec<_> = settings.iter().zip(ranges).zip(series).collect();
-    work.par_iter().map(|((setting, range), series)| curve(model, setting, **range, series.direction)).collect()
+/// Curves over the range of the measured frequencies, one per series, each swept and driven as that was. `driven` are frequency
+/// and drive of the readings of every series, in the order of the frequency.
+pub fn model_curves(
+    model: &Model,
+    settings: &[Setting],
+    driven: &[Vec<(f64, f64)>],
+    series: &[Series],
+) -> Vec<ModelCurve> {
+    let work: Vec<_> = settings.iter().zip(driven).zip(series).collect();
+    work.par_iter().map(|((setting, driven), series)| curve(model, setting, driven, series.direction)).collect()
 }
 
-fn curve(model: &Model, setting: &Setting, (from, to): (f64, f64), direction: Direction) -> ModelCurve {
+/// The drive at a frequency, from those of the readings about it.
+fn drive_at(driven: &[(f64, f64)], frequency: f64) -> f64 {
+    let after = driven.partition_point(|(f, _)| *f < frequency);
+    match (after.checked_sub(1).map(|i| driven[i]), driven.get(after)) {
+        (Some((f, u)), Some(&(g, v))) if u != v => u + (v - u) * (frequency - f) / (g - f),
+        (Some((_, u)), _) | (None, Some(&(_, u))) => u,
+        (None, None) => f64::NAN,
+    }
+}
+
+fn curve(model: &Model, setting: &Setting, driven: &[(f64, f64)], direction: Direction) -> ModelCurve {
+    let frequencies = || driven.iter().map(|(f, _)| *f);
+    let (from, to) = (frequencies().fold(f64::INFINITY, f64::min), frequencies().fold(0.0, f64::max));
     let points = if to > from { POINTS } else { 1 };
     let share = |i: usize| if points == 1 { 0.0 } else { i as f64 / (points - 1) as f64 };
     let frequency: Vec<f64> = (0..points).map(|i| from + (to - from) * share(i)).collect();
@@ -41,11 +61,27 @@ fn curve(model: &Model, setting: &Setting, (from, to): (f64, f64), direction: Di
     };
     // Between folds the state depends on where the sweep comes from.
     let downwards = direction == Direction::Down;
-    let swept: Vec<f64> = if downwards { frequency.iter().rev().copied().collect() } else { frequency.clone() };
-    let mut states = sweep::curve(model, &condition, &swept).states;
+    let drive: Vec<f64> = frequency.iter().map(|f| drive_at(driven, *f)).collect();
+    let mut swept: Vec<(f64, f64)> = frequency.iter().copied().zip(drive.iter().copied()).collect();
+    if downwards {
+        swept.reverse();
+    }
+    let mut states = sweep::driven_curve(model, &condition, &swept).states;
     if downwards {
         states.reverse();
     }
     let (amplitude, phase) = states.iter().map(|s| (s.amplitude, s.phase)).unzip();
-    ModelCurve { frequency, amplitude, phase }
+    ModelCurve { frequency, drive, amplitude, phase }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_drive_between_readings_is_between_theirs_and_a_constant_one_stays() {
+        let driven = [(10.0, 2.0), (11.0, 4.0), (13.0, 4.0)];
+        let at = [9.0, 10.0, 10.25, 11.0, 12.1, 13.0, 14.0].map(|f| drive_at(&driven, f));
+        assert_eq!(at, [2.0, 2.0, 2.5, 4.0, 4.0, 4.0, 4.0]);
+    }
 }

@@ -31,12 +31,13 @@ pub struct Metrics {
 pub struct Peak {
     /// Where \[Hz\].
     pub frequency_hz: f64,
-    /// How high \[rad\].
-    pub amplitude_rad: f64,
+    /// How high, in the unit of the reading; that of the paper's rig in what is written of its questions.
+    #[serde(rename = "amplitude_rad")]
+    pub amplitude: f64,
 }
 
 /// Figures of one load, speed and drive.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ConditionMetrics {
     /// The condition.
     pub setting: Setting,
@@ -47,8 +48,9 @@ pub struct ConditionMetrics {
     /// Measured peak.
     pub measured_peak: Option<Peak>,
     /// Standard deviation of its frequency \[Hz\]; zero without a peak.
-    #[serde(skip)]
     pub measured_peak_sd: f64,
+    /// Width of the measured resonance at 1/√2 of its height \[Hz\]; that of the curve where it is no narrower.
+    pub measured_width: f64,
 }
 
 impl Metrics {
@@ -86,8 +88,10 @@ impl Metrics {
 impl ConditionMetrics {
     /// Figures of a condition; `points` in the order of the frequency.
     pub(super) fn over(setting: Setting, points: &[&Compared]) -> Self {
-        let model: Vec<_> = points.iter().map(|p| (p.point.frequency, p.model.amplitude)).collect();
-        let measured: Vec<_> = points.iter().map(|p| (p.point.frequency, p.point.amplitude)).collect();
+        // At the drive of the series, from which that of a reading may differ.
+        let scale = |p: &Compared| if p.point.drive == setting.drive { 1.0 } else { setting.drive / p.point.drive };
+        let model: Vec<_> = points.iter().map(|p| (p.point.frequency, p.model.amplitude * scale(p))).collect();
+        let measured: Vec<_> = points.iter().map(|p| (p.point.frequency, p.point.amplitude * scale(p))).collect();
         let noise = median(points.iter().map(|p| p.point.amplitude_sd / p.point.amplitude));
         let (measured_peak, sd) = vertex(&measured).unzip();
         Self {
@@ -96,7 +100,23 @@ impl ConditionMetrics {
             model_peak: peak(&model),
             measured_peak,
             measured_peak_sd: sd.unwrap_or(0.0) * noise,
+            measured_width: width(&measured),
         }
+    }
+}
+
+/// Width of a curve at 1/√2 of its largest amplitude; where it falls so low on one side only, twice the half of it there.
+fn width(curve: &[(f64, f64)]) -> f64 {
+    let Some(top) = (0..curve.len()).max_by(|&i, &j| curve[i].1.total_cmp(&curve[j].1)) else { return 0.0 };
+    let (at, level) = (curve[top].0, curve[top].1 * std::f64::consts::FRAC_1_SQRT_2);
+    let crossing = |low: (f64, f64), high: (f64, f64)| low.0 + (level - low.1) / (high.1 - low.1) * (high.0 - low.0);
+    let falls = |pair: (usize, usize)| (curve[pair.0].1 < level).then(|| crossing(curve[pair.0], curve[pair.1]));
+    let below = (0..top).rev().find_map(|i| falls((i, i + 1))).map(|f| at - f);
+    let above = (top + 1..curve.len()).find_map(|i| falls((i, i - 1))).map(|f| f - at);
+    match (below, above) {
+        (Some(a), Some(b)) => a + b,
+        (Some(half), None) | (None, Some(half)) => 2.0 * half,
+        (None, None) => curve[curve.len() - 1].0 - curve[0].0,
     }
 }
 
@@ -125,5 +145,24 @@ fn vertex(curve: &[(f64, f64)]) -> Option<(Peak, f64)> {
     // Of -b/(2c), with b and c from the same readings.
     let slope = nalgebra::Vector3::new(0.0, -0.5 / fit[2], 0.5 * fit[1] / (fit[2] * fit[2]));
     let variance = inverse.map_or(f64::INFINITY, |inverse| (slope.transpose() * inverse * slope)[0]);
-    Some((Peak { frequency_hz: curve[top].0 + shift, amplitude_rad: height.exp() }, variance.max(0.0).sqrt()))
+    Some((Peak { frequency_hz: curve[top].0 + shift, amplitude: height.exp() }, variance.max(0.0).sqrt()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_width_is_that_at_half_the_power() {
+        let resonance = |q: f64| move |f: f64| 1.0 / ((1.0 - f * f).powi(2) + (f / q).powi(2)).sqrt();
+        let curve = |from: f64, to: f64, of: &dyn Fn(f64) -> f64| -> Vec<(f64, f64)> {
+            (0..=400).map(|i| from + (to - from) * f64::from(i) / 400.0).map(|f| (f, of(f))).collect()
+        };
+        let of = resonance(50.0);
+        for (from, to) in [(0.9, 1.1), (0.9, 1.005), (0.995, 1.1)] {
+            assert!((width(&curve(from, to, &of)) - 0.02).abs() < 4e-4, "{from} to {to}");
+        }
+        assert!((width(&curve(0.997, 1.003, &of)) - 0.006).abs() < 1e-9);
+        assert_eq!(width(&[]), 0.0);
+    }
 }

@@ -17,7 +17,7 @@ pub(crate) use calibrate::scattered;
 pub use calibrate::{Calibration, calibrate, problem, settings_of};
 pub use curves::{ModelCurve, model_curves};
 pub use fingerprint::{ContactPoint, fingerprint};
-pub use json::{ComparisonJson, ParameterJson, SCHEMA, json};
+pub use json::{ComparisonJson, ForceJson, ParameterJson, SCHEMA, SettingJson, json, of_contact, units_of_force};
 pub use metrics::{ConditionMetrics, Metrics, Peak, peak};
 pub use regions::{Region, regions, words};
 pub use whiteness::{Whiteness, whiteness};
@@ -39,7 +39,7 @@ use std::sync::OnceLock;
 pub const COMPARATOR: &str = "5";
 
 /// Load, speed and drive of a measured curve.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setting {
     /// V \[m/s\].
     pub speed: f64,
@@ -48,14 +48,31 @@ pub struct Setting {
     /// Drive, in the unit of `signal`.
     pub drive: f64,
     /// What drives the rig.
-    #[serde(skip)]
     pub signal: Signal,
     /// Whether there is a contact, so that speed and load mean something.
-    #[serde(skip)]
     pub contact: bool,
     /// Number of the series from 1, where drives alone do not tell them apart; otherwise 0.
-    #[serde(skip)]
     pub number: usize,
+}
+
+impl serde::Serialize for Setting {
+    /// Speed and load where there is a contact, the drive with its unit where it is not that of the paper's rig.
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        use serde::ser::SerializeMap;
+        let mut map = serializer.serialize_map(None)?;
+        if self.contact {
+            map.serialize_entry("speed", &self.speed)?;
+            map.serialize_entry("load", &self.load)?;
+        }
+        map.serialize_entry("drive", &self.drive)?;
+        if !self.contact || self.signal != Signals::ARM.drive {
+            map.serialize_entry("drive_unit", self.signal.unit)?;
+        }
+        if self.number > 0 {
+            map.serialize_entry("series", &self.number)?;
+        }
+        map.end()
+    }
 }
 
 impl Setting {
@@ -66,7 +83,7 @@ impl Setting {
 }
 
 /// A measured point beside what the model says of it.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone)]
 pub struct Compared {
     /// The measurement.
     pub point: Point,
@@ -85,10 +102,20 @@ pub struct Compared {
 pub struct Outlier {
     /// Data row of the table, from 1.
     pub row: usize,
-    /// Column, `amplitude_rad` or `phase_rad`.
+    /// Column, e.g. `amplitude_rad`, or [`PHASE`].
     pub column: &'static str,
     /// Residual in standard deviations.
     pub sigma: f64,
+}
+
+/// The column of the phases.
+pub const PHASE: &str = "phase_rad";
+
+impl Outlier {
+    /// Whether it is a phase, not an amplitude.
+    pub fn is_phase(&self) -> bool {
+        self.column == PHASE
+    }
 }
 
 /// Everything that a comparison found.
@@ -116,7 +143,7 @@ pub struct Comparison {
     pub whiteness: Whiteness,
     /// Where the model fails, the largest share of chi2 first.
     pub regions: Vec<Region>,
-    /// What the contact must have done, per point with phase and load.
+    /// What the contact must have done, per point with phase and load; without a contact, what the missing force must have.
     pub contact: Vec<ContactPoint>,
     /// The same for the model, at the same points and in the same order.
     pub contact_model: Vec<ContactPoint>,
@@ -157,11 +184,16 @@ impl Comparison {
         self.error_budget.get_or_init(|| budget)
     }
 
+    /// Whether the amplitude or the phase of a row stands out.
+    pub fn stands_out(&self, row: usize, phase: bool) -> bool {
+        self.outliers.iter().any(|o| o.row == row && o.is_phase() == phase)
+    }
+
     /// chi2 per reading without the readings that stand out; `None` where there are none.
     pub fn chi2_without_outliers(&self) -> Option<f64> {
-        let out = |p: &Compared, column: &str| self.outliers.iter().any(|o| o.row == p.point.row && o.column == column);
-        let amplitudes = self.points.iter().filter(|p| !out(p, "amplitude_rad")).map(|p| p.amplitude_residual);
-        let phases = self.points.iter().filter(|p| !out(p, "phase_rad")).filter_map(|p| p.phase_residual);
+        let out = |p: &Compared, phase: bool| self.stands_out(p.point.row, phase);
+        let amplitudes = self.points.iter().filter(|p| !out(p, false)).map(|p| p.amplitude_residual);
+        let phases = self.points.iter().filter(|p| !out(p, true)).filter_map(|p| p.phase_residual);
         let (sum, count) = amplitudes.chain(phases).fold((0.0, 0), |(sum, n), r| (sum + r * r, n + 1));
         (!self.outliers.is_empty() && count > 0).then(|| sum / f64::from(count))
     }
@@ -216,12 +248,10 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
     let noise = told(&whiteness);
     let regions = regions(&points, &conditions, noise);
     let (contact, contact_model) = fingerprint(&model, &points);
-    let outliers = (0..settings.len()).flat_map(|i| standing_out(&of(i), noise)).collect();
-    let ranges: Vec<(f64, f64)> = (0..settings.len())
-        .map(|i| {
-            of(i).iter().fold((f64::INFINITY, 0.0), |(a, b), p| (a.min(p.point.frequency), p.point.frequency.max(b)))
-        })
-        .collect();
+    let column = table.signals.reading.reading_column();
+    let outliers = (0..settings.len()).flat_map(|i| standing_out(&of(i), column, noise)).collect();
+    let driven: Vec<Vec<(f64, f64)>> =
+        (0..settings.len()).map(|i| of(i).iter().map(|p| (p.point.frequency, p.point.drive)).collect()).collect();
     let mut notes = Vec::new();
     for key in (Calibration { fit: fit.clone(), ..calibration.clone() }).at_bounds() {
         notes.push(format!(
@@ -249,7 +279,7 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
         contact,
         contact_model,
         outliers,
-        curves: model_curves(&model, &settings, &ranges, &table.series),
+        curves: model_curves(&model, &settings, &driven, &table.series),
         notes,
         model,
         points,
@@ -278,10 +308,10 @@ pub fn compared(points: &[Point], predictions: &[Prediction]) -> Vec<Compared> {
     points.iter().zip(predictions).map(beside).collect()
 }
 
-fn standing_out(curve: &[&Compared], noise: f64) -> Vec<Outlier> {
+fn standing_out(curve: &[&Compared], column: &'static str, noise: f64) -> Vec<Outlier> {
     let amplitudes: Vec<_> = curve.iter().map(|p| (p.point.row, p.amplitude_residual)).collect();
     let phases: Vec<_> = curve.iter().filter_map(|p| Some((p.point.row, p.phase_residual?))).collect();
-    let mut found = calibrate::outliers("amplitude_rad", &amplitudes, noise);
-    found.extend(calibrate::outliers("phase_rad", &phases, noise));
+    let mut found = calibrate::outliers(column, &amplitudes, noise);
+    found.extend(calibrate::outliers(PHASE, &phases, noise));
     found
 }

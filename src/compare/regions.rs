@@ -1,8 +1,8 @@
 //! Where the model fails: contiguous ranges of frequency of one condition, the largest share of the misfit first.
 
 use super::{Compared, ConditionMetrics, Setting};
-use crate::scenario::Signal;
-use crate::units;
+use crate::scenario::{Signal, Signals};
+use crate::units::{self, Frequencies};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// A residual's square above which a reading counts as misfit.
@@ -45,8 +45,9 @@ pub fn regions(points: &[Compared], conditions: &[ConditionMetrics], noise: f64)
     let mut found = Vec::new();
     for (index, condition) in conditions.iter().enumerate() {
         let curve: Vec<&Compared> = points.iter().filter(|p| p.condition == index).collect();
+        let digits = Frequencies::of(curve.iter().map(|p| p.point.frequency));
         for (from, to) in ranges(&curve, noise * noise, SIGNIFICANCE / looked_at.max(1.0)) {
-            found.push(region(index, condition, &curve[from..=to], total));
+            found.push(region((index, condition), &curve[from..=to], total, &digits));
         }
     }
     found.sort_by(|a, b| b.share_of_chi2.total_cmp(&a.share_of_chi2));
@@ -91,7 +92,12 @@ fn ranges(curve: &[&Compared], variance: f64, significance: f64) -> Vec<(usize, 
     found
 }
 
-fn region(index: usize, condition: &ConditionMetrics, part: &[&Compared], total: f64) -> Region {
+fn region(
+    (index, condition): (usize, &ConditionMetrics),
+    part: &[&Compared],
+    total: f64,
+    digits: &Frequencies,
+) -> Region {
     let over = |some: &[&Compared], value: &dyn Fn(&Compared) -> f64| {
         some.iter().map(|p| value(p)).sum::<f64>() / some.len() as f64
     };
@@ -110,7 +116,7 @@ fn region(index: usize, condition: &ConditionMetrics, part: &[&Compared], total:
         share_of_chi2: part.iter().map(|p| misfit(p)).sum::<f64>() / total,
         sentence: String::new(),
     };
-    region.sentence = sentence(&region, condition, part);
+    region.sentence = sentence(&region, condition, part, digits);
     region
 }
 
@@ -120,14 +126,14 @@ fn answered<'a>(part: &[&'a Compared]) -> Vec<&'a Compared> {
 }
 
 /// The region in plain words.
-fn sentence(region: &Region, condition: &ConditionMetrics, part: &[&Compared]) -> String {
+fn sentence(region: &Region, condition: &ConditionMetrics, part: &[&Compared], digits: &Frequencies) -> String {
     let amplitudes: f64 = part.iter().map(|p| p.amplitude_residual.powi(2)).sum();
     let phases: f64 = part.iter().filter_map(|p| p.phase_residual).map(|r| r * r).sum();
     let mut said = Vec::new();
     let answered = answered(part);
     let silent = part.len() - answered.len();
     if amplitudes >= 0.3 * phases && !answered.is_empty() {
-        said.push(amplitude_words(region, &answered));
+        said.push(amplitude_words(region, &answered, digits));
     }
     if silent > 0 {
         said.push(format!("has no steady state at {silent} of its {} points", part.len()));
@@ -135,20 +141,21 @@ fn sentence(region: &Region, condition: &ConditionMetrics, part: &[&Compared]) -
     let inside = |f: f64| f >= region.frequency_from_hz && f <= region.frequency_to_hz;
     if let (Some(model), Some(measured)) = (condition.model_peak, condition.measured_peak) {
         let shift = model.frequency_hz - measured.frequency_hz;
-        if shift.abs() > SHIFTED.max(3.0 * condition.measured_peak_sd)
+        if shift.abs() > (SHIFTED * condition.measured_width).max(3.0 * condition.measured_peak_sd)
             && (inside(model.frequency_hz) || inside(measured.frequency_hz))
         {
-            said.push(format!("resonates {:.1} Hz too {}", shift.abs(), if shift > 0.0 { "high" } else { "low" }));
+            let side = if shift > 0.0 { "high" } else { "low" };
+            said.push(format!("resonates {} too {side}", digits.difference(shift.abs())));
         }
     }
     if let Some(phase) = region.mean_phase_deg.filter(|_| phases > amplitudes) {
-        said.push(phase_words(phase, &answered));
+        said.push(phase_words(phase, &answered, digits));
     }
     format!(
-        "{}: {}-{} Hz, the model {}; {} of the misfit",
+        "{}: {}-{}, the model {}; {} of the misfit",
         words(&region.setting),
-        Trim(region.frequency_from_hz),
-        Trim(region.frequency_to_hz),
+        digits.number(region.frequency_from_hz),
+        digits.show(region.frequency_to_hz),
         said.join(" and "),
         if region.share_of_chi2 < 0.01 {
             "less than 1 %".into()
@@ -158,11 +165,11 @@ fn sentence(region: &Region, condition: &ConditionMetrics, part: &[&Compared]) -
     )
 }
 
-/// Shift of a resonance \[Hz\] up to which nothing is said of it.
-const SHIFTED: f64 = 0.5;
+/// Shift of a resonance, in its width, up to which nothing is said of it.
+const SHIFTED: f64 = 0.03;
 
 /// A phase that runs through the measured one is on neither side of it.
-fn phase_words(mean: f64, part: &[&Compared]) -> String {
+fn phase_words(mean: f64, part: &[&Compared], digits: &Frequencies) -> String {
     let side = |phase: f64| if phase > 0.0 { "ahead" } else { "behind" };
     let errors = || part.iter().filter_map(|p| Some((p.phase_error()?.to_degrees(), p.point.frequency)));
     let (sum, count) = errors().fold((0.0, 0), |(sum, n), (error, _)| (sum + error * error, n + 1));
@@ -172,14 +179,14 @@ fn phase_words(mean: f64, part: &[&Compared]) -> String {
     let Some((least, most)) = through.filter(|_| !aside) else {
         return format!("is {:.1}° {} in phase on average", mean.abs(), side(mean));
     };
-    let at = |(error, frequency): (f64, f64)| format!("{:.1}° {} at {} Hz", error.abs(), side(error), Trim(frequency));
+    let at = |(error, f): (f64, f64)| format!("{:.1}° {} at {}", error.abs(), side(error), digits.show(f));
     format!("is {} and {} in phase", at(least), at(most))
 }
 
 /// A model that errs to both sides is said to be on one of them where the errors to the other are below this share.
 const OTHER_SIDE: f64 = 0.2;
 
-fn amplitude_words(region: &Region, part: &[&Compared]) -> String {
+fn amplitude_words(region: &Region, part: &[&Compared], digits: &Frequencies) -> String {
     let side = |percent: f64| if percent > 0.0 { "high" } else { "low" };
     let mean = region.mean_residual_percent;
     let square = part.iter().map(|p| p.error_percent().powi(2)).sum::<f64>() / part.len() as f64;
@@ -192,10 +199,10 @@ fn amplitude_words(region: &Region, part: &[&Compared]) -> String {
     let (Some(low), Some(high)) = (part.iter().min_by(by), part.iter().max_by(by)) else { return String::new() };
     let at = |p: &Compared| {
         format!(
-            "{} % too {} at {} Hz",
+            "{} % too {} at {}",
             rounded(p.error_percent().abs()),
             side(p.error_percent()),
-            Trim(p.point.frequency)
+            digits.show(p.point.frequency)
         )
     };
     format!("is {} and {}", at(low), at(high))
@@ -205,16 +212,7 @@ fn rounded(percent: f64) -> String {
     if percent < 10.0 { format!("{percent:.1}") } else { format!("{percent:.0}") }
 }
 
-/// A frequency without needless digits.
-struct Trim(f64);
-
-impl std::fmt::Display for Trim {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}", (self.0 * 100.0).round() / 100.0)
-    }
-}
-
-/// A condition in words, e.g. `V = 20 mm/s, W = 20 N, u₀ = 2.5 µm`.
+/// A condition in words, e.g. `V = 20 mm/s, W = 20 N, u₀ = 2.5 µm`, or `series 2, F₀ = 0.3 N`.
 pub fn words(setting: &Setting) -> String {
     let mut parts = Vec::new();
     if setting.number > 0 {
@@ -225,7 +223,11 @@ pub fn words(setting: &Setting) -> String {
         parts.push(format!("V = {speed}, W = {} N", setting.load));
     }
     let Signal { symbol, unit, .. } = setting.signal;
-    parts.push(format!("{symbol} = {}", units::format(setting.drive, unit)));
+    // Those of the paper's actuator are as somebody set them; others are often measured.
+    let measured = setting.signal != Signals::ARM.drive;
+    let drive =
+        if measured { format!("{:.3e}", setting.drive).parse().unwrap_or(setting.drive) } else { setting.drive };
+    parts.push(format!("{symbol} = {}", units::format(drive, unit)));
     parts.join(", ")
 }
 
@@ -271,8 +273,14 @@ mod tests {
         let points: Vec<Compared> = answers.into_iter().enumerate().map(|(row, answers)| point(row, answers)).collect();
         let setting = Setting::of_arm(0.02, 20.0, 2.5e-6);
         let metrics = Metrics::over(points.iter());
-        let condition =
-            ConditionMetrics { setting, metrics, model_peak: None, measured_peak: None, measured_peak_sd: 0.0 };
+        let condition = ConditionMetrics {
+            setting,
+            metrics,
+            model_peak: None,
+            measured_peak: None,
+            measured_peak_sd: 0.0,
+            measured_width: 0.0,
+        };
         regions(&points, &[condition], 1.0).remove(0)
     }
 

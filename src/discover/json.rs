@@ -1,8 +1,9 @@
 //! The discovery as JSON, schema `stickslip.discovery/1`.
 
 use super::{Basis, Candidate, Discovery, NextMeasurement, NotTestable, Step};
-use crate::compare::{ContactPoint, Outlier, ParameterJson, Region};
+use crate::compare::{ContactPoint, ForceJson, Outlier, ParameterJson, Region, SettingJson, of_contact};
 use crate::fit::Correlation;
+use crate::scenario::Signals;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -27,14 +28,27 @@ pub struct DiscoveryJson {
     not_testable: Vec<String>,
     not_testable_details: Vec<NotTestable>,
     outliers: Vec<Outlier>,
-    next_measurement: Option<NextMeasurement>,
+    next_measurement: Option<NextJson>,
     noise_factor: f64,
     noise_contradicted: bool,
     correlations: Vec<Correlation>,
     regions: Vec<Region>,
     /// The contact's fingerprint, where something is left unexplained.
     contact: Vec<ContactPoint>,
+    /// The missing force of a rig without contact, where something is left unexplained.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    missing_force: Option<ForceJson>,
     notes: Vec<String>,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct NextJson {
+    #[serde(flatten)]
+    setting: SettingJson,
+    frequency_hz: f64,
+    separates: [String; 2],
+    sigma: f64,
+    ruled_out_by: Option<f64>,
 }
 
 #[derive(Debug, Clone, Serialize)]
@@ -74,6 +88,8 @@ pub fn json(discovery: &Discovery) -> DiscoveryJson {
     let d = discovery;
     let end = d.explanation();
     let scenario = &end.comparison.scenario;
+    let unexplained = d.verdict == super::Verdict::Unexplained;
+    let (model, points) = (&end.comparison.model, if unexplained { &end.comparison.contact[..] } else { &[] });
     DiscoveryJson {
         schema: SCHEMA,
         scenario: scenario.id.clone(),
@@ -90,13 +106,24 @@ pub fn json(discovery: &Discovery) -> DiscoveryJson {
         not_testable: d.not_testable.iter().map(|n| n.effect.clone()).collect(),
         not_testable_details: d.not_testable.clone(),
         outliers: d.outliers.clone(),
-        next_measurement: d.next_measurement.clone(),
+        next_measurement: d.next_measurement.as_ref().map(|next| next_json(next, &end.comparison.table.signals)),
         noise_factor: d.noise.factor,
         noise_contradicted: d.noise.contradicted,
         correlations: d.correlations.clone(),
         regions: end.comparison.regions.clone(),
-        contact: if d.verdict == super::Verdict::Unexplained { end.comparison.contact.clone() } else { Vec::new() },
+        contact: of_contact(model, points),
+        missing_force: ForceJson::of(model, points),
         notes: d.notes.clone(),
+    }
+}
+
+fn next_json(next: &NextMeasurement, signals: &Signals) -> NextJson {
+    NextJson {
+        setting: SettingJson::new(&next.setting, signals),
+        frequency_hz: next.frequency_hz,
+        separates: next.separates.clone(),
+        sigma: next.sigma,
+        ruled_out_by: next.ruled_out_by,
     }
 }
 

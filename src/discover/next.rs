@@ -26,21 +26,17 @@ pub struct Bounds {
     pub speed: Option<(f64, f64)>,
     /// W \[N\].
     pub load: Option<(f64, f64)>,
-    /// u0 \[m\].
+    /// Drive, in the unit of the table's.
     pub drive: Option<(f64, f64)>,
     /// f \[Hz\].
     pub frequency: Option<(f64, f64)>,
 }
 
 /// The point at which two explanations differ most.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct NextMeasurement {
-    /// V \[m/s\].
-    pub speed_m_s: f64,
-    /// W \[N\].
-    pub load_n: f64,
-    /// u0 \[m\].
-    pub drive_m: f64,
+    /// Load, speed and drive.
+    pub setting: Setting,
     /// f \[Hz\].
     pub frequency_hz: f64,
     /// The two explanations.
@@ -83,9 +79,7 @@ pub(super) fn next(survivors: &[&Hypothesis], table: &Table, bounds: &Bounds, no
     let [one, other, ..] = survivors else { return None };
     let (at, sigma) = within(&one.fitted(), &other.fitted(), table, bounds)?;
     Some(NextMeasurement {
-        speed_m_s: at.speed,
-        load_n: at.load,
-        drive_m: at.drive,
+        setting: setting(&at, table, one.model.has_contact),
         frequency_hz: at.frequency,
         separates: [one.label(), other.label()],
         sigma: sigma / noise,
@@ -96,7 +90,7 @@ pub(super) fn next(survivors: &[&Hypothesis], table: &Table, bounds: &Bounds, no
 /// Where an effect that the data cannot show would show most, in the one of its `forms` that shows most there, in words; empty
 /// where nowhere.
 pub(super) fn would_show(without: &Model, forms: &[Model], table: &Table, bounds: &Bounds) -> String {
-    let (typical, all) = (typical(table), grid(table, bounds));
+    let (typical, all) = (typical(table), grid(table, bounds, without.has_contact));
     let thin: Vec<Operation> = all.iter().step_by(THIN).copied().collect();
     let shown =
         |with: &&Model, grid: &[Operation]| farthest(&[without, with], grid, (typical.amplitude, typical.phase));
@@ -107,17 +101,9 @@ pub(super) fn would_show(without: &Model, forms: &[Model], table: &Table, bounds
     };
     match form.and_then(|with| shown(&with, &all)) {
         Some((at, sigma)) if sigma > SHOWS => {
-            let setting = Setting {
-                speed: at.speed,
-                load: at.load,
-                drive: at.drive,
-                signal: table.signals.drive,
-                contact: without.has_contact,
-                number: 0,
-            };
             format!(
                 "at most {sigma:.1} standard deviations in one reading, at {}, f = {}",
-                words(&setting),
+                words(&setting(&at, table, without.has_contact)),
                 units::format(at.frequency, "Hz")
             )
         }
@@ -125,10 +111,16 @@ pub(super) fn would_show(without: &Model, forms: &[Model], table: &Table, bounds
     }
 }
 
+/// The condition of a point.
+fn setting(at: &Operation, table: &Table, contact: bool) -> Setting {
+    let (speed, load, drive, signal) = (at.speed, at.load, at.drive, table.signals.drive);
+    Setting { speed, load, drive, signal, contact, number: 0 }
+}
+
 /// Where two models differ most within the bounds, in standard deviations of a reading.
 fn within(one: &Model, other: &Model, table: &Table, bounds: &Bounds) -> Option<(Operation, f64)> {
     let typical = typical(table);
-    farthest(&[one, other], &grid(table, bounds), (typical.amplitude, typical.phase))
+    farthest(&[one, other], &grid(table, bounds, one.has_contact), (typical.amplitude, typical.phase))
 }
 
 /// The point of `grid` at which the two of the models that are most alike there differ most, and by how much: in standard
@@ -164,7 +156,7 @@ fn typical(table: &Table) -> Typical {
     Typical { amplitude: relative.sqrt(), phase }
 }
 
-fn grid(table: &Table, bounds: &Bounds) -> Vec<Operation> {
+fn grid(table: &Table, bounds: &Bounds, contact: bool) -> Vec<Operation> {
     let range = |given: Option<(f64, f64)>, value: &dyn Fn(&crate::measurement::Point) -> f64| {
         given.unwrap_or_else(|| {
             table.points.iter().map(value).fold((f64::INFINITY, 0.0), |(a, b), x| (a.min(x), x.max(b)))
@@ -185,7 +177,7 @@ fn grid(table: &Table, bounds: &Bounds) -> Vec<Operation> {
             }
         }
     }
-    all.retain(|at| at.drive > 0.0);
+    all.retain(|at| (at.load > 0.0 || !contact) && at.drive > 0.0);
     all
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Discovery, Verdict};
 use crate::compare::outlier_words;
-use crate::effects::REGISTRY;
+use crate::effects::{REGISTRY, fits_rig};
 use crate::fit::{Identified, Interval, Parameter};
 
 /// The verdict in a sentence.
@@ -19,7 +19,7 @@ pub fn sentence(d: &Discovery) -> String {
             "nothing is missing that these data can show, and {} of {} effects they cannot; the calibrated model explains \
              them within {}",
             d.not_testable.len(),
-            REGISTRY.len(),
+            REGISTRY.iter().filter(|effect| fits_rig(**effect, end.comparison.model.has_contact).is_ok()).count(),
             noise(d)
         ),
         Verdict::Recalibrate => format!("recalibrate {}: no effect is needed", recalibrated.join(", ")),

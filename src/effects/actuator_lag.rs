@@ -22,16 +22,17 @@ impl Effect for ActuatorLag {
         "u → u/(1 + iωτ)"
     }
     fn meaning(&self) -> &'static str {
-        "A piezo behind a source of finite resistance, or a servo loop, follows its command like a low pass of \
-         first order: less stroke and a lag, both growing with frequency."
+        "A piezo behind a source of finite resistance, a shaker or a servo loop follows its command like a low pass \
+         of first order: less drive and a lag, both growing with frequency. It is no matter where the drive itself is \
+         measured."
     }
     fn source(&self) -> &'static str {
         "Specification: low pass of first order."
     }
     fn fingerprint(&self) -> &'static str {
-        "V = 0, partial stick and full slip: the phase lags by atan ωτ and the height falls by 1/√(1 + ω²τ²); for \
+        "Without contact, V = 0, partial stick and full slip: the phase lags by atan ωτ and the height falls by 1/√(1 + ω²τ²); for \
          small ωτ only the phase shows, which then looks like a delay of the sensor. In partial stick the smaller \
-         stroke also acts like a larger V."
+         stroke also acts like a larger V; on a nonlinear rig the smaller drive bends less."
     }
     fn zero(&self) -> &'static [Zero] {
         &[Zero { parameter: 0, value: 0.0 }]

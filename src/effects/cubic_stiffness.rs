@@ -1,9 +1,9 @@
-//! A torque that grows with the cube of the angle.
+//! A restoring torque or force that grows with the cube of the deflection.
 
 use super::{Effect, Group, Law, Measure, ParameterInfo, Zero};
 use crate::scenario::parameters::ANY;
 
-/// Cubic stiffness of the arm (Duffing).
+/// Cubic stiffness (Duffing).
 pub struct CubicStiffness;
 
 impl Effect for CubicStiffness {
@@ -11,7 +11,7 @@ impl Effect for CubicStiffness {
         "cubic-stiffness"
     }
     fn title(&self) -> &'static str {
-        "Cubic stiffness of the arm (Duffing)"
+        "Cubic stiffness (Duffing)"
     }
     fn group(&self) -> Group {
         Group::RigAndInstrument
@@ -20,27 +20,34 @@ impl Effect for CubicStiffness {
         "torque −K₃θ³"
     }
     fn meaning(&self) -> &'static str {
-        "A spring or clamp that stiffens (K₃ > 0) or softens (K₃ < 0) as the arm turns. The oscillation of \
-         microradians hardly feels it, but the static deflection bμW/K under the friction force moves the point \
-         around which the arm oscillates."
+        "A spring or clamp that stiffens (K₃ > 0) or softens (K₃ < 0) with the deflection: a large oscillation \
+         feels it, and a static deflection, such as bμW/K under the friction force, moves the point around which \
+         even a small one goes on."
     }
     fn source(&self) -> &'static str {
         "G. Duffing, Erzwungene Schwingungen bei veränderlicher Eigenfrequenz (1918)."
     }
     fn fingerprint(&self) -> &'static str {
-        "V = 0: nothing, since there is no mean deflection. Partial stick and full slip: the resonance moves by \
-         about 3K₃θ₀²/K of the stiffness, up for K₃ > 0, in proportion to the square of load and friction and \
-         equally at every V; the height falls a little as the peak moves up."
+        "Without contact: the peak bends with the amplitude along f = f₀(1 + 3K₃X²/(8K)), up for K₃ > 0 and down \
+         for K₃ < 0, with the damping unchanged; where it bends by more than about its width the curve folds, and \
+         sweeps up and down jump at different frequencies. V = 0: the same, which for small amplitudes is nothing, \
+         since there is no mean deflection. Partial stick and full slip: the resonance moves by about 3K₃θ₀²/K of \
+         the stiffness, up for K₃ > 0, in proportion to the square of load and friction and equally at every V; the \
+         height falls a little as the peak moves up."
     }
     fn zero(&self) -> &'static [Zero] {
         &[Zero { parameter: 0, value: 0.0 }]
     }
     fn parameters(&self) -> &'static [ParameterInfo] {
-        const LIST: &[ParameterInfo] =
-            &[ParameterInfo::searched(("K_3", "K₃", "N m/rad^3"), ANY, (1e5, 1e12), "cubic coefficient of the torque")
-                .in_units_of(Measure::Cubic)
-                .alone(0.01, 1000.0)
-                .either_sign()];
+        const LIST: &[ParameterInfo] = &[ParameterInfo::searched(
+            ("K_3", "K₃", "N m/rad^3"),
+            ANY,
+            (1e5, 1e12),
+            "cubic coefficient of torque or force",
+        )
+        .in_units_of(Measure::Cubic)
+        .alone(0.01, 1000.0)
+        .either_sign()];
         LIST
     }
 

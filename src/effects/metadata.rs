@@ -1,6 +1,7 @@
 //! What is known of an effect and its parameters beside the law.
 
 use super::Effect;
+use crate::scenario::Coordinate;
 
 /// A parameter of an effect, of the rig, the contact or the instrument.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,6 +75,26 @@ impl ParameterInfo {
     /// The same, of either sign.
     pub const fn either_sign(self) -> Self {
         Self { signed: true, ..self }
+    }
+
+    /// Its unit on a rig with that coordinate: the catalogue states effects of the rig for an angle.
+    pub fn unit_for(&self, coordinate: Coordinate) -> &'static str {
+        match (coordinate, self.unit) {
+            (Coordinate::Displacement, "N m") => "N",
+            (Coordinate::Displacement, "rad") => "m",
+            (Coordinate::Displacement, "N m/rad") => "N/m",
+            (Coordinate::Displacement, "N m s/rad") => "N s/m",
+            (Coordinate::Displacement, "N m/rad^2") => "N/m^2",
+            (Coordinate::Displacement, "N m s^2/rad^2") => "N s^2/m^2",
+            (Coordinate::Displacement, "N m/rad^3") => "N/m^3",
+            (Coordinate::Displacement, "N m/rad^5") => "N/m^5",
+            (_, unit) => unit,
+        }
+    }
+
+    /// The same on a rig with that coordinate.
+    pub fn on(&self, coordinate: Coordinate) -> Self {
+        Self { unit: self.unit_for(coordinate), ..*self }
     }
 }
 

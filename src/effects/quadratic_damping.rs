@@ -1,9 +1,9 @@
-//! A torque that grows with the square of the angular velocity.
+//! A torque or force that grows with the square of the velocity.
 
 use super::{Effect, Group, Law, Measure, ParameterInfo, Zero};
 use crate::scenario::parameters::ZERO_OR_MORE;
 
-/// Quadratic damping of the arm.
+/// Quadratic damping.
 pub struct QuadraticDamping;
 
 impl Effect for QuadraticDamping {
@@ -11,7 +11,7 @@ impl Effect for QuadraticDamping {
         "quadratic-damping"
     }
     fn title(&self) -> &'static str {
-        "Quadratic damping of the arm"
+        "Quadratic damping"
     }
     fn group(&self) -> Group {
         Group::RigAndInstrument
@@ -28,10 +28,10 @@ impl Effect for QuadraticDamping {
         "L. S. Jacobsen, Steady forced vibration as influenced by damping, Trans. ASME 52 (1930)."
     }
     fn fingerprint(&self) -> &'static str {
-        "V = 0, partial stick and full slip: a lower and broader peak, at nearly the same frequency unless \
-         strong (in partial stick it moves down with the amplitude), by an equivalent \
-         damping (8/3π) D₂ ω α, hence the more the larger the drive; curves at two drives tell it from linear \
-         damping."
+        "Without contact: the peak grows less than in proportion to the drive, at the same frequency, by an \
+         equivalent damping (8/3π) D₂ω times the amplitude: 1/Q is a straight line over the amplitude. V = 0, partial stick and full \
+         slip: a lower and broader peak, at nearly the same frequency unless strong (in partial stick it moves down \
+         with the amplitude), the more the larger the drive. Curves at two drives tell it from linear damping."
     }
     fn zero(&self) -> &'static [Zero] {
         &[Zero { parameter: 0, value: 0.0 }]
@@ -41,7 +41,7 @@ impl Effect for QuadraticDamping {
             ("D_2", "D₂", "N m s^2/rad^2"),
             ZERO_OR_MORE,
             (0.1, 1e4),
-            "quadratic coefficient of the torque",
+            "quadratic coefficient of torque or force",
         )
         .in_units_of(Measure::Quadratic)
         .alone(0.01, 1000.0)];

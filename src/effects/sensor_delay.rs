@@ -22,28 +22,24 @@ impl Effect for SensorDelay {
         "measured phase = φ − ωτ"
     }
     fn meaning(&self) -> &'static str {
-        "Filters, sampling and cables delay the signal of the angle (τ > 0) or that of the actuator (τ < 0). The \
+        "Filters, sampling and cables delay the signal of the reading (τ > 0) or that of the drive (τ < 0). The \
          motion itself is unchanged."
     }
     fn source(&self) -> &'static str {
         "Specification: a constant delay between two channels."
     }
     fn fingerprint(&self) -> &'static str {
-        "V = 0, partial stick and full slip: the amplitude is unchanged; the phase falls by ωτ, a straight line \
+        "Without contact, V = 0, partial stick and full slip: the amplitude is unchanged; the phase falls by ωτ, a straight line \
          over frequency, the same at every load, speed and drive."
     }
     fn zero(&self) -> &'static [Zero] {
         &[Zero { parameter: 0, value: 0.0 }]
     }
     fn parameters(&self) -> &'static [ParameterInfo] {
-        const LIST: &[ParameterInfo] = &[ParameterInfo::searched(
-            ("tau", "τ", "s"),
-            ANY,
-            (1e-6, 1e-2),
-            "delay of the angle behind the actuator in the readings",
-        )
-        .in_units_of(Measure::Time)
-        .either_sign()];
+        const LIST: &[ParameterInfo] =
+            &[ParameterInfo::searched(("tau", "τ", "s"), ANY, (1e-6, 1e-2), "delay of the reading behind the drive")
+                .in_units_of(Measure::Time)
+                .either_sign()];
         LIST
     }
 

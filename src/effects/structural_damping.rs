@@ -3,7 +3,7 @@
 use super::{Effect, Group, Measure, ParameterInfo, Zero};
 use crate::model::dual::Dual;
 
-/// Structural damping of the arm.
+/// Structural damping.
 pub struct StructuralDamping;
 
 impl Effect for StructuralDamping {
@@ -11,7 +11,7 @@ impl Effect for StructuralDamping {
         "structural-damping"
     }
     fn title(&self) -> &'static str {
-        "Structural damping of the arm"
+        "Structural damping"
     }
     fn group(&self) -> Group {
         Group::RigAndInstrument
@@ -21,23 +21,24 @@ impl Effect for StructuralDamping {
     }
     fn meaning(&self) -> &'static str {
         "Springs and joints lose a fixed share of their elastic energy per cycle, whatever the frequency. At the \
-         frequency of the drive the arm behaves as with the additional damping ηK/ω."
+         frequency of the drive the rig behaves as with the additional damping ηK/ω."
     }
     fn source(&self) -> &'static str {
         "R. E. D. Bishop, The treatment of damping forces in vibration theory, J. R. Aeronaut. Soc. 59 (1955) \
          738."
     }
     fn fingerprint(&self) -> &'static str {
-        "V = 0, partial stick and full slip: a lower and broader peak, at nearly the same frequency unless strong (in \
-         partial stick it moves down with the amplitude), the same at every drive, load and speed; below the resonance the phase lags by η already. In a narrow band it is hard to \
-         tell from a larger C₀."
+        "Without contact, V = 0, partial stick and full slip: a lower and broader peak, at nearly the same frequency \
+         unless strong (in partial stick it moves down with the amplitude), the same at every drive, load and speed; \
+         far below the resonance the phase lags by η already. In a narrow band, or at a high quality factor, it is \
+         hard to tell from a larger linear damping."
     }
     fn zero(&self) -> &'static [Zero] {
         &[Zero { parameter: 0, value: 0.0 }]
     }
     fn parameters(&self) -> &'static [ParameterInfo] {
         const LIST: &[ParameterInfo] =
-            &[ParameterInfo::searched(("eta", "η", "1"), (0.0, 10.0), (1e-3, 0.3), "loss factor of the arm")
+            &[ParameterInfo::searched(("eta", "η", "1"), (0.0, 10.0), (1e-3, 0.3), "loss factor of the rig")
                 .in_units_of(Measure::Loss)];
         LIST
     }

@@ -11,6 +11,7 @@ use super::style::{INK, Table, Unit, WIDTH, cell, ramp, significant};
 use super::{Drawing, FigureError};
 use crate::atlas::{CONDITIONS, Entry, Strength, varied};
 use crate::effects::ParameterInfo;
+use crate::scenario::Signals;
 use crate::solver::SteadyState;
 use crate::sweep::Curve;
 
@@ -190,7 +191,7 @@ fn heading(canvas: &mut Canvas, panel: &Panel, name: &str, curve: &Curve) {
     canvas.text((panel.left, panel.top - 47.0), name, Type::default().bold());
     let above = describe(condition, &[Field::Speed, Field::Load]);
     canvas.text((panel.left, panel.top - 28.0), &above, Type::default());
-    canvas.text((panel.left, panel.top - 9.0), &Field::Drive.equation(condition), Type::default());
+    canvas.text((panel.left, panel.top - 9.0), &Field::Drive(Signals::ARM.drive).equation(condition), Type::default());
 }
 
 fn csv(lines: &[Line<'_>]) -> String {

@@ -3,7 +3,7 @@
 use super::canvas::{Anchor, Canvas, FINE, Point, Stroke, Type, fine};
 use super::clip;
 use super::marks::Mark;
-use super::style::{Color, GRID, INK, LABEL_SIZE, TICK_SIZE, WHITE};
+use super::style::{Color, GRID, INK, LABEL_SIZE, TICK_SIZE, Unit, WHITE};
 use plotters::coord::combinators::{IntoLogRange, LogCoord};
 use plotters::coord::ranged1d::Ranged;
 use plotters::coord::types::RangedCoordf64;
@@ -39,6 +39,8 @@ pub struct Axis {
     pub named: Vec<f64>,
     /// What places stand for.
     pub scale: Scale,
+    /// Values per displayed unit, where they differ.
+    pub per: f64,
 }
 
 impl Axis {
@@ -62,7 +64,14 @@ impl Axis {
             step: None,
             named: Vec::new(),
             scale: Scale::Value,
+            per: 1.0,
         }
+    }
+
+    /// A linear axis of frequencies over exactly this range, named in Hz, kHz or MHz.
+    pub fn frequency(name: &str, low: f64, high: f64) -> Self {
+        let unit = Unit::frequency(high);
+        Self { per: unit.factor, ..Self::linear(format!("{name} [{}]", unit.label), low, high) }
     }
 
     /// A linear axis around the values with a margin; from zero where they are positive and come near it.
@@ -81,7 +90,8 @@ impl Axis {
         let (low, high) = if !low.is_finite() { (-1.0, 0.0) } else { (low, high) };
         let pad = if high - low < 0.05 { 0.3 } else { margin * (high - low) };
         let (low, high) = (10f64.powf(low - pad), 10f64.powf(high + pad));
-        Self { label: label.into(), low, high, log: true, step: None, named: Vec::new(), scale: Scale::Value }
+        let (label, named) = (label.into(), Vec::new());
+        Self { label, low, high, log: true, step: None, named, scale: Scale::Value, per: 1.0 }
     }
 
     /// The same with ticks at multiples of `step`.

@@ -5,6 +5,7 @@ use super::canvas::{Dash, Point, Stroke, document};
 use super::legend::{Key, legend, legend_width};
 use super::style::{GREY, STATIC, Table, Unit, WIDTH, cell, count, ramp, significant};
 use super::{Drawing, FigureError};
+use crate::scenario::Signal;
 
 const LEFT: f64 = 92.0;
 const TOP: f64 = 40.0;
@@ -16,7 +17,7 @@ const MOST: usize = 8;
 pub struct Pair {
     /// What distinguishes it.
     pub name: String,
-    /// Frequency \[Hz\] and amplitude \[rad\] before.
+    /// Frequency \[Hz\] and amplitude before, in the unit of the reading.
     pub before: Vec<Point>,
     /// The same now.
     pub after: Vec<Point>,
@@ -41,11 +42,12 @@ impl Pair {
     }
 }
 
-/// Draws those curves of a scenario that differ by more than `tolerance` of their peak, the most different first.
+/// Draws those curves of a scenario that differ by more than `tolerance` of their peak, the most different first; `reading` is
+/// what they are of.
 ///
 /// # Errors
 /// [`FigureError::MissingData`] where none does, [`FigureError::Render`] where an element cannot be drawn.
-pub fn draw(pairs: &[Pair], id: &str, tolerance: f64) -> Result<Drawing, FigureError> {
+pub fn draw(pairs: &[Pair], id: &str, tolerance: f64, reading: &Signal) -> Result<Drawing, FigureError> {
     let mut differing: Vec<&Pair> = pairs.iter().filter(|pair| pair.difference() > tolerance).collect();
     if differing.is_empty() {
         return Err(FigureError::missing("baseline", "curves that differ"));
@@ -64,13 +66,17 @@ pub fn draw(pairs: &[Pair], id: &str, tolerance: f64) -> Result<Drawing, FigureE
     } else {
         " At least one has other frequencies, or points without an answer in one of the runs.".into()
     };
+    let (of, name) = match *reading {
+        Signal::ANGLE => ("arm", "amplitude".into()),
+        other => (other.name, format!("{} amplitude", other.name)),
+    };
     let caption = format!(
-        "Amplitude of the arm, dashed as the earlier run had it and solid as it is now, for {} of {} that differ.{largest}{more}",
+        "Amplitude of the {of}, dashed as the earlier run had it and solid as it is now, for {} of {} that differ.{largest}{more}",
         count(differing.len(), "curve"),
         pairs.len()
     );
     let amplitudes = || differing.iter().flat_map(|p| p.before.iter().chain(&p.after)).map(|p| p.1);
-    let unit = Unit::fitting(amplitudes().filter(|a| a.is_finite()).fold(0.0, f64::max), "rad");
+    let unit = Unit::of_signal(amplitudes().filter(|a| a.is_finite()).fold(0.0, f64::max), reading.unit);
     let scaled = |points: &[Point]| points.iter().map(|&(f, a)| (f, unit.of(a))).collect::<Vec<_>>();
     let color = |index: usize| if differing.len() == 1 { STATIC } else { ramp(index, differing.len()) };
     let before = |index: usize| Stroke::dashed(color(index).mix(GREY, 0.35), 3.0, Dash::Dashes(7.0, 5.0));
@@ -82,8 +88,8 @@ pub fn draw(pairs: &[Pair], id: &str, tolerance: f64) -> Result<Drawing, FigureE
     let svg = document((LEFT + width + legend_width(&entries) + 50.0, TOP + 330.0 + 66.0), (&title, &alt), |canvas| {
         let frequencies = differing.iter().flat_map(|p| p.before.iter().chain(&p.after)).map(|p| p.0);
         let (low, high) = super::axes::range(frequencies);
-        let x = Axis::linear("drive frequency f [Hz]", low, high);
-        let y = Axis::around(format!("amplitude α [{}]", unit.label), amplitudes().map(|a| unit.of(a)));
+        let x = Axis::frequency("drive frequency f", low, high);
+        let y = Axis::around(format!("{name} {} [{}]", reading.symbol, unit.label), amplitudes().map(|a| unit.of(a)));
         let panel = Panel { left: LEFT, top: TOP, width, height: 330.0, x, y };
         panel.frame(canvas, true, true);
         for (index, pair) in differing.iter().enumerate() {
@@ -98,7 +104,7 @@ pub fn draw(pairs: &[Pair], id: &str, tolerance: f64) -> Result<Drawing, FigureE
         });
         legend(canvas, LEFT + width + 24.0, TOP - 12.0, &entries);
     })?;
-    let mut table = Table::new(&["curve", "run", "frequency [Hz]", "amplitude [rad]"]);
+    let mut table = Table::new(&["curve", "run", "frequency [Hz]", &format!("amplitude [{}]", reading.unit)]);
     for pair in &differing {
         for (run, points) in [("before", &pair.before), ("now", &pair.after)] {
             for (f, a) in points {

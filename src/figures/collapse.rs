@@ -7,6 +7,7 @@ use super::legend::{Entry, Key, legend, legend_width};
 use super::marks::{MARKS, Mark};
 use super::style::{Color, Table, Unit, WIDTH, cell, ramp, significant};
 use super::{Drawing, Figure, FigureError};
+use crate::scenario::Signal;
 use crate::sweep::{Curve, Outcome};
 
 const HEIGHT: f64 = 740.0;
@@ -28,11 +29,13 @@ struct Group<'a> {
 struct Data<'a> {
     groups: Vec<Group<'a>>,
     drives: Vec<f64>,
+    drive: Signal,
     unit: Unit,
 }
 
 impl<'a> Data<'a> {
     fn of(outcome: &'a Outcome) -> Result<Self, FigureError> {
+        data::with_contact(outcome, "collapse")?;
         let all: Vec<&Curve> = data::curves(outcome).into_iter().filter(|c| c.condition.drive > 0.0).collect();
         let mut groups: Vec<Group<'_>> = Vec::new();
         for curve in &all {
@@ -46,13 +49,19 @@ impl<'a> Data<'a> {
         for group in &mut groups {
             group.spread = spread(&group.curves);
         }
-        let drives = Field::Drive.distinct(&all);
+        let drives = Field::Drive(outcome.scenario.signals.drive).distinct(&all);
         if drives.len() < 2 || groups.iter().all(|group| group.curves.len() < 2) {
             let need = "several drives with speeds in proportion, so that curves share a ratio V/u₀";
             return Err(FigureError::missing("collapse", need));
         }
+        let signals = outcome.scenario.signals;
         let largest = range(all.iter().flat_map(|c| c.states.iter().map(|s| s.amplitude / c.condition.drive))).1;
-        Ok(Self { groups, drives, unit: Unit::fitting(largest, "rad/m") })
+        Ok(Self {
+            groups,
+            drives,
+            unit: Unit::of_ratio(largest, (signals.reading.unit, signals.drive.unit)),
+            drive: signals.drive,
+        })
     }
 
     fn color(&self, index: usize) -> Color {
@@ -71,8 +80,13 @@ impl<'a> Data<'a> {
         range(self.groups.iter().flat_map(|group| group.spread.iter().map(|point| point.1))).1
     }
 
+    /// Unit of a speed over a drive.
+    fn per(&self) -> String {
+        if self.drive.unit == "m" { "1/s".into() } else { Unit::of_ratio(1.0, ("m/s", self.drive.unit)).label }
+    }
+
     fn legend(&self) -> Vec<Entry> {
-        let mut entries = vec![(Key::Heading, "Ratio V/u₀ [1/s]".to_string())];
+        let mut entries = vec![(Key::Heading, format!("Ratio V/u₀ [{}]", self.per()))];
         let ratios: Vec<(usize, f64)> = self.groups.iter().map(|group| group.ratio).enumerate().collect();
         for (i, ratio) in data::spread(&ratios, 14) {
             entries.push((Key::Line(Stroke::solid(self.color(i), 3.0)), significant(ratio, 4)));
@@ -80,7 +94,7 @@ impl<'a> Data<'a> {
         entries.push((Key::Heading, "Drive u₀".into()));
         for (i, drive) in self.drives.iter().enumerate() {
             let key = Key::Mark(MARKS[i % MARKS.len()], super::style::GREY, i < MARKS.len());
-            entries.push((key, Unit::fitting(*drive, "m").show(*drive, 4)));
+            entries.push((key, Unit::of_signal(*drive, self.drive.unit).show(*drive, 4)));
         }
         entries.push((Key::Heading, "Largest spread".into()));
         entries.push((Key::Heading, significant(self.largest_spread(), 2)));
@@ -92,7 +106,7 @@ impl<'a> Data<'a> {
         let width = WIDTH - 92.0 - 50.0 - legend_width(&entries);
         let curves = || self.groups.iter().flat_map(|group| &group.curves);
         let (low, high) = range(curves().flat_map(|curve| curve.frequency.iter().copied()));
-        let axis = || Axis::linear("frequency f [Hz]", low, high);
+        let axis = || Axis::frequency("frequency f", low, high);
         let values: Vec<f64> = curves().flat_map(|curve| self.points(curve)).map(|point| point.1).collect();
         let y = Axis::around(format!("compliance α/u₀ [{}]", self.unit.label), values);
         let upper = Panel { left: 92.0, top: 24.0, width, height: 430.0, x: axis(), y };
@@ -132,9 +146,10 @@ impl<'a> Data<'a> {
 
     fn csv(&self) -> String {
         let compliance = format!("alpha/u0 [{}]", self.unit.label);
+        let scale = if self.drive.unit == "m" { Unit::new(1e-6, "µm") } else { Unit::new(1.0, self.drive.unit) };
         let mut table = Table::new(&[
-            "ratio V/u0 [1/s]",
-            "drive [µm]",
+            &format!("ratio V/u0 [{}]", self.per()),
+            &format!("drive [{}]", scale.label),
             "speed [mm/s]",
             "frequency [Hz]",
             &compliance,
@@ -147,7 +162,8 @@ impl<'a> Data<'a> {
                 for (f, state) in curve.frequency.iter().zip(&curve.states) {
                     let spread = group.spread.iter().find(|point| point.0 == *f).map_or(f64::NAN, |point| point.1);
                     let compliance = self.unit.of(state.amplitude / drive);
-                    let numbers = [group.ratio, drive * 1e6, speed * 1e3, *f, compliance, spread].map(cell);
+                    let drive = if self.drive.unit == "m" { drive * 1e6 } else { drive };
+                    let numbers = [group.ratio, drive, speed * 1e3, *f, compliance, spread].map(cell);
                     table.row(numbers.into_iter().chain([data::status_word(&state.status).to_string()]));
                 }
             }
@@ -205,6 +221,6 @@ impl Figure for Collapse {
         let notes = vec![("Largest relative spread at equal V/u₀".to_string(), significant(largest, 2))];
         let alt = "Graph of amplitude over drive against frequency: one colour for each ratio of speed to drive; a strip below shows the relative spread within each ratio.".to_string();
         let svg = data.draw(self.title(), &alt)?;
-        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
+        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes).told_of(&outcome.scenario))
     }
 }

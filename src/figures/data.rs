@@ -1,19 +1,21 @@
 //! Selections that several figures make from an outcome.
 
+use super::FigureError;
 use super::axes::{Axis, range};
 use super::canvas::Point;
 use super::style::{Unit, significant};
-use crate::scenario::Formulation;
+use crate::scenario::{Formulation, Signal, Signals};
 use crate::solver::{Status, SteadyState};
 use crate::sweep::{Condition, Curve, LimitCurve, LimitingCase, Outcome};
+use crate::units::{self, Frequencies};
 
 /// A property of a condition that may tell curves apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Field {
     /// V.
     Speed,
-    /// u0.
-    Drive,
+    /// The drive, u0 of the paper's rig.
+    Drive(Signal),
     /// W.
     Load,
     /// mu.
@@ -22,14 +24,17 @@ pub enum Field {
     Formulation,
 }
 
-const FIELDS: [Field; 5] = [Field::Speed, Field::Drive, Field::Load, Field::Friction, Field::Formulation];
+/// All of them, of a rig with that drive.
+fn fields(drive: Signal) -> [Field; 5] {
+    [Field::Speed, Field::Drive(drive), Field::Load, Field::Friction, Field::Formulation]
+}
 
 impl Field {
     /// A number that is equal exactly where the property is, and orders it.
     pub fn value(self, condition: &Condition) -> f64 {
         match (self, condition.formulation) {
             (Self::Speed, _) => condition.speed,
-            (Self::Drive, _) => condition.drive,
+            (Self::Drive(_), _) => condition.drive,
             (Self::Load, _) => condition.load,
             (Self::Friction, _) => condition.friction,
             (Self::Formulation, Formulation::Series) => 0.0,
@@ -41,7 +46,7 @@ impl Field {
     pub fn text(self, condition: &Condition) -> String {
         match (self, condition.formulation) {
             (Self::Speed, _) => Unit::speed().show(condition.speed, 4),
-            (Self::Drive, _) => Unit::fitting(condition.drive, "m").show(condition.drive, 4),
+            (Self::Drive(signal), _) => drive(condition.drive, &signal, 4),
             (Self::Load, _) => format!("{} N", significant(condition.load, 4)),
             (Self::Friction, _) => significant(condition.friction, 4),
             (Self::Formulation, Formulation::Series) => "series".into(),
@@ -53,7 +58,7 @@ impl Field {
     pub fn symbol(self) -> &'static str {
         match self {
             Self::Speed => "V",
-            Self::Drive => "u₀",
+            Self::Drive(signal) => signal.symbol,
             Self::Load => "W",
             Self::Friction => "µ",
             Self::Formulation => "",
@@ -78,9 +83,10 @@ impl Field {
     }
 }
 
-/// The properties in which the curves differ.
-pub fn varying(curves: &[&Curve]) -> Vec<Field> {
-    FIELDS.into_iter().filter(|field| field.distinct(curves).len() > 1).collect()
+/// The properties in which the curves of an outcome differ.
+pub fn varying(curves: &[&Curve], outcome: &Outcome) -> Vec<Field> {
+    let fields = fields(outcome.scenario.signals.drive);
+    fields.into_iter().filter(|field| field.distinct(curves).len() > 1).collect()
 }
 
 /// What the given fields say about a condition, separated by commas.
@@ -90,7 +96,8 @@ pub fn describe(condition: &Condition, fields: &[Field]) -> String {
 
 /// Curves grouped by everything but the given field, in input order.
 pub fn groups<'a>(curves: &[&'a Curve], but: Field) -> Vec<Vec<&'a Curve>> {
-    let others: Vec<Field> = FIELDS.into_iter().filter(|field| *field != but).collect();
+    let kind = std::mem::discriminant::<Field>;
+    let others: Vec<Field> = fields(Signals::ARM.drive).into_iter().filter(|field| kind(field) != kind(&but)).collect();
     let mut groups: Vec<Vec<&Curve>> = Vec::new();
     for &curve in curves {
         let same = |group: &&mut Vec<&Curve>| {
@@ -102,6 +109,48 @@ pub fn groups<'a>(curves: &[&'a Curve], but: Field) -> Vec<Vec<&'a Curve>> {
         }
     }
     groups
+}
+
+/// Fails for a rig without a contact, of which the figure of that name has nothing to show.
+///
+/// # Errors
+/// [`FigureError::MissingData`] in that case.
+pub fn with_contact(outcome: &Outcome, figure: &str) -> Result<(), FigureError> {
+    let need = "a rig with a [contact], and this one has none";
+    if outcome.scenario.contact.is_some() { Ok(()) } else { Err(FigureError::missing(figure, need)) }
+}
+
+/// A drive with its unit, to so many digits: as the sentences have it, but for the paper's rig, whose figures have their own way.
+pub fn drive(value: f64, signal: &Signal, digits: usize) -> String {
+    if *signal == Signals::ARM.drive {
+        return Unit::fitting(value, signal.unit).show(value, digits);
+    }
+    let rounded = format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value);
+    units::printed(&units::format(rounded, signal.unit))
+}
+
+/// Name and symbol of what is read, as on an axis.
+pub fn reading(signals: &Signals) -> String {
+    let reading = &signals.reading;
+    if signals.of_arm() {
+        return format!("amplitude {}", reading.symbol);
+    }
+    format!("{} amplitude {}", reading.name, reading.symbol)
+}
+
+/// The same per drive.
+pub fn reading_per_drive(signals: &Signals) -> String {
+    let (drive, reading) = (&signals.drive, &signals.reading);
+    let name = if signals.of_arm() { "amplitude" } else { reading.name };
+    format!("{name} per {} {}/{}", drive.name, reading.symbol, drive.symbol)
+}
+
+/// How the frequencies of an outcome are written; those of the paper's rig as the paper has them.
+pub fn frequencies(outcome: &Outcome) -> Frequencies {
+    if outcome.scenario.signals.of_arm() {
+        return Frequencies { factor: 1.0, unit: "Hz", decimals: 2 };
+    }
+    Frequencies::of(outcome.curves.first().into_iter().flat_map(|curve| curve.frequency.iter().copied()))
 }
 
 /// All curves that have at least one frequency.

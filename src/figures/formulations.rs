@@ -41,9 +41,11 @@ struct Data<'a> {
 
 impl<'a> Data<'a> {
     fn of(outcome: &'a Outcome) -> Result<Self, FigureError> {
+        data::with_contact(outcome, "formulations")?;
         let all = data::curves(outcome);
         let groups = data::groups(&all, Field::Formulation);
-        let fields: Vec<Field> = data::varying(&all).into_iter().filter(|field| *field != Field::Formulation).collect();
+        let fields: Vec<Field> =
+            data::varying(&all, outcome).into_iter().filter(|field| *field != Field::Formulation).collect();
         let pairs: Vec<Pair<'_>> = groups.iter().filter_map(|group| Pair::of(group, &fields)).collect();
         if pairs.is_empty() {
             let need = "the same condition in both formulations (sweep.formulation = [\"series\", \"paper\"])";
@@ -95,7 +97,7 @@ impl<'a> Data<'a> {
         let (lowest, highest) = range(points().map(|point| 100.0 * point.1).chain([0.0]));
         let pad = 0.08 * (highest - lowest);
         let y = Axis::linear("α paper / α series − 1 [%]", lowest - pad, highest + pad);
-        let x = Axis::linear("frequency f [Hz]", low, high);
+        let x = Axis::frequency("frequency f", low, high);
         let panel = Panel { left: 92.0, top: 44.0, width, height: 554.0, x, y };
         panel.frame(canvas, true, true);
         panel.heading(canvas, &format!("Euler, {} steps a cycle", self.finest()));
@@ -252,6 +254,6 @@ impl Figure for Formulations {
         }
         let alt = "Left: relative difference in amplitude between two formulations against frequency. Right: the error of the Euler procedure against steps per cycle on logarithmic axes.".to_string();
         let svg = data.draw(self.title(), &alt)?;
-        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
+        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes).told_of(&outcome.scenario))
     }
 }

@@ -26,6 +26,7 @@ struct Data<'a> {
 
 impl<'a> Data<'a> {
     fn of(outcome: &'a Outcome) -> Result<Self, FigureError> {
+        data::with_contact(outcome, "friction-independence")?;
         let all = data::curves(outcome);
         let groups = data::groups(&all, Field::Friction);
         let mut curves = groups.into_iter().find(|group| group.len() > 1).ok_or_else(|| {
@@ -45,7 +46,8 @@ impl<'a> Data<'a> {
                 phase_difference = phase_difference.max(turn.min((turn - std::f64::consts::TAU).abs()));
             }
         }
-        let unit = Unit::fitting(range(reference.iter().map(|point| point.1)).1, "rad");
+        let unit =
+            Unit::of_signal(range(reference.iter().map(|point| point.1)).1, outcome.scenario.signals.reading.unit);
         let left_out = all.len() - curves.len();
         Ok(Self { curves, differences, phase_difference, unit, left_out })
     }
@@ -73,7 +75,7 @@ impl<'a> Data<'a> {
         let entries = self.legend();
         let width = WIDTH - 92.0 - 50.0 - legend_width(&entries).max(178.0);
         let (low, high) = range(self.curves.iter().flat_map(|curve| curve.frequency.iter().copied()));
-        let axis = || Axis::linear("frequency f [Hz]", low, high);
+        let axis = || Axis::frequency("frequency f", low, high);
         let values = self.curves.iter().flat_map(|curve| curve.states.iter().map(|s| self.unit.of(s.amplitude)));
         let y = Axis::around(format!("amplitude α [{}]", self.unit.label), values);
         let upper = Panel { left: 92.0, top: 24.0, width, height: 270.0, x: axis(), y };
@@ -162,7 +164,8 @@ impl Figure for FrictionIndependence {
         let data = Data::of(outcome)?;
         let (largest, count) = (significant(data.largest(), 2), data.curves.len());
         let turn = Unit::new(1.0, "rad").show(data.phase_difference, 2);
-        let condition = data::describe(&data.curves[0].condition, &[Field::Speed, Field::Load, Field::Drive]);
+        let drive = Field::Drive(outcome.scenario.signals.drive);
+        let condition = data::describe(&data.curves[0].condition, &[Field::Speed, Field::Load, drive]);
         let mut caption = format!(
             "Amplitude and phase for {count} coefficients of friction ({condition}), drawn as nested lines: each leaves the \
              wider ones below it visible, so one line with several rims means that all coincide. The largest relative \
@@ -182,6 +185,6 @@ impl Figure for FrictionIndependence {
             "Amplitude and phase against frequency for {count} coefficients of friction as nested lines; a strip below shows the relative differences on a logarithmic axis."
         );
         let svg = data.draw(self.title(), &alt)?;
-        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
+        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes).told_of(&outcome.scenario))
     }
 }

@@ -59,7 +59,7 @@ fn ends(axis: &Axis) -> String {
         Scale::Sinh(factor, stretch) => format!("asinh {factor} {stretch}"),
         Scale::Rows => "rows".into(),
     };
-    format!("{} {} {kind}", short(axis.low), short(axis.high))
+    format!("{} {} {kind}", short(axis.low / axis.per), short(axis.high / axis.per))
 }
 
 /// Enough digits for any reading.

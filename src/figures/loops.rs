@@ -174,6 +174,6 @@ impl Figure for Loops {
             data.cycles.len()
         );
         let svg = data.draw(self.title(), &alt)?;
-        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
+        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes).told_of(&outcome.scenario))
     }
 }

@@ -36,6 +36,7 @@ pub mod time_histories;
 pub mod trial;
 pub mod velocity_amplitude;
 
+use crate::scenario::Scenario;
 use crate::sweep::Outcome;
 use rayon::prelude::*;
 
@@ -90,6 +91,39 @@ impl Drawing {
         Self { notes, ..drawing }
     }
 
+    /// The same in the words of the rig: figures of a contact are written for the paper's arm.
+    fn told_of(mut self, scenario: &Scenario) -> Self {
+        if scenario.rig.is_arm() {
+            return self;
+        }
+        let signals = &scenario.signals;
+        let (reading, drive) = (signals.reading.symbol, signals.drive.symbol);
+        let words = [
+            ("arm displacement b(θ − θ₀)", "displacement at the contact"),
+            ("arm bθ′", "rig, at the contact"),
+            ("Arm, bωα", "Rig"),
+            ("Amplitude bωα of the arm's speed at the contact", "Amplitude of the rig's speed at the contact"),
+            ("speed amplitude bωα", "speed amplitude at the contact"),
+            ("bωα", "the speed at the contact"),
+            ("u₀", drive),
+            ("u0", drive),
+            ("α", reading),
+            ("alpha", reading),
+        ];
+        let tell = |text: &str| {
+            let text = words.iter().fold(text.to_string(), |text, (old, new)| text.replace(old, new));
+            replaced(&text, "arm", "rig")
+        };
+        for text in [&mut self.title, &mut self.caption, &mut self.alt, &mut self.svg, &mut self.csv] {
+            *text = tell(text);
+        }
+        for (label, text) in &mut self.notes {
+            (*label, *text) = (tell(label), tell(text));
+        }
+        self.reading = self.reading.map(|text| tell(&text));
+        self
+    }
+
     /// A drawing without key numbers: name of its files and title, caption and text alternative, SVG and CSV, how to read it.
     fn new(
         (name, title): (&str, &str),
@@ -100,6 +134,21 @@ impl Drawing {
         let reading = reading.map(String::from);
         Self { name: name.into(), title: title.into(), caption, alt, svg, csv, notes: Vec::new(), reading }
     }
+}
+
+/// The text with a word in place of another; what only contains it stays.
+fn replaced(text: &str, word: &str, by: &str) -> String {
+    let letter = |c: Option<char>| c.is_some_and(char::is_alphabetic);
+    let mut told = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(at) = rest.find(word) {
+        let (before, after) = (&rest[..at], &rest[at + word.len()..]);
+        let inside = letter(before.chars().next_back().or(told.chars().next_back())) || letter(after.chars().next());
+        told.push_str(before);
+        told.push_str(if inside { word } else { by });
+        rest = after;
+    }
+    told + rest
 }
 
 /// A figure of a `T`: of an outcome, a comparison, a discovery, a series of trials.
@@ -166,4 +215,18 @@ pub fn drawings<T: Sync + 'static>(
 /// [`FigureError::Render`] where the SVG does not parse or the scale gives no image.
 pub fn png(svg: &str, scale: f32) -> Result<Vec<u8>, FigureError> {
     style::rasterise(svg, scale)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_are_replaced_and_parts_of_words_stay() {
+        assert_eq!(
+            replaced("arm, the arm's harmonic and alarm arm", "arm", "rig"),
+            "rig, the rig's harmonic and alarm rig"
+        );
+        assert_eq!(replaced("", "arm", "rig"), "");
+    }
 }

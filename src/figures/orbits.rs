@@ -89,6 +89,7 @@ impl Cycle<'_> {
 /// # Errors
 /// [`FigureError::MissingData`] where no orbit was kept.
 pub fn cycles<'a>(outcome: &'a Outcome, figure: &str) -> Result<(Vec<Cycle<'a>>, usize), FigureError> {
+    data::with_contact(outcome, figure)?;
     let arm = outcome.scenario.rig.lever();
     let of_curve = |curve: &'a crate::sweep::Curve| {
         let points = curve.frequency.iter().zip(&curve.states).zip(&curve.orbits);

@@ -29,6 +29,7 @@ struct Data<'a> {
 
 impl<'a> Data<'a> {
     fn of(outcome: &'a Outcome) -> Result<Self, FigureError> {
+        data::with_contact(outcome, "regime-map")?;
         let all = data::curves(outcome);
         let groups = data::groups(&all, Field::Speed);
         let positive = |group: &[&'a Curve]| -> Vec<&'a Curve> {
@@ -58,7 +59,7 @@ impl<'a> Data<'a> {
         let edges = edges(&speeds, self.log);
         let (low, high) = (edges[0], edges[edges.len() - 1]);
         let y = Axis { log: self.log, ..Axis::linear("roller speed V [mm/s]", low, high) };
-        let x = Axis::linear("frequency f [Hz]", self.span.0, self.span.1);
+        let x = Axis::frequency("frequency f", self.span.0, self.span.1);
         let panel = Panel { left: 92.0, top: 24.0, width: WIDTH - 92.0 - 132.0, height: 536.0, x, y };
         document((WIDTH, HEIGHT), (title, alt), |canvas| {
             canvas.areas(&panel, |canvas| self.cells(&panel, canvas, &edges));
@@ -225,6 +226,6 @@ impl Figure for RegimeMap {
         }
         let alt = "Colour map of the stick fraction over frequency and roller speed; a resonance-shaped line marks where the arm in full slip is as fast as the roller.".to_string();
         let svg = data.draw(self.title(), &alt)?;
-        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
+        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes).told_of(&outcome.scenario))
     }
 }

@@ -1,18 +1,28 @@
 //! Amplitude and phase against frequency, one curve per condition, between the limiting cases (paper Figures 5 and 6).
 
 use super::axes::{Axis, Panel, range};
-use super::canvas::{Canvas, Point, Stroke, document};
+use super::canvas::{Canvas, Dash, Point, Stroke, document};
 use super::data::{self, health};
 use super::legend::{Entry, Key, legend, legend_width};
 use super::marks::Mark;
 use super::scheme::{Scheme, Styled, draw_curve, draw_limit, limit_band, limit_name, limit_points, limits};
-use super::style::{INK, Table, Unit, WIDTH, cell, count};
+use super::style::{DOTS, INK, Table, Unit, WIDTH, cell, count};
 use super::{Drawing, Figure, FigureError};
+use crate::scenario::Signals;
 use crate::solver::SteadyState;
 use crate::sweep::{Curve, LimitCurve, Outcome};
+use crate::units::Frequencies;
 use std::f64::consts::PI;
 
 const HEIGHT: f64 = 740.0;
+/// Dash of what only a sweep downwards finds.
+const DOWN: Dash = Dash::Dashes(8.0, 4.0);
+/// How to read it where there is no contact.
+const ALONE: [&str; 3] = [
+    "One peak for every drive, at the same frequency and as much higher as the drive is stronger: the rig is linear.",
+    "Peaks that move, lean or grow less than the drive, which is what effects of the scenario do; open marks (self-excited states), or gaps (no state found).",
+    "Compare frequency, height and width of the peaks with measured ones, drive by drive.",
+];
 
 /// The figure.
 pub struct Resonance;
@@ -24,6 +34,7 @@ struct Data<'a> {
     span: (f64, f64),
     unit: Unit,
     wraps: bool,
+    signals: Signals,
 }
 
 impl<'a> Data<'a> {
@@ -39,8 +50,10 @@ impl<'a> Data<'a> {
             limits.iter().flat_map(|(limit, _)| limit_points(limit, &limit.amplitude, span, 1.0)).map(|p| p.1);
         let largest = range(states().map(|state| state.amplitude).chain(of_limits)).1;
         let (low, high) = range(states().map(|state| state.phase));
-        let unit = Unit::fitting(largest, "rad");
-        Ok(Self { scheme: Scheme::of(&curves), limits, span, unit, wraps: high > 0.5 * PI && low < -0.5 * PI })
+        let signals = outcome.scenario.signals;
+        let unit = Unit::of_signal(largest, signals.reading.unit);
+        let (scheme, wraps) = (Scheme::of(&curves, outcome), high > 0.5 * PI && low < -0.5 * PI);
+        Ok(Self { scheme, limits, span, unit, wraps, signals })
     }
 
     /// Phase in degrees; on the branch from -270° to 90° where the sweep crosses -180°.
@@ -65,7 +78,8 @@ impl<'a> Data<'a> {
             entries.push((Key::Mark(Mark::Circle, INK, false), "self-excited".into()));
         }
         if self.scheme.curves.iter().any(|styled| styled.curve.down.iter().any(Option::is_some)) {
-            entries.push((Key::Mark(Mark::Triangle, INK, false), "sweeping down".into()));
+            entries.push((Key::Line(Stroke::dashed(INK, 2.0, DOWN)), "sweeping down".into()));
+            entries.push((Key::Mark(Mark::Circle, INK, true), "fold: the sweep jumps".into()));
         }
         entries
     }
@@ -74,12 +88,14 @@ impl<'a> Data<'a> {
         let entries = self.legend();
         let column = legend_width(&entries);
         let width = WIDTH - 92.0 - 30.0 - column - 20.0;
-        let axis = || Axis::linear("frequency f [Hz]", self.span.0, self.span.1);
-        let states = || self.scheme.curves.iter().flat_map(|s| &s.curve.states);
+        let axis = || Axis::frequency("frequency f", self.span.0, self.span.1);
+        let states =
+            || self.scheme.curves.iter().flat_map(|s| s.curve.states.iter().chain(s.curve.down.iter().flatten()));
         let of_limits =
             self.limits.iter().flat_map(|(l, _)| limit_points(l, &l.amplitude, self.span, 1.0)).map(|p| p.1);
         let amplitudes = states().map(|s| s.amplitude).chain(of_limits);
-        let amplitude = Axis::around(format!("amplitude α [{}]", self.unit.label), amplitudes.map(|a| self.unit.of(a)));
+        let label = format!("{} [{}]", data::reading(&self.signals), self.unit.label);
+        let amplitude = Axis::around(label, amplitudes.map(|a| self.unit.of(a)));
         let phases =
             states().map(|s| self.phase(s.phase)).chain(self.limits.iter().flat_map(|(l, _)| self.limit_phase(l)));
         let phase = phase_axis(phases);
@@ -107,6 +123,11 @@ impl<'a> Data<'a> {
 
     /// Amplitude and phase of one curve.
     fn curve(&self, canvas: &mut Canvas, (upper, lower): (&Panel, &Panel), styled: &Styled<'_>) {
+        if styled.curve.down.iter().any(Option::is_some) {
+            self.branches(canvas, upper, styled, false);
+            self.branches(canvas, lower, styled, true);
+            return;
+        }
         draw_curve(upper, canvas, styled.curve, styled.stroke, |s| self.unit.of(s.amplitude));
         // A line broken wherever the phase jumps by more than half a turn.
         let points = data::steady(styled.curve, |s| self.phase(s.phase));
@@ -117,10 +138,37 @@ impl<'a> Data<'a> {
         draw_curve(lower, canvas, styled.curve, styled.stroke, dots);
         let open = data::self_excited(styled.curve, |s| self.phase(s.phase));
         lower.marks(canvas, &open, Mark::Circle, 4.0, styled.stroke.color, false);
-        let down = |of: &dyn Fn(&SteadyState) -> f64| -> Vec<Point> { other_branch(styled.curve, of) };
-        let (a, p) = (down(&|s| self.unit.of(s.amplitude)), down(&|s| self.phase(s.phase)));
-        upper.marks(canvas, &a, Mark::Triangle, 4.0, styled.stroke.color, false);
-        lower.marks(canvas, &p, Mark::Triangle, 4.0, styled.stroke.color, false);
+    }
+
+    /// A curve that folds: what a sweep upwards finds as it is drawn elsewhere, what one downwards finds besides dashed; marks
+    /// where they jump, and thin lines to where they land.
+    fn branches(&self, canvas: &mut Canvas, panel: &Panel, styled: &Styled<'_>, phase: bool) {
+        let of = |s: &SteadyState| if phase { self.phase(s.phase) } else { self.unit.of(s.amplitude) };
+        // Phases are not joined across half a turn.
+        let draw = |canvas: &mut Canvas, points: &[Point], stroke| match phase {
+            true => unbroken(points).iter().for_each(|run| panel.curve(canvas, run, stroke)),
+            false => panel.curve(canvas, points, stroke),
+        };
+        let folds = folds(styled.curve);
+        let mut up = data::steady(styled.curve, &of);
+        // Highest first, so that places before stay where they are.
+        for fold in folds.iter().filter(|fold| !fold.down).rev() {
+            let (at, next) = (fold.from.min(fold.to), fold.from.max(fold.to));
+            up.insert(next, (0.5 * (up[at].0 + up[next].0), f64::NAN));
+        }
+        let solid = styled.stroke;
+        draw(canvas, &up, solid);
+        let dashed = Stroke::dashed(solid.color, solid.width, DOWN);
+        down_lines(styled.curve, &of).iter().for_each(|line| draw(canvas, line, dashed));
+        for fold in &folds {
+            let [from, to] = [(fold.from, fold.down), (fold.to, false)].map(|(at, down)| {
+                let other = styled.curve.down[at].as_ref().filter(|_| down);
+                (styled.curve.frequency[at], of(other.unwrap_or(&styled.curve.states[at])))
+            });
+            panel.curve(canvas, &[from, to], Stroke::dashed(solid.color, 1.3, DOTS));
+            panel.marks(canvas, &[from], Mark::Circle, 4.2, solid.color, true);
+        }
+        panel.marks(canvas, &data::self_excited(styled.curve, &of), Mark::Circle, 4.0, solid.color, false);
     }
 
     fn csv(&self) -> String {
@@ -152,9 +200,59 @@ impl<'a> Data<'a> {
     }
 }
 
-/// States that only a downward sweep finds.
-fn other_branch(curve: &Curve, of: &dyn Fn(&SteadyState) -> f64) -> Vec<Point> {
-    curve.frequency.iter().zip(&curve.down).filter_map(|(f, s)| s.as_ref().map(|s| (*f, of(s)))).collect()
+/// Where a sweep jumps from one branch to the other: the last frequency before it and the first after it, by their indices.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Fold {
+    from: usize,
+    to: usize,
+    /// Whether it is a sweep downwards that jumps.
+    down: bool,
+}
+
+/// Runs of frequencies with two states, as their first and last index.
+fn double(curve: &Curve) -> Vec<(usize, usize)> {
+    let mut runs: Vec<(usize, usize)> = Vec::new();
+    for (i, _) in curve.down.iter().enumerate().filter(|(_, s)| s.is_some()) {
+        match runs.last_mut() {
+            Some((_, last)) if *last + 1 == i => *last = i,
+            _ => runs.push((i, i)),
+        }
+    }
+    runs
+}
+
+/// Whether the branch of a sweep downwards is the one that goes on in the state at `beyond`, next to the end `at` of a run.
+fn down_goes_on(curve: &Curve, at: usize, beyond: usize) -> bool {
+    let complex = |s: &SteadyState| (s.amplitude * s.phase.cos(), s.amplitude * s.phase.sin());
+    let far = |s: &SteadyState| {
+        let ((a, b), (x, y)) = (complex(s), complex(&curve.states[beyond]));
+        (a - x).hypot(b - y)
+    };
+    curve.down[at].as_ref().is_some_and(|down| far(down) < far(&curve.states[at]))
+}
+
+/// The folds of a curve within its range, in the order of the frequency.
+fn folds(curve: &Curve) -> Vec<Fold> {
+    let mut folds = Vec::new();
+    for (first, last) in double(curve) {
+        let ends = [first.checked_sub(1).map(|next| (first, next)), Some((last, last + 1))];
+        for (from, to) in ends.into_iter().flatten().filter(|(_, to)| *to < curve.states.len()) {
+            folds.push(Fold { from, to, down: !down_goes_on(curve, from, to) });
+        }
+    }
+    folds
+}
+
+/// What only a sweep downwards finds, joined with the states in which it goes on.
+fn down_lines(curve: &Curve, of: &dyn Fn(&SteadyState) -> f64) -> Vec<Vec<Point>> {
+    let single = |at: usize| (curve.frequency[at], of(&curve.states[at]));
+    let line = |(first, last): (usize, usize)| {
+        let before = first.checked_sub(1).filter(|&beyond| down_goes_on(curve, first, beyond)).map(single);
+        let after = Some(last + 1).filter(|&beyond| beyond < curve.states.len() && down_goes_on(curve, last, beyond));
+        let inner = (first..=last).filter_map(|i| curve.down[i].as_ref().map(|s| (curve.frequency[i], of(s))));
+        before.into_iter().chain(inner).chain(after.map(single)).collect()
+    };
+    double(curve).into_iter().map(line).collect()
 }
 
 /// An axis of phases in degrees with ticks at multiples of 45 or 15.
@@ -191,6 +289,8 @@ impl Figure for Resonance {
     fn draw(&self, outcome: &Outcome) -> Result<Drawing, FigureError> {
         let data = Data::of(outcome)?;
         let curves: Vec<_> = data.scheme.curves.iter().map(|styled| styled.curve).collect();
+        let (signals, digits) = (&outcome.scenario.signals, data::frequencies(outcome));
+        let peak_text = |peak: Point, unit: &Unit| peak_text(peak, unit, &digits);
         let mut notes = Vec::new();
         for (limit, _) in &data.limits {
             notes.push((
@@ -199,13 +299,20 @@ impl Figure for Resonance {
             ));
         }
         for styled in &data.scheme.curves {
-            if let Some(peak) =
-                data::peak(&data::steady(styled.curve, |s| s.amplitude)).filter(|_| styled.curve.frequency.len() > 2)
-            {
+            if let Some(peak) = peak_of(styled.curve).filter(|_| styled.curve.frequency.len() > 2) {
                 notes.push((format!("Peak, {}", styled.label), peak_text(peak, &data.unit)));
             }
+            let folds = folds(styled.curve);
+            if !folds.is_empty() {
+                let one = |fold: &Fold| {
+                    let way = if fold.down { "down" } else { "up" };
+                    format!("sweeping {way} jumps at {}", digits.show(styled.curve.frequency[fold.from]))
+                };
+                let text = folds.iter().map(one).collect::<Vec<_>>().join(", ");
+                notes.push((format!("Folds, {}", styled.label), text));
+            }
         }
-        let drives = data::Field::Drive.distinct(&curves).len();
+        let drives = data::Field::Drive(signals.drive).distinct(&curves).len();
         let of_drive = if drives > 1 { format!(" of the first of {drives} drives") } else { String::new() };
         let peaks = match data.limits.as_slice() {
             [(slip, _), (fixed, _)] => format!(
@@ -222,8 +329,13 @@ impl Figure for Resonance {
         };
         let drawn = data.scheme.curves.len();
         let (from, to) = range(curves.iter().flat_map(|curve| curve.frequency.iter().copied()));
+        let (whose, limiting) = match signals.of_arm() {
+            true => ("the arm".to_string(), "; wide and pale, the limiting cases"),
+            false => (format!("the {}", signals.reading.name), ""),
+        };
         let caption = format!(
-            "Amplitude α and phase φ of the arm at the drive frequency, {} from {} to {} Hz; wide and pale, the limiting cases.{peaks}{}{}{}",
+            "Amplitude {} and phase φ of {whose} at the drive frequency, {} from {} to {} Hz{limiting}.{peaks}{}{}{}",
+            signals.reading.symbol,
             count(drawn, "computed curve"),
             cell(from),
             cell(to),
@@ -231,12 +343,17 @@ impl Figure for Resonance {
             branches(&curves),
             health(&curves)
         );
+        let beneath = if signals.of_arm() { " and the limiting cases as wide pale lines beneath" } else { "" };
         let alt = format!(
-            "Two stacked graphs against frequency: amplitude with resonance peaks, and phase falling through resonance, for {} and the limiting cases as wide pale lines beneath.",
+            "Two stacked graphs against frequency: amplitude with resonance peaks, and phase falling through resonance, for {}{beneath}.",
             count(drawn, "condition")
         );
         let svg = data.draw(self.title(), &alt)?;
-        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
+        let mut drawing = Drawing::of(self, (caption, alt), (svg, data.csv()), notes);
+        if outcome.scenario.contact.is_none() {
+            drawing.reading = ALONE.map(String::from);
+        }
+        Ok(drawing.told_of(&outcome.scenario))
     }
 }
 
@@ -244,7 +361,10 @@ impl Figure for Resonance {
 fn branches(curves: &[&Curve]) -> String {
     match curves.iter().flat_map(|curve| &curve.down).filter(|s| s.is_some()).count() {
         0 => String::new(),
-        n => format!(" At {n} points a downward sweep ends in another state than an upward one (triangles)."),
+        n => format!(
+            " At {n} points a downward sweep ends in another state than an upward one (dashed); dots mark where each of them \
+             jumps to the other."
+        ),
     }
 }
 
@@ -261,6 +381,81 @@ fn coincidence(curves: &[&Curve], nested: bool) -> String {
     format!(" {count} {verb} with another to a millionth of the largest amplitude; {look}.")
 }
 
-fn peak_text((f, a): Point, unit: &Unit) -> String {
-    format!("{} at {f:.2} Hz", unit.show(a, 4))
+fn peak_text((f, a): Point, unit: &Unit, digits: &Frequencies) -> String {
+    format!("{} at {}", unit.show(a, 4), digits.fixed(f))
+}
+
+/// The largest amplitude of either branch.
+fn peak_of(curve: &Curve) -> Option<Point> {
+    let up = data::peak(&data::steady(curve, |s| s.amplitude));
+    let down = down_lines(curve, &|s| s.amplitude).into_iter().filter_map(|line| data::peak(&line));
+    up.into_iter().chain(down).reduce(|a, b| if b.1 > a.1 { b } else { a })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::Formulation;
+    use crate::solver::{Method, Status};
+    use crate::sweep::Condition;
+
+    fn state(amplitude: f64) -> SteadyState {
+        SteadyState {
+            amplitude,
+            phase: 0.0,
+            mean: 0.0,
+            speed_amplitude: 0.0,
+            stick_fraction: 0.0,
+            force_minimum: 0.0,
+            force_maximum: 0.0,
+            cycles: 1,
+            periodicity_error: 0.0,
+            status: Status::Steady,
+            method: Method::Shooting,
+        }
+    }
+
+    fn curve(up: &[f64], down: &[f64]) -> Curve {
+        let condition = Condition {
+            formulation: Formulation::Series,
+            euler_steps: 1,
+            drive: 1.0,
+            load: 0.0,
+            friction: 0.0,
+            speed: 0.0,
+        };
+        let other = |(up, down): (&f64, &f64)| (up != down).then(|| state(*down));
+        Curve {
+            condition,
+            frequency: (0..up.len()).map(|i| i as f64).collect(),
+            states: up.iter().map(|a| state(*a)).collect(),
+            down: up.iter().zip(down).map(other).collect(),
+            orbits: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_sweep_up_falls_where_a_hardening_peak_ends_and_one_down_rises_where_its_foot_does() {
+        let hardening = curve(&[1.0, 2.0, 3.0, 4.0, 5.0, 0.6, 0.5], &[1.0, 2.0, 0.9, 0.8, 0.7, 0.6, 0.5]);
+        let (fall, rise) = (Fold { from: 4, to: 5, down: false }, Fold { from: 2, to: 1, down: true });
+        assert_eq!(folds(&hardening), [rise, fall]);
+        let lines = down_lines(&hardening, &|s| s.amplitude);
+        assert_eq!(lines, [[(2.0, 0.9), (3.0, 0.8), (4.0, 0.7), (5.0, 0.6)]]);
+        assert_eq!(peak_of(&hardening), Some((4.0, 5.0)));
+    }
+
+    #[test]
+    fn a_softening_peak_is_that_of_a_sweep_down() {
+        let softening = curve(&[0.5, 0.6, 0.7, 0.8, 3.0, 2.0, 1.0], &[0.5, 0.6, 5.0, 4.0, 3.0, 2.0, 1.0]);
+        let (rise, fall) = (Fold { from: 3, to: 4, down: false }, Fold { from: 2, to: 1, down: true });
+        assert_eq!(folds(&softening), [fall, rise]);
+        assert_eq!(peak_of(&softening), Some((2.0, 5.0)));
+    }
+
+    #[test]
+    fn branches_that_reach_the_end_of_the_sweep_fold_only_within_it() {
+        let cut = curve(&[1.0, 2.0, 3.0], &[1.0, 0.9, 0.8]);
+        assert_eq!(folds(&cut), [Fold { from: 1, to: 0, down: true }]);
+        assert_eq!(folds(&curve(&[1.0, 2.0], &[1.0, 2.0])), []);
+    }
 }

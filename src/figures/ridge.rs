@@ -8,6 +8,7 @@ use super::marks::{MARKS, Mark};
 use super::scheme::{limit_name, limits};
 use super::style::{DOTS, INK, TICK_SIZE, Table, Unit, WIDTH, cell, ramp, text_width};
 use super::{Drawing, Figure, FigureError};
+use crate::scenario::Signal;
 use crate::sweep::{Curve, LimitCurve, LimitingCase, Outcome};
 
 const HEIGHT: f64 = 720.0;
@@ -43,14 +44,17 @@ struct Data<'a> {
     lines: Vec<Line>,
     limits: Vec<(&'a LimitCurve, Stroke)>,
     curves: Vec<&'a Curve>,
+    reading: Signal,
 }
 
 impl<'a> Data<'a> {
     fn of(outcome: &'a Outcome) -> Result<Self, FigureError> {
+        data::with_contact(outcome, "ridge")?;
         let missing = || FigureError::missing("ridge", "at least two positive speeds and three frequencies");
         let curves: Vec<&Curve> = data::curves(outcome).into_iter().filter(|c| c.frequency.len() > 2).collect();
         let groups = data::groups(&curves, Field::Speed);
-        let fields: Vec<Field> = data::varying(&curves).into_iter().filter(|field| *field != Field::Speed).collect();
+        let fields: Vec<Field> =
+            data::varying(&curves, outcome).into_iter().filter(|field| *field != Field::Speed).collect();
         let mut lines = Vec::new();
         for (i, group) in groups.iter().enumerate() {
             let mut peaks: Vec<Peak> = group.iter().filter_map(|curve| peak(curve)).collect();
@@ -66,12 +70,16 @@ impl<'a> Data<'a> {
         lines.retain(|line| line.peaks.iter().filter(|peak| peak.speed > 0.0).count() > 1);
         let first = curves.first().filter(|_| !lines.is_empty()).ok_or_else(missing)?;
         let limits = limits(outcome, first.condition.drive);
-        Ok(Self { lines, limits, curves })
+        Ok(Self { lines, limits, curves, reading: outcome.scenario.signals.reading })
     }
 
     fn threshold(&self) -> Option<f64> {
         let slip = self.limits.iter().find(|(limit, _)| limit.case == LimitingCase::FreeOrFullSlip)?;
         Some(slip.0.speed_peak)
+    }
+
+    fn unit(&self) -> Unit {
+        Unit::of_signal(range(self.peaks().map(|p| p.amplitude)).1, self.reading.unit)
     }
 
     fn peaks(&self) -> impl Iterator<Item = &Peak> {
@@ -80,14 +88,16 @@ impl<'a> Data<'a> {
 
     fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
         let speed = Unit::speed();
-        let unit = Unit::fitting(range(self.peaks().map(|p| p.amplitude)).1, "rad");
+        let unit = self.unit();
         let mut entries: Vec<Entry> = vec![(Key::Heading, "Peak of the curve".into())];
         entries
             .extend(self.lines.iter().map(|line| (Key::Mark(line.mark, line.stroke.color, true), line.label.clone())));
         if self.peaks().any(|peak| !peak.inside) {
             entries.push((Key::Mark(Mark::Circle, INK, false), "at the sweep's end".into()));
         }
-        entries.push((Key::Heading, "Limiting cases".into()));
+        if !self.limits.is_empty() {
+            entries.push((Key::Heading, "Limiting cases".into()));
+        }
         entries.extend(self.limits.iter().map(|(limit, stroke)| (Key::Line(*stroke), limit_name(limit.case).into())));
         if let Some(v) = self.threshold() {
             entries.push((Key::Line(Stroke::dashed(INK, 1.4, DOTS)), format!("V = {}", speed.show(v, 4))));
@@ -146,7 +156,7 @@ impl<'a> Data<'a> {
     }
 
     fn csv(&self) -> String {
-        let unit = Unit::fitting(range(self.peaks().map(|p| p.amplitude)).1, "rad");
+        let unit = self.unit();
         let amplitude = format!("peak amplitude [{}]", unit.label);
         let mut table =
             Table::new(&["condition", "speed [mm/s]", "peak frequency [Hz]", &amplitude, "inside the sweep"]);
@@ -203,7 +213,7 @@ impl Figure for Ridge {
 
     fn draw(&self, outcome: &Outcome) -> Result<Drawing, FigureError> {
         let data = Data::of(outcome)?;
-        let unit = Unit::fitting(range(data.peaks().map(|p| p.amplitude)).1, "rad");
+        let unit = data.unit();
         let mut caption = String::from(
             "Frequency (above) and height (below) of the resonance peak against the roller's speed, from a parabola through \
              the largest point of each curve and its neighbours.",
@@ -240,6 +250,6 @@ impl Figure for Ridge {
         caption += &health(&data.curves);
         let alt = "Two stacked graphs against roller speed on a logarithmic axis; peak frequency above and peak amplitude below, with the static and full-slip values as horizontal lines.".to_string();
         let svg = data.draw(self.title(), &alt)?;
-        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
+        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes).told_of(&outcome.scenario))
     }
 }

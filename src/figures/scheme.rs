@@ -36,9 +36,14 @@ pub struct Scheme<'a> {
 
 impl<'a> Scheme<'a> {
     /// Colours by the first property that varies (speed before all others), dashes by the rest.
-    pub fn of(curves: &[&'a Curve]) -> Self {
-        let fields = data::varying(curves);
-        let lead = fields.first().copied().unwrap_or(Field::Speed);
+    pub fn of(curves: &[&'a Curve], outcome: &Outcome) -> Self {
+        let fields = data::varying(curves, outcome);
+        let only = if outcome.scenario.contact.is_some() {
+            Field::Speed
+        } else {
+            Field::Drive(outcome.scenario.signals.drive)
+        };
+        let lead = fields.first().copied().unwrap_or(only);
         let rest: Vec<Field> = fields.iter().copied().filter(|field| *field != lead).collect();
         let values = lead.distinct(curves);
         let groups = data::groups(curves, lead);
@@ -81,7 +86,10 @@ fn label(curve: &Curve, lead: Field, rest: &[Field]) -> String {
 pub fn heading(field: Field) -> String {
     match field {
         Field::Speed => "Roller speed V".into(),
-        Field::Drive => "Drive u₀".into(),
+        Field::Drive(signal) => {
+            let (first, rest) = signal.name.split_at(1);
+            format!("{}{rest} {}", first.to_uppercase(), signal.symbol)
+        }
         Field::Load => "Load W".into(),
         Field::Friction => "Friction µ".into(),
         Field::Formulation => "Formulation".into(),

@@ -133,11 +133,33 @@ impl Unit {
 
     /// The largest prefix that shows `largest` as at least 0.1 (1 where nothing is known).
     pub fn fitting(largest: f64, base: &str) -> Self {
-        let prefixes = [(1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"), (1e-12, "p")];
+        let prefixes = [(1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"), (1e-12, "p"), (1e-15, "f")];
         let known = largest.is_finite() && largest > 0.0;
         let found = prefixes.iter().find(|(factor, _)| known && largest / factor >= 0.1 * (1.0 - 1e-9));
-        let &(factor, prefix) = found.unwrap_or(if known { &prefixes[5] } else { &prefixes[1] });
+        let &(factor, prefix) = found.unwrap_or(if known { &prefixes[6] } else { &prefixes[1] });
         Self { factor, label: format!("{prefix}{base}") }
+    }
+
+    /// The same for what drives a rig or is read of it, in print; nobody writes km or krad.
+    pub fn of_signal(largest: f64, unit: &str) -> Self {
+        let motion = unit.starts_with('m') || unit.starts_with("rad");
+        let largest = if motion { largest.min(99.0) } else { largest };
+        Self::fitting(largest, &crate::units::printed(unit))
+    }
+
+    /// The same for one signal over another, the prefix being that of the first.
+    pub fn of_ratio(largest: f64, (unit, other): (&str, &str)) -> Self {
+        let Self { factor, label } = Self::of_signal(largest, unit);
+        let one = if label.contains('/') { format!("({label})") } else { label };
+        let other = crate::units::printed(other);
+        let other = if other.contains(['/', ' ']) { format!("({other})") } else { other };
+        Self { factor, label: format!("{one}/{other}") }
+    }
+
+    /// Hz, kHz or MHz.
+    pub fn frequency(highest: f64) -> Self {
+        let crate::units::Frequencies { factor, unit, .. } = crate::units::Frequencies::of([highest]);
+        Self::new(factor, unit)
     }
 
     /// Millimetres per second, the unit of speeds throughout.
@@ -190,6 +212,9 @@ pub fn power_of_ten(exponent: i32) -> String {
 
 /// A difference in percent, of an error budget say; what the solvers cannot resolve is said to be below that.
 pub fn budget_percent(percent: f64) -> String {
+    if percent.is_nan() {
+        return "not compared".into();
+    }
     if percent < 1e-3 { "< 0.001 %".into() } else { format!("{} %", significant(percent, 3)) }
 }
 
@@ -300,6 +325,16 @@ mod tests {
             assert!(colors.windows(2).all(apart), "{colors:?}");
         }
         assert_eq!(readable(Color(68, 1, 84)), Color(68, 1, 84));
+    }
+
+    #[test]
+    fn units_of_signals_have_prefixes_that_people_write() {
+        assert_eq!(Unit::of_signal(0.06, "m/s^2").label, "mm/s²");
+        assert_eq!(Unit::of_signal(2500.0, "m/s^2").show(2500.0, 3), "2500 m/s²");
+        assert_eq!(Unit::of_signal(2500.0, "N").show(2500.0, 3), "2.5 kN");
+        assert_eq!(Unit::of_ratio(60.0, ("m/s^2", "N")).label, "(m/s²)/N");
+        assert_eq!(Unit::of_ratio(2e-5, ("m", "N m")).label, "µm/(N m)");
+        assert_eq!((Unit::frequency(98.0).label, Unit::frequency(1.2e6).factor), ("Hz".into(), 1e3));
     }
 
     #[test]

@@ -20,12 +20,12 @@ impl Axis {
         let spacing = |points: &[f64]| points.get(1).map(|second| second - points[0]);
         let step = self.step.or(spacing(&nice)).unwrap_or(self.high - self.low);
         let whole = |d: &usize| {
-            let scaled = step * 10f64.powi(*d as i32);
+            let scaled = step / self.per * 10f64.powi(*d as i32);
             (scaled - scaled.round()).abs() < 1e-6
         };
         let decimals = (0..12).find(whole).unwrap_or(12);
         let (first, last) = ((self.low / step - 1e-6).ceil() as i64, (self.high / step + 1e-6).floor() as i64);
-        let label = |k: i64| format!("{:.decimals$}", k as f64 * step).replace('-', "−");
+        let label = |k: i64| format!("{:.decimals$}", k as f64 * step / self.per).replace('-', "−");
         (first..=last.min(first + 200)).map(|k| (k as f64 * step, label(k))).collect()
     }
 
@@ -73,6 +73,8 @@ mod tests {
         assert_eq!(labels(&Axis::linear("", 50.0, 100.0)), ["60", "80", "100"]);
         assert_eq!(labels(&Axis::linear("", -0.3, 0.3)), ["−0.2", "0.0", "0.2"]);
         assert_eq!(labels(&Axis::linear("", 0.0, 1.0).step(0.25)), ["0.00", "0.25", "0.50", "0.75", "1.00"]);
+        let axis = Axis::frequency("f", 999_700.0, 1_000_300.0);
+        assert_eq!((axis.label.as_str(), labels(&axis)[0].as_str()), ("f [kHz]", "999.8"));
     }
 
     #[test]

@@ -26,6 +26,7 @@ struct Data<'a> {
 
 impl<'a> Data<'a> {
     fn of(outcome: &'a Outcome) -> Result<Self, FigureError> {
+        data::with_contact(outcome, "velocity-amplitude")?;
         let all = data::curves(outcome);
         let groups = data::groups(&all, Field::Speed);
         let Some(group) = groups.first() else {
@@ -90,7 +91,7 @@ impl<'a> Data<'a> {
             entries.push((Key::Line(Stroke::dashed(if single { ROLLER } else { INK }, 2.0, DASH_ROLLER)), text));
         }
         let width = WIDTH - 92.0 - 50.0 - legend_width(&entries);
-        let x = Axis::linear("frequency f [Hz]", self.span.0, self.span.1);
+        let x = Axis::frequency("frequency f", self.span.0, self.span.1);
         let panel = Panel {
             left: 92.0,
             top: 24.0,
@@ -226,6 +227,6 @@ impl Figure for VelocityAmplitude {
         caption += &health(&data.curves.iter().map(|(curve, _)| *curve).collect::<Vec<_>>());
         let alt = "Graph of the arm's speed amplitude against frequency: a lower and a higher dashed resonance peak, the roller's speed as a horizontal line, and the computed curve in between.".to_string();
         let svg = data.draw(self.title(), &alt)?;
-        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
+        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes).told_of(&outcome.scenario))
     }
 }

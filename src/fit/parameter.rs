@@ -53,7 +53,7 @@ pub fn parameter(model: &Model, key: &str) -> Option<Parameter> {
         for (candidate, values) in &model.effects {
             for (info, &value) in candidate.parameters().iter().zip(values) {
                 if candidate.name() == effect && info.key == name {
-                    return Some(of_effect(key, info, index, value, model));
+                    return Some(of_effect(key, &info.on(model.rig.coordinate()), index, value, model));
                 }
                 index += 1;
             }

@@ -81,15 +81,31 @@ pub fn of_comparison(gate: &Gate, c: &Comparison) -> Vec<Judged> {
         judged.found += &format!(" (no steady state at {unsolved} of {all} points)");
         judged.holds &= unsolved as f64 <= UNSOLVED * all as f64;
     }
-    list.extend(amplitudes(gate, c));
-    list.extend(phases(gate, c));
+    match of_another_reading(gate, c) {
+        Some(judged) => list.push(judged),
+        None => list.extend(amplitudes(gate, c).into_iter().chain(phases(gate, c))),
+    }
     list
 }
 
+/// A floor of another quantity than the one that was read lets nothing be judged.
+fn of_another_reading(gate: &Gate, c: &Comparison) -> Option<Judged> {
+    let unit = c.table.signals.reading.unit;
+    let stated = gate.floor_unit.filter(|stated| *stated != unit)?;
+    Some(Judged {
+        scenario: c.scenario.id.clone(),
+        gate: "amplitude_floor".into(),
+        found: format!("a floor in {stated}, while the readings are in {unit}"),
+        demanded: format!("a floor in {unit}"),
+        value: None,
+        limit: None,
+        holds: false,
+    })
+}
+
 /// Readings that are judged one by one: all but those that stand out of their neighbours, which no model follows.
-fn judged<'a>(c: &'a Comparison, column: &'static str) -> impl Iterator<Item = &'a Compared> {
-    let outlier = move |row: usize| c.outliers.iter().any(|o| o.row == row && o.column == column);
-    c.points.iter().filter(move |p| !outlier(p.point.row))
+fn judged(c: &Comparison, phase: bool) -> impl Iterator<Item = &Compared> {
+    c.points.iter().filter(move |p| !c.stands_out(p.point.row, phase))
 }
 
 /// The amplitude that is furthest beyond what its tolerance allows.
@@ -100,6 +116,7 @@ fn amplitudes(gate: &Gate, c: &Comparison) -> Option<Judged> {
         (None, Some(_), Some(_)) => return None,
         (relative, floor, _) => (relative.unwrap_or(0.0), floor.unwrap_or(0.0)),
     };
+    let unit = c.table.signals.reading.unit;
     let allowed = |p: &Compared| (relative * p.point.amplitude).max(floor);
     let error = |p: &Compared| (p.model.amplitude - p.point.amplitude).abs();
     let excess = |p: &&Compared| match error(p) {
@@ -108,9 +125,9 @@ fn amplitudes(gate: &Gate, c: &Comparison) -> Option<Judged> {
         0.0 => 0.0,
         e => e / allowed(p),
     };
-    let worst = judged(c, "amplitude_rad").max_by(|a, b| excess(a).total_cmp(&excess(b)))?;
+    let worst = judged(c, false).max_by(|a, b| excess(a).total_cmp(&excess(b)))?;
     let key = if gate.amplitude_tolerance.is_some() { "amplitude_tolerance" } else { "amplitude_floor" };
-    let show = |value: f64| units::format(value.abs(), "rad");
+    let show = |value: f64| units::format(value.abs(), unit);
     let mut result = largest(&c.scenario.id, key, error(worst), allowed(worst), show);
     result.found = format!("{} off at row {}", result.found, worst.point.row);
     result.demanded += " there";
@@ -123,7 +140,7 @@ fn phases(gate: &Gate, c: &Comparison) -> Option<Judged> {
     let floor = gate.amplitude_floor.unwrap_or(0.0);
     let show = |value: f64| format!("{}°", digits(value.to_degrees()));
     let error = |p: &Compared| p.phase_error().map(|e| if e.is_nan() { f64::INFINITY } else { e.abs() });
-    let errors = judged(c, "phase_rad").filter(|p| p.point.amplitude >= floor);
+    let errors = judged(c, true).filter(|p| p.point.amplitude >= floor);
     let worst = errors.filter_map(|p| Some((error(p)?, p.point.row))).max_by(|a, b| a.0.total_cmp(&b.0));
     let Some((value, row)) = worst else {
         let found = "no phase to judge".into();

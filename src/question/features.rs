@@ -108,7 +108,7 @@ impl Judge {
         let ends = [0, last].map(|i| amplitude[i] / self.full_slip[i] - 1.0);
         let errors: Vec<f64> = amplitude.iter().zip(&self.target).map(|(a, t)| a / t - 1.0).collect();
         let rms = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
-        let lower = peak.map_or(f64::NAN, |p| 1.0 - p.amplitude_rad / self.slip_peak.amplitude_rad);
+        let lower = peak.map_or(f64::NAN, |p| 1.0 - p.amplitude / self.slip_peak.amplitude);
         let shift_hz = peak.map_or(f64::NAN, |p| p.frequency_hz - self.slip_peak.frequency_hz);
         Features {
             peak,

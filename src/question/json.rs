@@ -89,7 +89,7 @@ pub fn table(answer: &Answer) -> String {
             let values: Vec<String> = values.map(|(info, value)| format!("{}={value}", info.key)).collect();
             let f = &setting.features;
             let number = |value: Option<f64>| value.filter(|v| v.is_finite()).map_or(String::new(), |v| v.to_string());
-            let peak = (number(f.peak.map(|p| p.frequency_hz)), number(f.peak.map(|p| p.amplitude_rad)));
+            let peak = (number(f.peak.map(|p| p.frequency_hz)), number(f.peak.map(|p| p.amplitude)));
             let cells = [
                 (index + 1).to_string(),
                 h.effect.name().into(),

@@ -10,10 +10,12 @@ use super::view::{
 use crate::compare::{Comparison, ConditionMetrics, Peak, outlier_words};
 use crate::figures::style::budget_percent;
 use crate::fit::{Identified, Interval, Parameter};
+use crate::scenario::Signals;
 use crate::solver::Status;
+use crate::units::Frequencies;
 
 /// Figures shown at once; the others are folded.
-const FIRST: [&str; 3] = ["overlay", "misfit-map", "contact-fingerprint"];
+const FIRST: [&str; 5] = ["overlay", "misfit-map", "contact-fingerprint", "missing-force", "missing-force-amplitude"];
 /// Ranges of misfit listed.
 const REGIONS: usize = 6;
 /// Outliers listed.
@@ -35,6 +37,7 @@ impl ScenarioView {
             _ => Completeness::Failed,
         };
         self.comparison = Some(comparison_view(c, figures));
+        self.rig = self.rig.map(|rig| rig.with(&c.scenario));
         self
     }
 }
@@ -45,25 +48,37 @@ pub fn comparison_view(c: &Comparison, figures: &[FigureInput]) -> ComparisonVie
     let views: Vec<FigureView> = figures.iter().map(|input| figure(id, input)).collect();
     let (first, more) = views.into_iter().partition(|view| FIRST.contains(&view.name.as_str()));
     let verdict = verdict(c);
+    let signals = &c.table.signals;
+    let digits = (!signals.of_arm()).then(|| Frequencies::of(c.table.points.iter().map(|p| p.frequency)));
     let all = ConditionMetrics {
         setting: c.conditions[0].setting,
         metrics: c.overall,
         model_peak: None,
         measured_peak: None,
         measured_peak_sd: 0.0,
+        measured_width: 0.0,
     };
     ComparisonView {
         anchor: anchor::comparison(id),
         verdict,
         sentence: sentence(c, verdict),
         tests: tests(c),
+        signals: super::rig::signals(signals),
         file: c.table.file.display().to_string(),
         hash: c.table.hash.clone(),
-        notes: c.table.notes.clone(),
-        overall: MatchView { speed: none(), load: none(), drive: none(), ..metrics(&all) },
+        notes: c.table.notes.iter().chain(&c.notes).cloned().collect(),
+        overall: MatchView { speed: none(), load: none(), drive: none(), ..metrics(&all, signals, digits.as_ref()) },
         parameters: c.fit.parameters.iter().zip(&c.intervals).map(|(p, i)| fitted(p, i)).collect(),
         ties: c.correlations.iter().map(tie).collect(),
-        conditions: c.conditions.iter().map(metrics).collect(),
+        conditions: c
+            .conditions
+            .iter()
+            .enumerate()
+            .map(|(at, condition)| MatchView {
+                series: if signals.of_arm() { String::new() } else { series(c, at) },
+                ..metrics(condition, signals, digits.as_ref())
+            })
+            .collect(),
         regions: c.regions.iter().take(REGIONS).map(|region| region.sentence.clone()).collect(),
         more_regions: c.regions.len().saturating_sub(REGIONS),
         outliers: c.outliers.iter().take(OUTLIERS).map(outlier).collect(),
@@ -126,13 +141,26 @@ fn tests(c: &Comparison) -> String {
     )
 }
 
-fn metrics(condition: &ConditionMetrics) -> MatchView {
+/// The name of a series, or its number.
+fn series(c: &Comparison, at: usize) -> String {
+    let name = c.table.series.get(at).map_or("", |series| &series.name);
+    if name.is_empty() { (at + 1).to_string() } else { name.to_string() }
+}
+
+/// A condition; `digits` says how its frequencies are written where the rig is not the paper's.
+fn metrics(condition: &ConditionMetrics, signals: &Signals, digits: Option<&Frequencies>) -> MatchView {
     let (m, s) = (&condition.metrics, &condition.setting);
+    let of_contact = |value: f64, unit: &str| if s.contact { format::setting(value, unit) } else { none() };
+    let peak = |found: Option<Peak>| peak(found, signals.reading.unit, digits);
     let degrees = |value: Option<f64>, digits| value.map_or(none(), |value| shown(value, "°", digits));
     MatchView {
-        speed: super::format::setting(s.speed, "m/s"),
-        load: super::format::setting(s.load, "N"),
-        drive: super::format::setting(s.drive, "m"),
+        series: String::new(),
+        speed: of_contact(s.speed, "m/s"),
+        load: of_contact(s.load, "N"),
+        drive: match digits {
+            None => format::setting(s.drive, s.signal.unit),
+            Some(_) => trimmed(s.drive, s.signal.unit),
+        },
         points: m.points,
         readings: m.readings,
         chi2: shown(m.chi2_per_point, "1", 3),
@@ -145,10 +173,20 @@ fn metrics(condition: &ConditionMetrics) -> MatchView {
     }
 }
 
-fn peak(peak: Option<Peak>) -> PeakView {
+/// A drive as it was measured: four digits.
+fn trimmed(value: f64, unit: &str) -> Quantity {
+    let near = format!("{value:.3e}").parse().unwrap_or(value);
+    Quantity { value: Some(value).filter(|v| v.is_finite()), ..format::setting(near, unit) }
+}
+
+fn peak(peak: Option<Peak>, unit: &str, digits: Option<&Frequencies>) -> PeakView {
+    let frequency = |f: f64| match digits {
+        None => computed(f, "Hz"),
+        Some(digits) => Quantity { value: Some(f), text: digits.fixed(f) },
+    };
     PeakView {
-        frequency: peak.map_or(none(), |p| computed(p.frequency_hz, "Hz")),
-        amplitude: peak.map_or(none(), |p| computed(p.amplitude_rad, "rad")),
+        frequency: peak.map_or(none(), |p| frequency(p.frequency_hz)),
+        amplitude: peak.map_or(none(), |p| computed(p.amplitude, unit)),
     }
 }
 
@@ -175,7 +213,7 @@ pub(super) fn tie(pair: &crate::fit::Correlation) -> String {
 }
 
 pub(super) fn outlier(outlier: &crate::compare::Outlier) -> OutlierView {
-    let column = if outlier.column == "phase_rad" { "phase" } else { "amplitude" };
+    let column = if outlier.is_phase() { "phase" } else { "amplitude" };
     OutlierView { row: outlier.row, column: column.into(), error: shown(outlier.sigma, "σ", 3) }
 }
 

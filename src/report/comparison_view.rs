@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::verdict::Match;
-use super::view::{FigureView, NoteView, Quantity};
+use super::view::{FigureView, NoteView, Quantity, SignalsView};
 
 /// Model against measurements.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -16,6 +16,9 @@ pub struct ComparisonView {
     pub sentence: String,
     /// The tests behind the verdict.
     pub tests: String,
+    /// What drives the rig and what was read of it, where it is not the paper's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub signals: Option<SignalsView>,
     /// The table of measurements.
     pub file: String,
     /// Its hash.
@@ -49,11 +52,14 @@ pub struct ComparisonView {
 /// How well a model matches some readings; of several conditions together, settings and peaks are empty.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MatchView {
+    /// The series by its name or number, where the rig is not the paper's.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub series: String,
     /// V.
     pub speed: Quantity,
     /// W.
     pub load: Quantity,
-    /// u0.
+    /// The drive, u0 of the paper's rig.
     pub drive: Quantity,
     /// Points.
     pub points: usize,

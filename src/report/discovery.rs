@@ -7,8 +7,9 @@ use super::format::{quantity, setting};
 use super::scenario::{FigureInput, figure};
 use super::verdict::Found;
 use super::view::{FigureView, Quantity, ScenarioView};
-use crate::compare::outlier_words;
+use crate::compare::{Comparison, outlier_words};
 use crate::discover::{self, Candidate, Discovery, NextMeasurement, NotTestable, Step, Verdict, identified};
+use crate::units::Frequencies;
 
 /// Figures shown at once; the others are folded.
 const FIRST: [&str; 4] = ["ladder", "ladder-overlay", "fingerprint-before-after", "ranking"];
@@ -56,7 +57,11 @@ pub fn discovery_view(d: &Discovery, figures: &[FigureInput]) -> DiscoveryView {
         outliers: d.outliers.iter().take(OUTLIERS).map(outlier).collect(),
         more_outliers: d.outliers.len().saturating_sub(OUTLIERS),
         // Where nothing is missing, a rival that cannot be told apart is no news.
-        next: d.next_measurement.as_ref().filter(|n| d.verdict != Verdict::NothingMissing || n.decides()).map(next),
+        next: d
+            .next_measurement
+            .as_ref()
+            .filter(|n| d.verdict != Verdict::NothingMissing || n.decides())
+            .map(|n| next(n, &end.comparison)),
         notes: d.notes.clone(),
         regions: c.regions.iter().take(REGIONS).map(|region| region.sentence.clone()).collect(),
         more_regions: c.regions.len().saturating_sub(REGIONS),
@@ -109,6 +114,13 @@ fn contact(d: &Discovery) -> String {
     if d.verdict != Verdict::Unexplained || points == 0 {
         return String::new();
     }
+    if !d.explanation().comparison.model.has_contact {
+        return format!(
+            "What is known of the unknown: the stiffness and damping that the missing force must have had at {points} readings, from \
+             the readings and the linear rig alone. They are in the figures of the missing force above and in their CSV, whatever \
+             law they follow."
+        );
+    }
     format!(
         "What is known of the unknown: the stiffness and damping that the contact must have had at {points} readings, from the \
          readings and the rig alone. They are in the figure of the contact above and in its CSV, whatever law they follow."
@@ -154,13 +166,19 @@ fn not_testable(n: &NotTestable) -> NotTestableView {
     }
 }
 
-fn next(n: &NextMeasurement) -> NextView {
+fn next(n: &NextMeasurement, c: &Comparison) -> NextView {
     let meaning = n.meaning();
+    let of_contact = |value: f64, unit: &str| if n.setting.contact { rounded(value, unit) } else { none() };
     NextView {
-        speed: rounded(n.speed_m_s, "m/s"),
-        load: rounded(n.load_n, "N"),
-        drive: rounded(n.drive_m, "m"),
-        frequency: rounded(n.frequency_hz, "Hz"),
+        speed: of_contact(n.setting.speed, "m/s"),
+        load: of_contact(n.setting.load, "N"),
+        drive: rounded(n.setting.drive, n.setting.signal.unit),
+        frequency: if c.table.signals.of_arm() {
+            rounded(n.frequency_hz, "Hz")
+        } else {
+            let digits = Frequencies::of(c.table.points.iter().map(|p| p.frequency));
+            Quantity { value: Some(n.frequency_hz), text: digits.show(n.frequency_hz) }
+        },
         separates: n.separates.to_vec(),
         sigma: shown(n.sigma, "σ", 2),
         meaning,

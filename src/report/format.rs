@@ -80,7 +80,7 @@ pub fn count(number: usize) -> String {
 
 /// A unit of the scenario files in print: `kg m^2` becomes `kg m²`; a pure number has none.
 pub fn unit(unit: &str) -> String {
-    if unit == "1" { String::new() } else { unit.replace("^2", "²").replace("^3", "³").replace("^-1", "⁻¹") }
+    if unit == "1" { String::new() } else { crate::units::printed(unit) }
 }
 
 fn finite(value: f64) -> Option<f64> {
@@ -97,16 +97,22 @@ fn scale(value: f64, si: &str) -> (f64, String) {
     let magnitude = value.abs();
     let prefixes: &[(f64, &str)] = match si {
         "m/s" if (1e-7..1.0).contains(&magnitude) => return (value * 1e3, "mm/s".into()),
-        "rad" | "m" | "N" | "W" | "N m" => &[(1e-12, "p"), (1e-9, "n"), (1e-6, "µ"), (1e-3, "m"), (1.0, "")],
+        "rad" | "m" | "N" | "W" | "N m" | "V" | "m/s" | "m/s^2" | "rad/s" | "rad/s^2" => {
+            &[(1e-12, "p"), (1e-9, "n"), (1e-6, "µ"), (1e-3, "m"), (1.0, "")]
+        }
         "s" => &[(1e-9, "n"), (1e-6, "µ"), (1e-3, "m"), (1.0, "")],
         "N/m" => &[(1.0, ""), (1e3, "k"), (1e6, "M"), (1e9, "G")],
-        "Hz" => &[(1.0, ""), (1e4, "k")],
+        "Hz" => &[(1.0, ""), (1e4, "k"), (1e7, "M")],
         _ => &[],
     };
     let best = prefixes.iter().rev().find(|(factor, _)| magnitude >= factor * (1.0 - 1e-12));
     match best {
         Some((factor, prefix)) if magnitude > 0.0 => {
-            let divisor = if *prefix == "k" { 1e3 } else { *factor };
+            let divisor = match *prefix {
+                "k" => 1e3,
+                "M" => 1e6,
+                _ => *factor,
+            };
             (value / divisor, format!("{prefix}{}", unit(si)))
         }
         _ => (value, unit(si)),

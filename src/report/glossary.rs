@@ -40,20 +40,25 @@ const EQUATIONS: [(&str, &str); 4] = [
 ];
 
 /// Symbols that are marked wherever a text has them; others could be words or units.
-const MARKED: [&str; 8] = ["bωα", "ΔBIC", "χ²", "u₀", "θ₀", "α", "φ", "σ"];
+const MARKED: [&str; 12] = ["bωα", "ΔBIC", "χ²", "u₀", "θ₀", "F₀", "T₀", "a₀", "U₀", "α", "φ", "σ"];
+/// Ids of what is said of any rig.
+const OF_EVERYTHING: [&str; 3] = ["sigma", "chi2", "delta-bic"];
 
-/// All symbols, in the order in which the model introduces them.
+fn view(&(id, symbol, unit, meaning): &(&str, &str, &str, &str)) -> SymbolView {
+    SymbolView { anchor: format!("symbol-{id}"), symbol: symbol.into(), unit: unit.into(), meaning: meaning.into() }
+}
+
+/// All symbols of the paper's rig, in the order in which the model introduces them.
 pub fn glossary() -> Vec<SymbolView> {
-    let view = |&(id, symbol, unit, meaning): &(&str, &str, &str, &str)| SymbolView {
-        anchor: anchor(id),
-        symbol: symbol.into(),
-        unit: unit.into(),
-        meaning: meaning.into(),
-    };
     SYMBOLS.iter().map(view).collect()
 }
 
-/// The equations of the model, each with what it is of.
+/// Symbols of what is said of the readings of any rig.
+pub fn of_everything() -> Vec<SymbolView> {
+    SYMBOLS.iter().filter(|(id, ..)| OF_EVERYTHING.contains(id)).map(view).collect()
+}
+
+/// The equations of the paper's rig, each with what it is of.
 pub fn equations() -> Vec<EquationView> {
     let view = |&(of, equation): &(&str, &str)| EquationView { of: of.into(), equation: equation.into() };
     EQUATIONS.iter().map(view).collect()
@@ -64,22 +69,6 @@ pub fn meaning(symbol: &str) -> &'static str {
     SYMBOLS.iter().find(|(_, known, ..)| *known == symbol).map_or("", |(.., meaning)| meaning)
 }
 
-fn anchor(id: &str) -> String {
-    format!("symbol-{id}")
-}
-
-/// A symbol in italics, its index lowered; a link to its meaning where the table has it.
-pub fn linked(symbol: &str) -> String {
-    let html = set(symbol);
-    match SYMBOLS.iter().find(|(_, known, ..)| *known == symbol) {
-        Some((id, ..)) => {
-            let anchor = anchor(id);
-            format!("<a class=\"term\" href=\"#{anchor}\" aria-describedby=\"{anchor}\">{html}</a>")
-        }
-        None => html,
-    }
-}
-
 /// A symbol in italics, its index lowered.
 pub fn set(symbol: &str) -> String {
     let (letter, index) = symbol.split_once('_').unwrap_or((symbol, ""));
@@ -87,19 +76,45 @@ pub fn set(symbol: &str) -> String {
     format!("<var>{}</var>{index}", HtmlEscape(letter))
 }
 
-/// A text with the first of each marked symbol linked to its meaning.
-pub fn terms(text: &str) -> String {
-    let mut html = String::with_capacity(2 * text.len());
-    let (mut rest, mut seen) = (text, Vec::new());
-    while !rest.is_empty() {
-        let found = MARKED.iter().filter(|symbol| !seen.contains(symbol)).filter_map(|s| Some((rest.find(s)?, s)));
-        let Some((at, symbol)) = found.min_by_key(|(at, symbol)| (*at, std::cmp::Reverse(symbol.len()))) else { break };
-        let (before, after) = rest.split_at(at);
-        html += &format!("{}{}", HtmlEscape(before), linked(symbol));
-        seen.push(symbol);
-        rest = &after[symbol.len()..];
+/// The symbols of a page, to which texts lead.
+pub struct Links(Vec<(String, String)>);
+
+impl Links {
+    /// Links to these symbols; of two that are written alike, to the first.
+    pub fn to(symbols: &[SymbolView]) -> Self {
+        Self(symbols.iter().map(|view| (view.symbol.clone(), view.anchor.clone())).collect())
     }
-    html + &HtmlEscape(rest).to_string()
+
+    fn anchor(&self, symbol: &str) -> Option<&str> {
+        self.0.iter().find(|(known, _)| known == symbol).map(|(_, anchor)| anchor.as_str())
+    }
+
+    /// A symbol in italics, its index lowered; a link to its meaning where the table has it.
+    pub fn linked(&self, symbol: &str) -> String {
+        let html = set(symbol);
+        match self.anchor(symbol) {
+            Some(anchor) => format!("<a class=\"term\" href=\"#{anchor}\" aria-describedby=\"{anchor}\">{html}</a>"),
+            None => html,
+        }
+    }
+
+    /// A text with the first of each marked symbol linked to its meaning.
+    pub fn terms(&self, text: &str) -> String {
+        let mut html = String::with_capacity(2 * text.len());
+        let (mut rest, mut seen) = (text, Vec::new());
+        let known: Vec<&str> = MARKED.into_iter().filter(|symbol| self.anchor(symbol).is_some()).collect();
+        while !rest.is_empty() {
+            let found = known.iter().filter(|symbol| !seen.contains(symbol)).filter_map(|s| Some((rest.find(s)?, s)));
+            let Some((at, symbol)) = found.min_by_key(|(at, symbol)| (*at, std::cmp::Reverse(symbol.len()))) else {
+                break;
+            };
+            let (before, after) = rest.split_at(at);
+            html += &format!("{}{}", HtmlEscape(before), self.linked(symbol));
+            seen.push(symbol);
+            rest = &after[symbol.len()..];
+        }
+        html + &HtmlEscape(rest).to_string()
+    }
 }
 
 #[cfg(test)]
@@ -109,6 +124,8 @@ mod tests {
     #[test]
     fn symbols_are_escaped_and_lead_to_their_meaning() {
         assert_eq!(set("<b>_c"), "<var>&lt;b&gt;</var><sub>c</sub>");
+        let links = Links::to(&glossary());
+        let (linked, terms) = (|s: &str| links.linked(s), |s: &str| links.terms(s));
         assert_eq!(linked("zz"), "<var>zz</var>");
         let alpha = "<a class=\"term\" href=\"#symbol-alpha\" aria-describedby=\"symbol-alpha\"><var>α</var></a>";
         assert_eq!(linked("α"), alpha);
@@ -118,7 +135,9 @@ mod tests {
 
     #[test]
     fn marked_symbols_are_in_the_table_and_ids_are_unique() {
-        assert!(MARKED.iter().all(|symbol| !meaning(symbol).is_empty()));
+        let drives = crate::scenario::Signal::DRIVES.map(|drive| drive.symbol);
+        assert!(MARKED.iter().all(|symbol| !meaning(symbol).is_empty() || drives.contains(symbol)));
+        assert_eq!(of_everything().len(), OF_EVERYTHING.len());
         let mut ids: Vec<&str> = SYMBOLS.iter().map(|(id, ..)| *id).collect();
         ids.sort_unstable();
         ids.dedup();

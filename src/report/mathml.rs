@@ -9,7 +9,7 @@ use minijinja::HtmlEscape;
 /// Two letters that are one symbol: the second stands below the first.
 const PAIRS: [&str; 3] = ["kc", "cc", "Dc"];
 /// Names of functions, set upright.
-const FUNCTIONS: [&str; 4] = ["exp", "log", "max", "ln"];
+const FUNCTIONS: [&str; 5] = ["exp", "log", "max", "sin", "ln"];
 /// Characters below the line with what they stand for.
 const LOWERED: &str = "₀₁₂₃₄ₐₛₘₙᵣ";
 const LOW: &str = "01234asmnr";

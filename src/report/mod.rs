@@ -26,6 +26,7 @@ pub mod provenance;
 mod question;
 mod question_view;
 mod render;
+mod rig;
 mod scenario;
 mod summary;
 pub mod svg;
@@ -56,6 +57,6 @@ pub use view::{
     AbleView, AxisView, CandidateView, CheckView, ClaimView, ComparisonView, CurveView, DiscoveryView,
     EffectParameterView, EffectView, EquationView, FigureView, FileView, FittedView, GateView, Headline, InputView,
     LimitView, MatchView, NextView, NotTestableView, NoteView, OutlierView, ParameterView, PeakView, ProvenanceView,
-    Quantity, QuestionView, ReportView, SCHEMA, ScenarioView, SettingView, StepView, SummaryView, SymbolView,
-    TallyView, TimingView,
+    Quantity, QuestionView, ReportView, RigView, SCHEMA, ScenarioView, SettingView, SignalView, SignalsView, StepView,
+    SummaryView, SymbolView, TallyView, TimingView,
 };

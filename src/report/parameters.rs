@@ -5,7 +5,7 @@ use super::glossary::meaning;
 use super::view::ParameterView;
 use crate::effects::REGISTRY;
 use crate::model::{Model, Operation};
-use crate::scenario::{EffectSetting, Formulation, Scenario, Sweep};
+use crate::scenario::{Coordinate, EffectSetting, Formulation, Scenario, Sweep};
 
 /// All parameters of the scenario: rig, contact, instrument, effects, sweep.
 pub fn parameters(scenario: &Scenario) -> Vec<ParameterView> {
@@ -23,20 +23,34 @@ pub fn parameters(scenario: &Scenario) -> Vec<ParameterView> {
     for (key, index, info) in model.base_parameters() {
         let value = model.clone().parameter(&mut at, index).map_or(f64::NAN, |value| *value);
         let symbol = info.symbol.replace("kc", "k_c").replace("cc", "c_c");
-        let row = ParameterView { name: info.meaning.into(), ..number(&key, &symbol, value, info.unit) };
-
+        let name = if scenario.rig.is_arm() { of_arm(&key, &symbol) } else { info.meaning };
+        let row = ParameterView { name: name.into(), ..number(&key, &symbol, value, info.unit) };
+        // The words of a contact stand with its numbers.
+        if key == "instrument.drive_gain" || key == "instrument.drive_sensitivity" {
+            rows.extend(scenario.contact.map(|contact| {
+                let key = "contact.formulation";
+                words(key, "formulation of the contact", formulation(contact.formulation), &source(key))
+            }));
+        }
         // Of an instrument nobody has said anything of.
         let neutral = if info.key == "phase_offset" { 0.0 } else { 1.0 };
         let ideal = key.starts_with("instrument.") && !info.key.contains("sensitivity") && value == neutral;
         rows.push(if ideal { ParameterView { source: "ideal instrument".into(), ..row } } else { row });
     }
-    if let Some(contact) = scenario.contact {
-        let key = "contact.formulation";
-        rows.push(words(key, "formulation of the contact", formulation(contact.formulation), &source(key)));
-    }
-    rows.extend(scenario.effects.iter().flat_map(|effect| of_effect(effect, &scenario.provenance)));
-    rows.extend(scenario.sweep.iter().flat_map(of_sweep));
+    let coordinate = scenario.rig.coordinate();
+    rows.extend(scenario.effects.iter().flat_map(|effect| of_effect(effect, coordinate, &scenario.provenance)));
+    rows.extend(scenario.sweep.iter().flat_map(|sweep| of_sweep(sweep, scenario)));
     rows
+}
+
+/// What a number of the paper's rig is, in the words of the table of symbols.
+fn of_arm(key: &str, symbol: &str) -> &'static str {
+    match key {
+        "instrument.drive_gain" => "true over stated amplitude of the actuator",
+        "instrument.amplitude_gain" => "reading over true amplitude",
+        "instrument.phase_offset" => "reading minus true phase",
+        _ => meaning(symbol),
+    }
 }
 
 /// The formulation in the word of the scenario files.
@@ -58,11 +72,11 @@ fn words(key: &str, name: &str, value: &str, source: &str) -> ParameterView {
     }
 }
 
-fn of_effect(effect: &EffectSetting, source: &str) -> Vec<ParameterView> {
+fn of_effect(effect: &EffectSetting, coordinate: Coordinate, source: &str) -> Vec<ParameterView> {
     let known = REGISTRY.iter().find(|known| known.name() == effect.name).map_or(&[][..], |known| known.parameters());
     let row = |(index, value): (usize, &f64)| {
-        let info = known.get(index);
-        let key = info.map_or_else(|| format!("{}", index + 1), |info| info.key.to_owned());
+        let info = known.get(index).map(|info| info.on(coordinate));
+        let key = info.as_ref().map_or_else(|| format!("{}", index + 1), |info| info.key.to_owned());
         ParameterView {
             key: format!("effect.{}.{key}", effect.name),
             symbol: info.map_or("", |info| info.symbol).into(),
@@ -75,20 +89,30 @@ fn of_effect(effect: &EffectSetting, source: &str) -> Vec<ParameterView> {
     effect.parameters.iter().enumerate().map(row).collect()
 }
 
-fn of_sweep(sweep: &Sweep) -> Vec<ParameterView> {
+fn of_sweep(sweep: &Sweep, scenario: &Scenario) -> Vec<ParameterView> {
+    let (drive, arm) = (&scenario.signals.drive, scenario.rig.is_arm());
     let axis = |key: &str, symbol: &str, values: &[f64], unit: &str| ParameterView {
         key: key.into(),
         symbol: symbol.into(),
-        name: meaning(symbol).into(),
+        name: match key {
+            "sweep.drive" if !arm => format!("amplitude of the drive: {}", drive.name),
+            "sweep.speed" if !arm => "speed of the surface that slides on the rig".into(),
+            _ => meaning(symbol).into(),
+        },
         value: list(values, unit),
         unit: unit.into(),
         source: "sweep".into(),
     };
+    let frequency = axis("sweep.frequency", "f", &sweep.frequency, "Hz");
+    let driven = axis("sweep.drive", drive.symbol, &sweep.drive, drive.unit);
+    if scenario.contact.is_none() {
+        return vec![frequency, driven];
+    }
     vec![
-        axis("sweep.frequency", "f", &sweep.frequency, "Hz"),
+        frequency,
         axis("sweep.speed", "V", &sweep.speed, "m/s"),
         axis("sweep.load", "W", &sweep.load, "N"),
-        axis("sweep.drive", "u₀", &sweep.drive, "m"),
+        driven,
         axis("sweep.friction", "μ", &sweep.friction, "1"),
     ]
 }

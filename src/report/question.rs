@@ -115,7 +115,7 @@ fn view(h: &Hypothesis, at: &Setting) -> SettingView {
         strain: shown(at.strain, "1", 2),
         rms: shown(100.0 * f.rms, "%", 2),
         peak_frequency: f.peak.map_or(none(), |peak| shown(peak.frequency_hz, "Hz", 3)),
-        peak_amplitude: f.peak.map_or(none(), |peak| shown(peak.amplitude_rad, "rad", 3)),
+        peak_amplitude: f.peak.map_or(none(), |peak| shown(peak.amplitude, "rad", 3)),
         ends: Quantity { value: Some(100.0 * ends), text: difference(ends) },
     }
 }

@@ -1,13 +1,15 @@
 //! From the view to bytes: one self-contained HTML file, or JSON.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::{Serde, Value};
 use minijinja::{AutoEscape, Environment, UndefinedBehavior, context};
 
+use super::glossary::Links;
 use super::verdict::Tone;
-use super::view::{FigureView, ReportView};
+use super::view::{FigureView, ReportView, SymbolView};
 use super::{glossary, mathml, packed, svg};
 
 /// The style sheet and the scripts, which go into the page as they are.
@@ -56,7 +58,7 @@ pub fn render(view: &ReportView) -> Result<String, RenderError> {
     let all = view.figures();
     let drawings: BTreeMap<String, Value> = all.iter().map(|figure| drawing(figure)).collect();
     let tables: BTreeMap<String, String> = all.iter().map(|figure| table(figure)).collect();
-    let environment = environment()?;
+    let environment = environment(&view.glossary)?;
     let page = environment.get_template("report.html.j2")?;
     let pictures = view.baseline.iter().flat_map(|baseline| &baseline.pictures);
     let earlier: BTreeMap<&str, String> = pictures.map(|p| (p.before.as_str(), packed::packed(&p.svg))).collect();
@@ -94,16 +96,18 @@ impl ReportView {
     }
 }
 
-fn environment() -> Result<Environment<'static>, minijinja::Error> {
+fn environment(symbols: &[SymbolView]) -> Result<Environment<'static>, minijinja::Error> {
+    let links = Arc::new(Links::to(symbols));
+    let (of_symbol, of_text) = (Arc::clone(&links), links);
     let mut environment = Environment::new();
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     environment.set_syntax(SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?);
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
     environment.add_filter("tone", |verdict: &str| Tone::of(verdict).class());
     environment.add_filter("sign", |verdict: &str| Tone::of(verdict).symbol());
-    environment.add_filter("symbol", |text: &str| Value::from_safe_string(glossary::linked(text)));
+    environment.add_filter("symbol", move |text: &str| Value::from_safe_string(of_symbol.linked(text)));
     environment.add_filter("letters", |text: &str| Value::from_safe_string(glossary::set(text)));
-    environment.add_filter("terms", |text: &str| Value::from_safe_string(glossary::terms(text)));
+    environment.add_filter("terms", move |text: &str| Value::from_safe_string(of_text.terms(text)));
     environment.add_filter("math", |text: &str| Value::from_safe_string(mathml::block(text)));
     environment.add_filter("raw", raw);
     for (name, text) in TEMPLATES {
@@ -123,6 +127,6 @@ mod tests {
 
     #[test]
     fn every_template_parses() {
-        environment().unwrap();
+        environment(&[]).unwrap();
     }
 }

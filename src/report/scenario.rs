@@ -6,9 +6,8 @@ use super::glossary::meaning;
 use super::parameters::{formulation, parameters};
 use super::verdict::Completeness;
 use super::view::{AxisView, CurveView, FigureView, FileView, LimitView, NoteView, Quantity, ScenarioView};
-use crate::effects;
-use crate::scenario::EffectSetting;
-use crate::scenario::Formulation;
+use crate::effects::{self, ParameterInfo};
+use crate::scenario::{Coordinate, EffectSetting, Formulation, Scenario, Signals};
 use crate::solver::{Status, SteadyState};
 use crate::sweep::{Curve, LimitCurve, LimitingCase, Outcome};
 use crate::units;
@@ -53,14 +52,14 @@ pub fn scenario_view(outcome: &Outcome, figures: &[FigureInput]) -> ScenarioView
         (0, _) => Completeness::SelfExcited,
         _ => Completeness::Failed,
     };
-    let curves: Vec<CurveView> = outcome.curves.iter().map(curve).collect();
+    let curves: Vec<CurveView> = outcome.curves.iter().map(|one| curve(one, scenario)).collect();
     ScenarioView {
         id: scenario.id.clone(),
         anchor: anchor::scenario(&scenario.id),
         title: scenario.title.clone(),
         description: scenario.description.clone(),
         provenance: scenario.provenance.clone(),
-        effects: scenario.effects.iter().map(effect).collect(),
+        effects: scenario.effects.iter().map(|setting| effect(setting, scenario.rig.coordinate())).collect(),
         status,
         points,
         steady: points - self_excited - failed,
@@ -69,10 +68,11 @@ pub fn scenario_view(outcome: &Outcome, figures: &[FigureInput]) -> ScenarioView
         reasons: reasons(states()),
         figures: figures.iter().map(|input| figure(&scenario.id, input)).collect(),
         parameters: parameters(scenario),
-        axes: axes(&curves),
+        axes: axes(&curves, &scenario.signals),
         curves,
         limits: outcome.limits.iter().map(limit).collect(),
         comparison: None,
+        rig: super::rig::rig(scenario),
         discovery: None,
         question: None,
         path: scenario.path.display().to_string(),
@@ -110,42 +110,47 @@ fn reading(texts: &[String; 3]) -> Vec<NoteView> {
 }
 
 /// An effect with its parameters in one line.
-fn effect(setting: &EffectSetting) -> String {
+fn effect(setting: &EffectSetting, coordinate: Coordinate) -> String {
     let infos = effects::find(&setting.name).map_or(&[][..], |effect| effect.parameters());
     let values = infos.iter().zip(&setting.parameters);
-    let values: Vec<String> = values.map(|(p, v)| format!("{} = {}", p.symbol, units::format(*v, p.unit))).collect();
+    let one = |(p, v): (&ParameterInfo, &f64)| format!("{} = {}", p.symbol, units::format(*v, p.unit_for(coordinate)));
+    let values: Vec<String> = values.map(one).collect();
     format!("{} ({})", setting.name, values.join(", "))
 }
 
-fn curve(curve: &Curve) -> CurveView {
-    let condition = &curve.condition;
+fn curve(curve: &Curve, scenario: &Scenario) -> CurveView {
+    let (condition, signals) = (&curve.condition, &scenario.signals);
+    let contact = scenario.contact.is_some();
+    let of_contact = |quantity: Quantity| if contact { quantity } else { none() };
     let count = |wanted: fn(&Status) -> bool| curve.states.iter().filter(|state| wanted(&state.status)).count();
+    let down = curve.frequency.iter().zip(&curve.down).filter_map(|(f, state)| Some((f, state.as_ref()?)));
     let peak = curve
         .frequency
         .iter()
         .zip(&curve.states)
+        .chain(down)
         .filter(|(_, state)| state.amplitude.is_finite() && curve.frequency.len() >= CURVE)
         .max_by(|a, b| a.1.amplitude.total_cmp(&b.1.amplitude));
     let at_peak =
         |unit: &str, value: fn(&SteadyState) -> f64| peak.map_or(none(), |(_, state)| computed(value(state), unit));
     CurveView {
-        formulation: Quantity { value: None, text: formulation(condition.formulation).into() },
+        formulation: of_contact(Quantity { value: None, text: formulation(condition.formulation).into() }),
         euler_steps: match condition.formulation {
             Formulation::Paper => setting(condition.euler_steps as f64, "1"),
             Formulation::Series => none(),
         },
-        drive: setting(condition.drive, "m"),
-        load: setting(condition.load, "N"),
-        friction: setting(condition.friction, "1"),
-        speed: setting(condition.speed, "m/s"),
+        drive: setting(condition.drive, signals.drive.unit),
+        load: of_contact(setting(condition.load, "N")),
+        friction: of_contact(setting(condition.friction, "1")),
+        speed: of_contact(setting(condition.speed, "m/s")),
         peak_frequency: peak.map_or(none(), |(frequency, _)| setting(*frequency, "Hz")),
-        peak_amplitude: at_peak("rad", |state| state.amplitude),
+        peak_amplitude: at_peak(signals.reading.unit, |state| state.amplitude),
         peak_phase: at_peak("rad", |state| state.phase),
-        peak_speed_amplitude: at_peak("m/s", |state| state.speed_amplitude),
-        stick_fraction: peak.map_or(none(), |(_, state)| Quantity {
+        peak_speed_amplitude: of_contact(at_peak("m/s", |state| state.speed_amplitude)),
+        stick_fraction: of_contact(peak.map_or(none(), |(_, state)| Quantity {
             value: Some(state.stick_fraction).filter(|share| share.is_finite()),
             text: percent(state.stick_fraction, 3),
-        }),
+        })),
         steady: count(|status| matches!(status, Status::Steady)),
         self_excited: count(|status| matches!(status, Status::SelfExcited(_))),
         failed: count(|status| matches!(status, Status::Failed(_))),
@@ -167,15 +172,19 @@ fn limit(limit: &LimitCurve) -> LimitView {
 }
 
 /// The settings of the curves, outermost first; those that are the same for all of them carry the common value.
-fn axes(curves: &[CurveView]) -> Vec<AxisView> {
+fn axes(curves: &[CurveView], signals: &Signals) -> Vec<AxisView> {
     type Field = fn(&CurveView) -> &Quantity;
+    let (drive, speed) = match signals.of_arm() {
+        true => (meaning("u₀"), meaning("V")),
+        false => (signals.drive.name, "speed of the surface that slides on the rig"),
+    };
     let fields: [(&str, &str, &str, Field); 6] = [
         ("formulation", "", "formulation", |curve| &curve.formulation),
         ("euler_steps", "", "Euler steps per cycle", |curve| &curve.euler_steps),
-        ("drive", "u₀", meaning("u₀"), |curve| &curve.drive),
+        ("drive", signals.drive.symbol, drive, |curve| &curve.drive),
         ("load", "W", meaning("W"), |curve| &curve.load),
         ("friction", "μ", meaning("μ"), |curve| &curve.friction),
-        ("speed", "V", meaning("V"), |curve| &curve.speed),
+        ("speed", "V", speed, |curve| &curve.speed),
     ];
     let axis = |(key, symbol, name, field): (&str, &str, &str, Field)| {
         let first = curves.first().map(field)?;

@@ -5,8 +5,8 @@ use super::glossary::{equations, glossary};
 use super::provenance::{Provenance, SECTION};
 use super::verdict::{Agreement, Completeness, Found, Match, Tone, Verdict};
 use super::view::{
-    CheckView, ClaimView, ComparisonView, DiscoveryView, EffectView, Headline, ReportView, SCHEMA, ScenarioView,
-    SummaryView, TallyView,
+    CheckView, ClaimView, ComparisonView, DiscoveryView, EffectView, EquationView, Headline, ReportView, SCHEMA,
+    ScenarioView, SummaryView, SymbolView, TallyView,
 };
 use crate::units;
 
@@ -19,6 +19,40 @@ const PAPER: &str = "The experiment of Nakano and others (Frontiers in Mechanica
 
 const PLAIN: &str = "Simulations of a torsional rig in frictional contact with a driven roller, after Nakano and others (Frontiers in \
     Mechanical Engineering 5:9, 2019): the figures with their numbers, and how far these can be trusted.";
+
+/// Of scenarios none of which is about the paper's kind of rig.
+fn of_others(scenarios: &[ScenarioView]) -> String {
+    let measured = scenarios.iter().any(|scenario| scenario.comparison.is_some());
+    let equation = scenarios.iter().filter_map(|s| Some(s.rig.as_ref()?.equations.first()?.equation.clone())).next();
+    let equation = equation.map_or(String::new(), |equation| format!(", {equation}"));
+    if measured {
+        format!(
+            "Measured steady states held against the model of a single mode of vibration{equation}: how well it fits, where it \
+             fails and what it lacks, and how far these numbers can be trusted."
+        )
+    } else {
+        format!(
+            "Simulations of a single mode of vibration{equation}: the figures with their numbers, and how far these can be trusted."
+        )
+    }
+}
+
+/// Equations and symbols of the rigs of some scenarios, each once.
+fn of_rigs(scenarios: &[ScenarioView]) -> (Vec<EquationView>, Vec<SymbolView>) {
+    let of_paper = scenarios.is_empty() || scenarios.iter().any(|scenario| scenario.rig.is_none());
+    let (mut all, mut symbols) = if of_paper { (equations(), glossary()) } else { (Vec::new(), Vec::new()) };
+    for rig in scenarios.iter().filter_map(|scenario| scenario.rig.as_ref()) {
+        let new = rig.equations.iter().filter(|equation| !all.contains(equation)).cloned().collect::<Vec<_>>();
+        all.extend(new);
+        for symbol in &rig.symbols {
+            // What two rigs mean by one letter may differ: then both are told.
+            if !symbols.iter().any(|known: &SymbolView| known.anchor == symbol.anchor) {
+                symbols.push(symbol.clone());
+            }
+        }
+    }
+    (all, symbols)
+}
 
 impl ReportView {
     /// The report from its parts. Anchors are made unique, links to figures that do not exist are dropped.
@@ -75,10 +109,17 @@ impl ReportView {
         for check in &mut verification {
             check.anchor = anchors.claim(&anchor::check(&check.name));
         }
+        let (equations, glossary) = of_rigs(&scenarios);
+        let others = !scenarios.is_empty() && scenarios.iter().all(|scenario| scenario.rig.is_some());
+        let lead = match (claims.is_empty(), others) {
+            (false, _) => PAPER.into(),
+            (true, false) => PLAIN.into(),
+            (true, true) => of_others(&scenarios),
+        };
         Self {
             schema: SCHEMA.into(),
             title: title.into(),
-            lead: if claims.is_empty() { PLAIN } else { PAPER }.into(),
+            lead,
             summary: SummaryView::of(&claims, &scenarios, &verification),
             gates: Vec::new(),
             baseline: None,
@@ -89,8 +130,8 @@ impl ReportView {
             scenarios,
             atlas,
             verification,
-            equations: equations(),
-            glossary: glossary(),
+            equations,
+            glossary,
         }
     }
 }

@@ -97,11 +97,13 @@ fn of_scenario(s: &ScenarioView) -> Vec<Value> {
 
 /// Every curve with what distinguishes it from the others of its scenario.
 fn curves(s: &ScenarioView) -> impl Iterator<Item = (String, &CurveView)> {
-    let label = |curve: &CurveView| {
+    let symbol =
+        |key: &str| s.axes.iter().find(|axis| axis.key == key).map_or(String::new(), |axis| axis.symbol.clone());
+    let label = move |curve: &CurveView| {
         let setting = |key: &str| match key {
             "formulation" => curve.formulation.text.clone(),
             "euler_steps" => format!("{} steps", curve.euler_steps.text),
-            "drive" => format!("u₀ = {}", curve.drive.text),
+            "drive" => format!("{} = {}", symbol(key), curve.drive.text),
             "load" => format!("W = {}", curve.load.text),
             "friction" => format!("μ = {}", curve.friction.text),
             _ => format!("V = {}", curve.speed.text),

@@ -187,6 +187,9 @@ pub struct ScenarioView {
     pub limits: Vec<LimitView>,
     /// Model against measurements, where there are any.
     pub comparison: Option<ComparisonView>,
+    /// The rig, where it is not the paper's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rig: Option<RigView>,
     /// What is missing, where there are measurements.
     #[serde(default)]
     pub discovery: Option<DiscoveryView>,
@@ -197,6 +200,40 @@ pub struct ScenarioView {
     pub path: String,
     /// BLAKE3 hash of the file and everything it extends.
     pub hash: String,
+}
+
+/// A rig that is not the paper's.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RigView {
+    /// What drives it and what is read of it in a sweep.
+    #[serde(flatten)]
+    pub signals: SignalsView,
+    /// Whether it has a contact.
+    pub contact: bool,
+    /// Its equations without effects.
+    pub equations: Vec<EquationView>,
+    /// Symbols of these and of what is said of its readings.
+    pub symbols: Vec<SymbolView>,
+}
+
+/// What drives a rig and what is read of it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SignalsView {
+    /// The drive.
+    pub drive: SignalView,
+    /// The reading.
+    pub reading: SignalView,
+}
+
+/// A drive or a reading.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SignalView {
+    /// Name in running text.
+    pub name: String,
+    /// Symbol.
+    pub symbol: String,
+    /// SI unit in the notation of scenario files.
+    pub unit: String,
 }
 
 /// A parameter with its origin.

@@ -5,15 +5,21 @@ use super::diagnostic::{nearest, quote, suggestion};
 use super::embedded;
 use super::parameters::{COLUMNS, CONTACT, RIG};
 use super::reader::{Reader, Table};
-use super::rig::Rig;
+use super::rig::{Coordinate, Rig};
 use super::source::Store;
 use super::types::{EffectSetting, Instrument, MeasurementSource, Scenario};
 use super::validate::units;
 use super::written::{Entry, Node, Value};
-use crate::effects::{Effect, compatible, find, in_paper_formulation};
+use crate::effects::{Effect, ParameterInfo, compatible, find, fits_rig, in_paper_formulation};
 
-/// The list `[[effect]]`, each from the catalogue and none twice.
-pub(crate) fn effects(reader: &mut Reader<'_>, node: Option<&Node>, options: &LoadOptions<'_>) -> Vec<EffectSetting> {
+/// The list `[[effect]]`, each from the catalogue and none twice, for a rig with that coordinate and with a contact or without;
+/// `None` where the table of either is not sound.
+pub(crate) fn effects(
+    reader: &mut Reader<'_>,
+    node: Option<&Node>,
+    (coordinate, contact): (Option<Coordinate>, Option<bool>),
+    options: &LoadOptions<'_>,
+) -> Vec<EffectSetting> {
     let Some(node) = node else { return Vec::new() };
     let help = "write a line [[effect]], double brackets, with name = \"…\" and its parameters below it";
     let Value::List(items) = &node.value else {
@@ -28,7 +34,16 @@ pub(crate) fn effects(reader: &mut Reader<'_>, node: Option<&Node>, options: &Lo
             continue;
         };
         let table = Table { name: "[[effect]]".into(), place: item.place.clone(), entries };
-        let Some(setting) = effect(reader, &table, options) else { continue };
+        let Some(setting) = effect(reader, &table, coordinate.unwrap_or(Coordinate::Angle), options) else { continue };
+        let unfit = named(&setting.name, options).zip(contact).and_then(|(effect, has)| fits_rig(effect, has).err());
+        if let Some(why) = unfit {
+            let help = match contact {
+                Some(true) => "remove the effect, or the table [contact]",
+                _ => "remove the effect, or add the table [contact]; `stickslip effects` says which effects need one",
+            };
+            reader.fail(&item.place, &why, "does not go with the rig", help);
+            continue;
+        }
         if list.iter().any(|other| other.name == setting.name) {
             let title = format!("the effect `{}` appears twice", setting.name);
             reader.fail(&item.place, &title, "appeared before", "remove one of the two");
@@ -75,7 +90,12 @@ pub(crate) fn fits_formulation(
     }
 }
 
-fn effect(reader: &mut Reader<'_>, table: &Table<'_>, options: &LoadOptions<'_>) -> Option<EffectSetting> {
+fn effect(
+    reader: &mut Reader<'_>,
+    table: &Table<'_>,
+    coordinate: Coordinate,
+    options: &LoadOptions<'_>,
+) -> Option<EffectSetting> {
     let Some(node) = table.get("name") else {
         reader.keys(
             table,
@@ -92,9 +112,9 @@ fn effect(reader: &mut Reader<'_>, table: &Table<'_>, options: &LoadOptions<'_>)
         reader.fail(&node.place, &format!("unknown effect {}", quote(&name)), &label, &help);
         return None;
     };
-    let infos = effect.parameters();
+    let infos: Vec<ParameterInfo> = effect.parameters().iter().map(|info| info.on(coordinate)).collect();
     let table = Table { name: format!("the effect `{name}`"), place: node.place.clone(), entries: table.entries };
-    reader.keys(&table, &units(infos), &["name"]);
+    reader.keys(&table, &units(&infos), &["name"]);
     let values: Vec<_> =
         infos.iter().map(|info| table.get(info.key).and_then(|node| reader.quantity(node, info))).collect();
     Some(EffectSetting { name, parameters: values.into_iter().collect::<Option<_>>()? })

@@ -6,27 +6,44 @@ use super::parameters::{GATE, VERDICTS};
 use super::reader::{Reader, Table};
 use super::types::Gate;
 use super::written::{Entry, Value};
+use crate::effects::ParameterInfo;
+use crate::units;
 
 /// Keys of the table that are no numbers.
 const WORDS: [&str; 3] = ["verdict", "effects", "claims"];
 
-/// The table, or nothing asked for; `None` where it is not sound.
-pub(crate) fn gate(reader: &mut Reader<'_>, entries: &[Entry], options: &LoadOptions<'_>) -> Option<Gate> {
+/// The table, or nothing asked for; `None` where it is not sound. `readings` are the units of what may be read of the rig: which
+/// of them is, the measured table says.
+pub(crate) fn gate(
+    reader: &mut Reader<'_>,
+    entries: &[Entry],
+    readings: &[&'static str],
+    options: &LoadOptions<'_>,
+) -> Option<Gate> {
     if !entries.iter().any(|entry| entry.key == "gate") {
         return Some(Gate::default());
     }
     let table = reader.table(entries, "gate")?;
     let keys: Vec<_> = GATE.iter().map(|info| info.key).chain(WORDS).collect();
     reader.keys(&table, &[], &keys);
+    let floor_unit = table.get("amplitude_floor").and_then(|node| match &node.value {
+        Value::Text(text) => readings.iter().copied().find(|unit| units::parse(text, unit).is_ok()),
+        _ => None,
+    });
+    let in_unit = |info: &ParameterInfo| match info.key {
+        "amplitude_floor" => ParameterInfo { unit: floor_unit.unwrap_or(readings[0]), ..*info },
+        _ => *info,
+    };
     let numbers: Vec<Option<f64>> = GATE
         .iter()
-        .map(|info| table.get(info.key).map_or(Some(None), |node| reader.quantity(node, info).map(Some)))
+        .map(|info| table.get(info.key).map_or(Some(None), |node| reader.quantity(node, &in_unit(info)).map(Some)))
         .collect::<Option<_>>()?;
     let gate = Gate {
         max_rms_error: numbers[0],
         max_chi2_per_point: numbers[1],
         amplitude_tolerance: numbers[2],
         amplitude_floor: numbers[3],
+        floor_unit,
         phase_tolerance: numbers[4],
         verdict: verdict(reader, &table)?,
         effects: table.get("effects").map(|node| {
@@ -35,7 +52,7 @@ pub(crate) fn gate(reader: &mut Reader<'_>, entries: &[Entry], options: &LoadOpt
         }),
         claims: claims(reader, &table),
     };
-    sound(reader, &table, entries, &gate);
+    sound(reader, &table, entries, (&gate, readings[0]));
     Some(gate)
 }
 
@@ -73,12 +90,14 @@ fn claims(reader: &mut Reader<'_>, table: &Table<'_>) -> Vec<String> {
 }
 
 /// Whether the keys go together with each other and with the rest of the scenario.
-fn sound(reader: &mut Reader<'_>, table: &Table<'_>, entries: &[Entry], gate: &Gate) {
-    for key in ["phase_tolerance", "amplitude_floor"] {
+fn sound(reader: &mut Reader<'_>, table: &Table<'_>, entries: &[Entry], (gate, reading): (&Gate, &str)) {
+    for (key, unit) in [("phase_tolerance", "rad"), ("amplitude_floor", reading)] {
         let Some(node) = table.get(key) else { continue };
         if matches!(&node.value, Value::Text(text) if text.contains('%')) {
-            let help = "write e.g. \"5 deg\" for a phase, \"1 urad\" for an amplitude";
-            reader.fail(&node.place, &format!("`{key}` is an angle, not a share"), "a percentage of what?", help);
+            let what = if unit == "rad" { "an angle".into() } else { format!("an amplitude in {unit}") };
+            let small = if reading == "rad" { "urad" } else { reading };
+            let help = format!("write e.g. \"5 deg\" for a phase, \"1 {small}\" for an amplitude");
+            reader.fail(&node.place, &format!("`{key}` is {what}, not a share"), "a percentage of what?", &help);
         }
     }
     let place = |key: &str| {

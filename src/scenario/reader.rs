@@ -201,7 +201,7 @@ fn example(key: &str, unit: &str) -> String {
         (_, "list") => "[\"…\"]".into(),
         ("max_rms_error" | "amplitude_tolerance", _) => "\"5 %\"".into(),
         ("max_chi2_per_point", _) => "1.5".into(),
-        ("amplitude_floor", _) => "\"0.1 urad\"".into(),
+        ("amplitude_floor", "rad") => "\"0.1 urad\"".into(),
         ("phase_tolerance", _) => "\"3 deg\"".into(),
         (_, "1") => "0.5".into(),
         (_, "m") => "\"60 mm\"".into(),

@@ -127,9 +127,9 @@ pub struct Signal {
 
 impl Signal {
     /// A drive by force.
-    pub const FORCE: Self = Self { name: "force", symbol: "f", unit: "N", order: 0 };
+    pub const FORCE: Self = Self { name: "force", symbol: "F₀", unit: "N", order: 0 };
     /// A drive by torque.
-    pub const TORQUE: Self = Self { name: "torque", symbol: "f", unit: "N m", order: 0 };
+    pub const TORQUE: Self = Self { name: "torque", symbol: "T₀", unit: "N m", order: 0 };
     /// The actuator's displacement, or that of the base.
     pub const DRIVE_DISPLACEMENT: Self = Self { name: "drive", symbol: "u₀", unit: "m", order: 0 };
     /// The rotation of actuator or base.
@@ -156,6 +156,53 @@ impl Signal {
     pub const ACCELERATION: Self = Self { name: "acceleration", symbol: "A", unit: "m/s^2", order: 2 };
     /// A reading in volts; its order is that of the sensitivity's unit.
     pub const VOLTAGE: Self = Self { name: "voltage", symbol: "U", unit: "V", order: 0 };
+
+    /// Everything that may be read.
+    pub const READINGS: [Self; 7] = [
+        Self::ANGLE,
+        Self::ANGULAR_VELOCITY,
+        Self::ANGULAR_ACCELERATION,
+        Self::DISPLACEMENT,
+        Self::VELOCITY,
+        Self::ACCELERATION,
+        Self::VOLTAGE,
+    ];
+    /// Everything that may drive a rig.
+    pub const DRIVES: [Self; 7] = [
+        Self::DRIVE_DISPLACEMENT,
+        Self::DRIVE_ANGLE,
+        Self::DRIVE_ACCELERATION,
+        Self::DRIVE_ANGULAR_ACCELERATION,
+        Self::FORCE,
+        Self::TORQUE,
+        Self::DRIVE_VOLTAGE,
+    ];
+
+    /// Its column in a table as the reading, in SI.
+    pub fn reading_column(&self) -> &'static str {
+        match self.unit {
+            "m" => "amplitude_m",
+            "m/s" => "amplitude_m_s",
+            "m/s^2" => "amplitude_m_s2",
+            "rad/s" => "amplitude_rad_s",
+            "rad/s^2" => "amplitude_rad_s2",
+            "V" => "amplitude_v",
+            _ => "amplitude_rad",
+        }
+    }
+
+    /// Its column in a table as the drive, in SI.
+    pub fn drive_column(&self) -> &'static str {
+        match self.unit {
+            "N" => "force_n",
+            "N m" => "torque_n_m",
+            "m/s^2" => "drive_m_s2",
+            "rad" => "drive_rad",
+            "rad/s^2" => "drive_rad_s2",
+            "V" => "drive_v",
+            _ => "drive_m",
+        }
+    }
 }
 
 /// What is driven and what is read.
@@ -170,6 +217,11 @@ pub struct Signals {
 impl Signals {
     /// Those of the paper's rig: displacement of the actuator, angle of the arm.
     pub const ARM: Self = Self { drive: Signal::DRIVE_DISPLACEMENT, reading: Signal::ANGLE };
+
+    /// Whether these are those of the paper's rig, which no other has: an actuator's displacement turns nothing but its arm.
+    pub fn of_arm(&self) -> bool {
+        *self == Self::ARM
+    }
 }
 
 impl Oscillator {

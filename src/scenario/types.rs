@@ -117,8 +117,10 @@ pub struct Gate {
     pub max_chi2_per_point: Option<f64>,
     /// Largest error of any amplitude, relative to its reading.
     pub amplitude_tolerance: Option<f64>,
-    /// Largest error of an amplitude that passes however small its reading \[rad\].
+    /// Largest error of an amplitude that passes however small its reading, in the unit of the reading.
     pub amplitude_floor: Option<f64>,
+    /// The unit that it is stated in; `None` where it is a bare number, which is in that of the reading.
+    pub floor_unit: Option<&'static str>,
     /// Largest error of any phase \[rad\]; phases of amplitudes below the floor are not judged.
     pub phase_tolerance: Option<f64>,
     /// Verdict that a discovery has to come to.

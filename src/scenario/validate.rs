@@ -9,7 +9,7 @@ use super::gate::gate;
 use super::question::question;
 use super::read_rig::{self, contact, instrument, rig};
 use super::reader::{Reader, TOP_LEVEL, Table, WHOLE};
-use super::rig::Signals;
+use super::rig::{Coordinate, Rig, Signals};
 use super::source::Store;
 use super::types::{Formulation, Scenario, Sweep};
 use super::written::{Node, inside};
@@ -69,7 +69,8 @@ fn read(
         Some(table) => axes::sweep(reader, table, drive, contact).map(Some),
         None => Some(None),
     };
-    let effects = effects(reader, get("effect"), options);
+    let of = (rig.map(|rig| rig.coordinate()), contact.map(|contact| contact.is_some()));
+    let effects = effects(reader, get("effect"), of, options);
     let swept = sweep.iter().flatten().any(|sweep| sweep.formulation.contains(&Formulation::Paper));
     let paper = match sweep {
         Some(Some(_)) => swept,
@@ -80,7 +81,7 @@ fn read(
     let question = question(reader, entries, sweep.as_ref().and_then(Option::as_ref));
     let free =
         free(reader, entries, (rig.as_ref(), contact.flatten().is_some(), instrument.as_ref()), &effects, options);
-    let gate = gate(reader, entries, options);
+    let gate = gate(reader, entries, &readings(rig.as_ref()), options);
     if get("sweep").is_none() && get("measurement").is_none() && role == Role::Complete {
         let help = "add [sweep] with frequency, speed, load and drive, or [measurement] with file; \
                     a file with neither can only be extended by others";
@@ -107,6 +108,16 @@ fn read(
         figures,
         gate: gate?,
     })
+}
+
+/// Units of what may be read of a rig, that of its coordinate first.
+fn readings(rig: Option<&Rig>) -> Vec<&'static str> {
+    let oscillator = rig.is_some_and(|rig| !rig.is_arm());
+    match rig.map_or(Coordinate::Angle, Rig::coordinate) {
+        Coordinate::Angle if oscillator => vec!["rad", "rad/s", "rad/s^2", "V"],
+        Coordinate::Angle => vec!["rad"],
+        Coordinate::Displacement => vec!["m", "m/s", "m/s^2", "V"],
+    }
 }
 
 /// Origins of the numbers of rig, contact and instrument that stand in another file than the first.

@@ -41,6 +41,25 @@ pub fn integrated(model: &Model, at: &Operation, plan: &Plan) -> Integrated {
     }
 }
 
+/// Cycles, in quality factors, after which a motion that began at rest differs by less than 1e-8 from the steady one.
+const SETTLING: f64 = 6.5;
+/// Steps per cycle that suffice for a mode without a contact, whose force is smooth but for joints.
+const COARSE: usize = 400;
+/// Most steps of one integration, and those of a mode with a joint, whose steps take longer.
+const MOST_STEPS: [f64; 2] = [1e7, 8e5];
+
+/// The plan for a model at an operating point: one without a contact rings long, and needs fewer steps a cycle for that.
+pub fn plan_for(model: &Model, at: &Operation, plan: &Plan) -> Plan {
+    if model.has_contact {
+        return *plan;
+    }
+    let mode = Alone::new(model, at);
+    let [mass, damping, stiffness] = mode.linear();
+    let needed = SETTLING * (stiffness * mass).sqrt() / damping;
+    let most = MOST_STEPS[usize::from(mode.joint().is_some())] / COARSE as f64;
+    Plan { steps: COARSE, cycles: needed.clamp(plan.cycles as f64, most) as usize, ..*plan }
+}
+
 /// A slip element: its share of the joint, and where it would be without force.
 struct Slider {
     element: Element,

@@ -31,7 +31,7 @@ mod steady;
 pub mod time;
 mod tolerance;
 
-pub use integrated::{Integrated, integrated};
+pub use integrated::{Integrated, integrated, plan_for};
 pub use paper_euler::LANES;
 pub use steady::{Solution, Warm, orbit, solve, solve_paper, solve_steady};
 

@@ -1,13 +1,16 @@
 //! The periodic solver against plain time integration, over the points of a report.
 
 use super::{Check, largest};
+use crate::model::alone::Alone;
 use crate::model::contact::Problem;
+use crate::model::system::SingleMode;
 use crate::model::{Model, Operation};
-use crate::scenario::Formulation;
+use crate::scenario::{Formulation, Scenario};
 use crate::solver::analytic::wrap;
 use crate::solver::time::Plan;
-use crate::solver::{Method, Status, SteadyState, integrated};
+use crate::solver::{Method, Status, SteadyState, integrated, plan_for};
 use crate::sweep::{Curve, Outcome, at_condition};
+use crate::units;
 use rayon::prelude::*;
 
 /// Most points compared of one scenario.
@@ -20,7 +23,9 @@ const PLAN: Plan = Plan { steps: 4000, cycles: 400, settled: 1e-8, window: 1, so
 pub struct Compared {
     /// Which point.
     place: String,
-    /// Whether its contact is a continuum of sliders.
+    /// Whether it is one of the paper's kind of rig.
+    of_arm: bool,
+    /// Whether its contact, or a joint, is a continuum of sliders.
     continuum: bool,
     /// Relative difference in amplitude or difference in phase \[rad\], whichever is larger; `None` where the time
     /// integration did not settle.
@@ -47,14 +52,19 @@ fn check(name: &str, points: &[Compared], tolerance: f64) -> Option<Check> {
     // NaN, which never holds, is the largest of all.
     let (_, place) = settled.clone().max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))?;
     let count = settled.clone().count();
+    let of_arm = points.iter().all(|point| point.of_arm);
+    let (what, steps) = match of_arm {
+        true => ("alpha and phi", PLAN.steps.to_string()),
+        false => ("amplitude and phase", "many".into()),
+    };
     let unsettled = match points.len() - count {
         0 => String::new(),
-        n => format!("; {n} more did not settle in {} cycles of it", PLAN.cycles),
+        n if of_arm => format!("; {n} more did not settle in {} cycles of it", PLAN.cycles),
+        n => format!("; {n} more ring too long for it"),
     };
     let compares = format!(
-        "periodic solver against time integration in {} steps a cycle, alpha and phi at {count} points, up to {POINTS} \
-         of each scenario{unsettled}; the largest difference is at {place}",
-        PLAN.steps
+        "periodic solver against time integration in {steps} steps a cycle, {what} at {count} points, up to {POINTS} \
+         of each scenario{unsettled}; the largest difference is at {place}"
     );
     Some(largest(name, &compares, settled.map(|(difference, _)| difference), tolerance))
 }
@@ -62,13 +72,12 @@ fn check(name: &str, points: &[Compared], tolerance: f64) -> Option<Check> {
 /// Indices (curve, frequency) of points spread over the steady states of the periodic solver, those left out that have
 /// another branch on which the time integration may end.
 fn sample(outcome: &Outcome) -> Vec<(usize, usize)> {
+    let alone = outcome.scenario.contact.is_none();
     let branches = |curve: &Curve, f: usize| matches!(curve.down.get(f), Some(Some(_)));
     let of_solver = |state: &SteadyState| state.status == Status::Steady && state.method != Method::TimeIntegration;
-    let curves = outcome
-        .curves
-        .iter()
-        .enumerate()
-        .filter(|(_, curve)| curve.condition.formulation == Formulation::Series && curve.condition.load > 0.0);
+    let curves = outcome.curves.iter().enumerate().filter(|(_, curve)| {
+        curve.condition.formulation == Formulation::Series && (curve.condition.load > 0.0 || alone)
+    });
     let points: Vec<(usize, usize)> = curves
         .flat_map(|(c, curve)| {
             (0..curve.states.len()).filter(|&f| of_solver(&curve.states[f]) && !branches(curve, f)).map(move |f| (c, f))
@@ -88,20 +97,37 @@ fn compare(outcome: &Outcome, c: usize, f: usize) -> Compared {
     let (condition, frequency, state) = (&curve.condition, curve.frequency[f], &curve.states[f]);
     let at = Operation { speed: condition.speed, load: condition.load, drive: condition.drive, frequency };
     let model = at_condition(&Model::new(&outcome.scenario), condition);
-    let found = integrated(&model, &at, &PLAN);
+    let found = integrated(&model, &at, &plan_for(&model, &at, &PLAN));
     let amplitude = found.amplitude / state.amplitude - 1.0;
     let phase = wrap(found.phase - state.phase);
     let difference = if amplitude.is_nan() { amplitude } else { amplitude.abs().max(phase.abs()) };
     Compared {
-        place: format!(
-            "{}, V = {:.4} mm/s, W = {} N, u0 = {:.3} µm, mu = {}, f = {frequency:.2} Hz",
-            outcome.scenario.id,
+        place: place(outcome, &at, condition.friction),
+        of_arm: outcome.scenario.rig.is_arm(),
+        continuum: match model.has_contact {
+            true => Problem::new(&model, &at).continuum().is_some(),
+            false => Alone::new(&model, &at).joint().is_some(),
+        },
+        difference: found.periodic.then_some(difference),
+    }
+}
+
+/// Where a point is, in words.
+fn place(outcome: &Outcome, at: &Operation, friction: f64) -> String {
+    let Scenario { id, signals, contact, .. } = &outcome.scenario;
+    let f = at.frequency;
+    if signals.of_arm() {
+        return format!(
+            "{id}, V = {:.4} mm/s, W = {} N, u0 = {:.3} µm, mu = {friction}, f = {f:.2} Hz",
             at.speed * 1e3,
             at.load,
             at.drive * 1e6,
-            condition.friction
-        ),
-        continuum: Problem::new(&model, &at).continuum().is_some(),
-        difference: found.periodic.then_some(difference),
+        );
     }
+    let rubbed = match contact {
+        Some(_) => format!("V = {}, W = {} N, mu = {friction}, ", units::format(at.speed, "m/s"), at.load),
+        None => String::new(),
+    };
+    let drive = units::format(at.drive, signals.drive.unit);
+    format!("{id}, {rubbed}{} = {drive}, f = {}", signals.drive.symbol, units::format(f, "Hz"))
 }

@@ -38,8 +38,9 @@ impl Figure<Comparison> for Budget {
             ("noise", b.noise_percent, SLIP_BAND),
             ("numerics", b.numerical_percent, NUMERICS),
         ];
-        let squares: f64 = parts.iter().map(|(_, value, _)| value * value).sum();
-        let share = |value: f64| if squares > 0.0 { value * value / squares } else { 0.0 };
+        let square = |value: f64| if value.is_finite() { value * value } else { 0.0 };
+        let squares: f64 = parts.iter().map(|(_, value, _)| square(*value)).sum();
+        let share = |value: f64| if squares > 0.0 { square(value) / squares } else { 0.0 };
         let number = budget_percent;
         let alt = format!(
             "One horizontal bar in three parts: model {}, noise {}, numerics {}, root mean square.",

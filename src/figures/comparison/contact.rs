@@ -1,5 +1,6 @@
 //! What the contact must have done: dynamic stiffness and damping from the readings and the rig alone, beside those of the
-//! model; against frequency, or against the amplitude of the arm's speed.
+//! model; against frequency, or against the amplitude of the arm's speed. Without a contact the same of the force that is
+//! missing in the linear rig, against frequency or against the amplitude of the motion.
 
 mod text;
 
@@ -9,12 +10,13 @@ use super::columns::{Column, Curve, columns};
 use super::limits::{Limits, Outside};
 use super::multiples::frequencies;
 
-use crate::compare::{Comparison, ContactPoint};
+use crate::compare::{Comparison, ContactPoint, units_of_force};
 use crate::figures::axes::{Axis, Panel};
 use crate::figures::canvas::{Canvas, Point, Stroke, Type, document};
 use crate::figures::marks::Mark;
 use crate::figures::style::{Color, DASH_SLIP, DOTS, INK, Unit, WIDTH, count, significant, text_width};
 use crate::figures::{Drawing, Figure, FigureError};
+use crate::scenario::Rig;
 
 /// By how much the first of several lines is wider than the last, at most.
 const WIDER: f64 = 3.9;
@@ -51,21 +53,25 @@ pub struct Row {
     pub unit: Unit,
     /// Label of its axis.
     pub label: String,
-    /// Value of the calibrated contact in sticking.
-    pub stuck: f64,
+    /// Value of the calibrated contact in sticking, where there is one.
+    pub stuck: Option<f64>,
     names: (&'static str, &'static str),
 }
 
 impl Row {
-    /// Stiffness and damping of a contact.
-    pub fn both(contact: &crate::scenario::Contact) -> [Self; 2] {
+    /// Stiffness and damping of the contact of a comparison, or of the force that is missing.
+    pub fn both(c: &Comparison) -> [Self; 2] {
+        if !c.model.has_contact {
+            return Self::of_missing_force(c);
+        }
+        let contact = &c.model.contact;
         let unit = Unit::fitting(contact.stiffness, "N/m");
         let stiffness = Self {
             value: |p| p.stiffness_n_m,
             sd: |p| p.stiffness_sd_n_m,
             label: format!("dynamic stiffness k [{}]", unit.label),
             unit,
-            stuck: contact.stiffness,
+            stuck: Some(contact.stiffness),
             names: ("stick: k_c", "slip: 0"),
         };
         let damping = Self {
@@ -73,10 +79,48 @@ impl Row {
             sd: |p| p.damping_sd_n_s_m,
             unit: Unit::new(1.0, "N s/m"),
             label: "damping c [N s/m]".into(),
-            stuck: contact.damping,
+            stuck: Some(contact.damping),
             names: ("stick: c_c", "slip: 0"),
         };
         [stiffness, damping]
+    }
+
+    /// In the units of the rig; where its mass is not stated, as shares of its stiffness and damping.
+    fn of_missing_force(c: &Comparison) -> [Self; 2] {
+        let units = units_of_force(&c.model);
+        let mean = |of: fn(&ContactPoint) -> (f64, f64)| {
+            let weighted = c.contact.iter().map(of).filter(|(x, sd)| x.is_finite() && *sd > 0.0);
+            let (sum, weight) = weighted.fold((0.0, 0.0), |(s, w), (x, sd)| (s + (x / sd).powi(2), w + sd.powi(-2)));
+            (sum / weight).sqrt()
+        };
+        let [k, c] = match (units[0], c.model.rig) {
+            ("1/s^2", Rig::Oscillator(rig)) => {
+                [Unit::new(0.01 * rig.stiffness(), "% of K"), Unit::new(0.01 * rig.damping(), "% of C")]
+            }
+            _ => [
+                Unit::fitting(mean(|p| (p.stiffness_n_m, p.stiffness_sd_n_m)), units[0]),
+                Unit::fitting(mean(|p| (p.damping_n_s_m, p.damping_sd_n_s_m)), units[1]),
+            ],
+        };
+        let names = ("", "0: nothing");
+        [
+            Self {
+                value: |p| p.stiffness_n_m,
+                sd: |p| p.stiffness_sd_n_m,
+                label: format!("stiffness k [{}]", k.label),
+                unit: k,
+                stuck: None,
+                names,
+            },
+            Self {
+                value: |p| p.damping_n_s_m,
+                sd: |p| p.damping_sd_n_s_m,
+                label: format!("damping c [{}]", c.label),
+                unit: c,
+                stuck: None,
+                names,
+            },
+        ]
     }
 }
 
@@ -91,26 +135,39 @@ struct Data<'a> {
 impl<'a> Data<'a> {
     fn of(c: &'a Comparison, by_speed: bool) -> Self {
         let columns = columns(c);
-        let rows = Row::both(&c.model.contact);
+        let rows = Row::both(c);
         let curves = || columns.iter().flat_map(|column| &column.curves);
         let limits = [&rows[0], &rows[1]].map(|row| {
             let (measured, model) = (curves().flat_map(|c| &c.measured), curves().flat_map(|c| &c.model));
-            Limits::of(measured, model, row, Some(row.stuck))
+            Limits::of(measured, model, row, row.stuck)
         });
         Self { c, by_speed, columns, rows, limits }
     }
 
     fn x(&self, p: &ContactPoint) -> f64 {
-        if self.by_speed { Unit::speed().of(p.speed_amplitude_m_s) } else { p.frequency_hz }
+        match (self.by_speed, self.c.model.has_contact) {
+            (true, true) => Unit::speed().of(p.speed_amplitude_m_s),
+            (true, false) => self.motion().of(p.motion()),
+            (false, _) => p.frequency_hz,
+        }
+    }
+
+    /// The unit of the coordinate of a rig without contact.
+    fn motion(&self) -> Unit {
+        let largest = self.c.contact.iter().map(ContactPoint::motion).fold(0.0, f64::max);
+        Unit::of_signal(largest, units_of_force(&self.c.model)[2])
     }
 
     fn axis(&self) -> Axis {
         let all = self.c.contact.iter().chain(&self.c.contact_model).map(|p| self.x(p));
+        if self.by_speed && !self.c.model.has_contact {
+            return Axis::logarithmic(format!("amplitude of the motion [{}]", self.motion().label), all, 0.05);
+        }
         if self.by_speed {
             let label = if self.columns.len() > 3 { "bωα [mm/s]" } else { "speed amplitude bωα [mm/s]" };
             return Axis::logarithmic(label, all, 0.05);
         }
-        frequencies("frequency f [Hz]", all)
+        frequencies("frequency f", all)
     }
 
     fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
@@ -158,18 +215,22 @@ impl<'a> Data<'a> {
 
     /// Lines of full sticking and full slip, named beside the last panel.
     fn references(&self, canvas: &mut Canvas, panel: &Panel, row: &Row, named: bool) {
-        let stuck = panel.py(row.unit.of(row.stuck));
+        let stuck = row.stuck.map(|stuck| panel.py(row.unit.of(stuck)));
         let slip = panel.py(0.0);
         canvas.within(panel, |canvas| {
-            canvas.line((panel.left, stuck), (panel.right(), stuck), Stroke::dashed(INK, 1.4, DASH_SLIP));
+            if let Some(stuck) = stuck {
+                canvas.line((panel.left, stuck), (panel.right(), stuck), Stroke::dashed(INK, 1.4, DASH_SLIP));
+            }
             canvas.line((panel.left, slip), (panel.right(), slip), Stroke::solid(INK, 1.1));
         });
         if named {
             // Names keep apart where the lines do not; they have their place in the whole view only.
-            let apart = (0.5 * (18.0 - (slip - stuck))).max(0.0);
+            let apart = stuck.map_or(0.0, |stuck| (0.5 * (18.0 - (slip - stuck))).max(0.0));
             let at = |y: f64| (panel.right() + 8.0, y + 5.0);
             canvas.ticks(panel, (false, false), |canvas| {
-                canvas.text(at(stuck - apart), row.names.0, Type { size: 14.0, ..Type::default() });
+                if let Some(stuck) = stuck {
+                    canvas.text(at(stuck - apart), row.names.0, Type { size: 14.0, ..Type::default() });
+                }
                 canvas.text(at(slip + apart), row.names.1, Type { size: 14.0, ..Type::default() });
             });
         }
@@ -192,7 +253,9 @@ impl<'a> Data<'a> {
                 }
             });
         }
-        for (index, curve) in column.curves.iter().enumerate() {
+        // A linear model without contact misses nothing at any point: its lines would only hide the marks.
+        let linear = !self.c.model.has_contact && self.c.model.effects.is_empty();
+        for (index, curve) in column.curves.iter().enumerate().filter(|_| !linear) {
             let line: Vec<Point> = curve.model.iter().map(|p| place(p)).collect();
             // The first ones wider: a line that later ones coincide with shows beside them.
             let after = column.curves.len() - 1 - index;
@@ -268,6 +331,42 @@ fn speeds(canvas: &mut Canvas, panel: &Panel, column: &Column<'_>, named: bool) 
     }
 }
 
+impl Contact {
+    /// The drawing for a rig without contact.
+    fn alone(&self, data: &Data<'_>) -> Result<Drawing, FigureError> {
+        let (name, title) = if self.by_speed {
+            ("missing-force-amplitude", "What the missing force must have done, against the amplitude")
+        } else {
+            ("missing-force", "What the missing force must have done")
+        };
+        let alt = format!(
+            "Two rows of panels, stiffness above and damping below, against the {}: marks with error bars for the measurements, \
+             lines for the model, and a line at zero.",
+            if self.by_speed { "amplitude of the motion" } else { "frequency" },
+        );
+        let reading = if self.by_speed {
+            [
+                "Marks on the lines, and on zero where the linear rig is all there is.",
+                "k that changes with the amplitude alike in all curves: a stiffness that is not linear. c that does: friction \
+                 (falls), drag (rises). Curves that lie apart at one amplitude: not the amplitude but the frequency, the time or the \
+                 drive decides.",
+                "Read the law off: k in proportion to the square of the amplitude is a cubic stiffness, c in proportion to the \
+                 amplitude a quadratic damping, c in proportion to 1 over it dry friction. Then `stickslip effects NAME`.",
+            ]
+        } else {
+            [
+                "Marks on the lines, and on zero where the linear rig is all there is.",
+                "k that rises or falls with frequency alike in all curves: mass or stiffness is wrong in the rig, or another mode is \
+                 near. Curves that part near the resonance: a force that is not linear.",
+                "Free a number of the rig where all curves agree; where they part look at the same against the amplitude.",
+            ]
+        };
+        let svg = data.draw(title, &alt)?;
+        let drawing = Drawing::new((name, title), (data.caption_alone(), alt), (svg, data.csv()), reading);
+        Ok(Drawing { notes: data.notes_alone(), ..drawing })
+    }
+}
+
 impl Figure<Comparison> for Contact {
     fn name(&self) -> &'static str {
         if self.by_speed { "contact-amplitude" } else { "contact-fingerprint" }
@@ -304,6 +403,9 @@ impl Figure<Comparison> for Contact {
             return Err(FigureError::missing(self.name(), "measured phases"));
         }
         let data = Data::of(comparison, self.by_speed);
+        if !comparison.model.has_contact {
+            return self.alone(&data);
+        }
         let alt = format!(
             "Two rows of panels, stiffness and damping of the contact {}, in {} by speed: marks with error bars for the \
              measurements, lines for the model, and lines at full stick and full slip.",

@@ -16,6 +16,9 @@ const GAP: f64 = 26.0;
 /// Right of the maps: the colour scale with its labels.
 const SCALE: f64 = 96.0;
 
+/// What to do where there is no contact.
+const ALONE: &str = "Note whether all rows fail or those of strong drives, and look for an effect that acts there.";
+
 /// The figure.
 pub struct MisfitMap;
 
@@ -41,7 +44,7 @@ impl<'a> Data<'a> {
             c,
             scale: Sigma::over(residuals),
             maps,
-            labels: c.conditions.iter().map(|condition| words::brief(&condition.setting)).collect(),
+            labels: (0..c.conditions.len()).map(|condition| words::brief(c, condition)).collect(),
             row: (420.0 / rows.max(1.0)).clamp(17.0, 40.0),
         }
     }
@@ -52,12 +55,13 @@ impl<'a> Data<'a> {
         let f = |i: usize| points[i].point.frequency;
         let n = points.len();
         let half = |i: usize, j: usize| 0.5 * (f(i) + f(j));
+        let alone = if self.c.table.signals.of_arm() { 0.5 } else { 0.01 * f(0) };
         let edges = |i: usize| {
             let (before, after) = match (i > 0, i + 1 < n) {
                 (true, true) => (half(i - 1, i), half(i, i + 1)),
                 (true, false) => (half(i - 1, i), 2.0 * f(i) - half(i - 1, i)),
                 (false, true) => (2.0 * f(i) - half(i, i + 1), half(i, i + 1)),
-                (false, false) => (f(i) - 0.5, f(i) + 0.5),
+                (false, false) => (f(i) - alone, f(i) + alone),
             };
             (before, after)
         };
@@ -79,7 +83,7 @@ impl<'a> Data<'a> {
         let bar = height.max(120.0);
         document((WIDTH, TOP + bar + 62.0), (title, alt), |canvas| {
             for (index, (name, of)) in self.maps.iter().enumerate() {
-                let x = Axis::linear("frequency f [Hz]", low, high);
+                let x = Axis::frequency("frequency f", low, high);
                 let y = Axis::linear("", rows as f64, 0.0);
                 let y = Axis { low: rows as f64, high: 0.0, scale: Scale::Rows, ..y };
                 let panel = Panel { left: left + (width + GAP) * index as f64, top: TOP, width, height, x, y };
@@ -120,7 +124,8 @@ impl<'a> Data<'a> {
                 .into_iter()
                 .filter(|(from, to, _)| {
                     let middle = 0.5 * (from + to);
-                    middle > region.frequency_from_hz - 1e-9 && middle < region.frequency_to_hz + 1e-9
+                    let near = 1e-9 * middle;
+                    middle > region.frequency_from_hz - near && middle < region.frequency_to_hz + near
                 })
                 .collect();
             let (Some(first), Some(last)) = (inside.first(), inside.last()) else { continue };
@@ -166,19 +171,13 @@ impl<'a> Data<'a> {
     }
 
     fn csv(&self) -> String {
-        let header = [
-            "speed [m/s]",
-            "load [N]",
-            "drive [m]",
-            "frequency [Hz]",
-            "amplitude error [sigma]",
-            "phase error [sigma]",
-        ];
-        let mut table = Table::new(&header);
+        let mut header = words::columns_of_condition(self.c);
+        header.extend(["frequency [Hz]", "amplitude error [sigma]", "phase error [sigma]"].map(String::from));
+        let mut table = Table::new(&header.iter().map(String::as_str).collect::<Vec<_>>());
         for p in &self.c.points {
-            let s = self.c.conditions[p.condition].setting;
             let phase = p.phase_residual.unwrap_or(f64::NAN);
-            table.row([s.speed, s.load, s.drive, p.point.frequency, p.amplitude_residual, phase].map(cell));
+            let cells = [p.point.frequency, p.amplitude_residual, phase].map(cell);
+            table.row(words::cells_of_condition(self.c, p.condition).into_iter().chain(cells));
         }
         table.finish()
     }
@@ -214,8 +213,9 @@ impl Figure<Comparison> for MisfitMap {
         };
         let both = if data.maps.len() > 1 { " (left) and phase (right)" } else { "" };
         let caption = format!(
-            "Error of the amplitude{both}, one row per condition (speed V, load W, drive u₀) and one cell per reading: red where the model is \
+            "Error of the amplitude{both}, one row per {} and one cell per reading: red where the model is \
              too high or ahead, blue where it is too low or behind. {} {regions}",
+            words::row(comparison),
             data.scale.sentence()
         );
         let alt = format!(
@@ -229,6 +229,10 @@ impl Figure<Comparison> for MisfitMap {
             ("Ranges of misfit".to_string(), comparison.regions.len().to_string()),
             ("Largest error of an amplitude".to_string(), format!("{} σ", significant(largest, 3))),
         ];
-        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes))
+        let mut drawing = Drawing::of(self, (caption, alt), (svg, data.csv()), notes);
+        if !comparison.model.has_contact {
+            drawing.reading[2] = ALONE.into();
+        }
+        Ok(drawing)
     }
 }

@@ -2,8 +2,6 @@
 
 use super::grid::{Cell, Grid, LEFT, Rows, heading};
 use super::sigma::{BAND, Sigma};
-use super::words;
-use crate::compare::Setting;
 use crate::figures::FigureError;
 use crate::figures::axes::{Axis, Panel, range};
 use crate::figures::canvas::{Anchor, Canvas, Stroke, Type, document};
@@ -22,15 +20,15 @@ pub struct Multiples<'a> {
     pub y: Axis,
     /// Scale of the errors.
     pub scale: &'a Sigma,
-    /// The condition of every panel, with its number.
-    pub shown: Vec<(usize, &'a Setting)>,
+    /// The number of every panel's condition, and what is said of it.
+    pub shown: Vec<(usize, (String, String))>,
 }
 
-/// An axis of frequencies with a margin.
+/// An axis of frequencies of that name with a margin.
 pub fn frequencies(label: &str, values: impl IntoIterator<Item = f64>) -> Axis {
     let (low, high) = range(values);
     let margin = if high > low { 0.02 * (high - low) } else { 0.0 };
-    Axis::linear(label, low - margin, high + margin)
+    Axis::frequency(label, low - margin, high + margin)
 }
 
 impl Multiples<'_> {
@@ -47,7 +45,8 @@ impl Multiples<'_> {
             rows.draw(canvas);
             let upright = Type { size: LABEL_SIZE, anchor: Anchor::Middle, upwards: true, ..Type::default() };
             canvas.text((LEFT - 74.0, grid.middle()), &self.label, upright);
-            for (index, &(condition, setting)) in self.shown.iter().enumerate() {
+            for (index, (condition, lines)) in self.shown.iter().enumerate() {
+                let condition = *condition;
                 let at = grid.cell(index);
                 let Cell { left, top, width, .. } = at;
                 let y = Axis { label: self.label.clone(), ..self.y.clone() };
@@ -56,7 +55,7 @@ impl Multiples<'_> {
                 // All panels share one label beside them.
                 let bare = Panel { y: Axis { label: String::new(), ..main.y.clone() }, ..main.clone() };
                 bare.frame(canvas, false, at.first);
-                heading(canvas, &main, (&words::speed(setting), &words::load_and_drive(setting)));
+                heading(canvas, &main, (&lines.0, &lines.1));
                 values(canvas, &main, condition);
                 let strip = Panel { top: at.strip, height: grid.strip, y: self.scale.axis("error [σ]"), ..main };
                 self.ground(canvas, &strip);

@@ -6,7 +6,7 @@ use super::multiples::{Multiples, frequencies};
 use super::sigma::{BAND, Sigma};
 use super::words::{self, Amplitude};
 
-use crate::compare::{Compared, Comparison, Setting};
+use crate::compare::{Compared, Comparison};
 use crate::figures::axes::{Axis, Panel, range};
 use crate::figures::canvas::{Canvas, Point, Stroke};
 use crate::figures::legend::{Entry, Key};
@@ -23,6 +23,10 @@ const MODEL: Color = STATIC;
 pub const MEASURED: &str = "measured, 95 % bars";
 const AMPLITUDES: &str = "error of amplitude";
 const PHASES: &str = "error of phase";
+
+/// What to do where there is no contact.
+const ALONE: &str = "See whether the swing is in every panel or grows with the drive: the first is a number of the rig or the \
+                     instrument, the second a force that is not linear. Then read the missing force below.";
 
 /// Amplitudes, or their companion for phases.
 pub struct Overlay {
@@ -65,11 +69,6 @@ impl<'a> Data<'a> {
         (if self.wraps && phase > 0.5 * PI { phase - 2.0 * PI } else { phase }).to_degrees()
     }
 
-    /// The condition of that index.
-    pub fn setting(&self, condition: usize) -> &Setting {
-        &self.c.conditions[condition].setting
-    }
-
     /// The points of a condition.
     pub fn points(&self, condition: usize) -> impl Iterator<Item = &'a Compared> + use<'a> {
         self.c.points.iter().filter(move |p| p.condition == condition)
@@ -77,13 +76,12 @@ impl<'a> Data<'a> {
 
     /// Frequency, value and half the length of the bar.
     pub fn measured(&self, condition: usize) -> Vec<(f64, f64, f64)> {
-        let setting = *self.setting(condition);
         let of = |p: &Compared| {
             let f = p.point.frequency;
             if self.phase {
                 return Some((f, self.degrees(p.point.phase?), BAR * p.point.phase_sd.unwrap_or(0.0).to_degrees()));
             }
-            let value = |a: f64| self.amplitude.value(a, &setting);
+            let value = |a: f64| self.amplitude.value(a, p.point.drive);
             Some((f, value(p.point.amplitude), BAR * value(p.point.amplitude_sd)))
         };
         self.points(condition).filter_map(of).collect()
@@ -92,11 +90,17 @@ impl<'a> Data<'a> {
     /// The curve of the model, as shown.
     pub fn curve(&self, condition: usize) -> Vec<Point> {
         let curve = &self.c.curves[condition];
-        let setting = *self.setting(condition);
         let pairs = curve.frequency.iter().zip(if self.phase { &curve.phase } else { &curve.amplitude });
-        pairs
-            .map(|(&f, &y)| (f, if self.phase { self.degrees(y) } else { self.amplitude.value(y, &setting) }))
-            .collect()
+        let value = |(y, drive): (f64, f64)| match self.phase {
+            true => self.degrees(y),
+            false => self.amplitude.value(y, drive),
+        };
+        pairs.zip(&curve.drive).map(|((&f, &y), &drive)| (f, value((y, drive)))).collect()
+    }
+
+    /// The parts of a curve to be joined: phases are not across half a turn.
+    pub fn runs<'b>(&self, curve: &'b [Point]) -> Vec<&'b [Point]> {
+        if self.phase { unbroken(curve) } else { vec![curve] }
     }
 
     /// Name and unit of the values.
@@ -131,10 +135,10 @@ impl<'a> Data<'a> {
         let multiples = Multiples {
             legend: self.legend(),
             label: self.label(),
-            x: frequencies("frequency f [Hz]", self.c.points.iter().map(|p| p.point.frequency)),
+            x: frequencies("frequency f", self.c.points.iter().map(|p| p.point.frequency)),
             y: self.axis(&self.shown, curves),
             scale: &self.scale,
-            shown: self.shown.iter().map(|&i| (i, self.setting(i))).collect(),
+            shown: self.shown.iter().map(|&i| (i, words::heading(self.c, i))).collect(),
         };
         let values = |canvas: &mut Canvas, panel: &Panel, condition| self.main(canvas, panel, condition);
         multiples.draw((title, alt), values, |canvas, panel, condition| self.strip(canvas, panel, condition))
@@ -143,7 +147,7 @@ impl<'a> Data<'a> {
     fn main(&self, canvas: &mut Canvas, panel: &Panel, condition: usize) {
         let curve = self.curve(condition);
         canvas.series("model", |canvas| {
-            unbroken(&curve).iter().for_each(|run| panel.curve(canvas, run, Stroke::solid(MODEL, 2.2)));
+            self.runs(&curve).iter().for_each(|run| panel.curve(canvas, run, Stroke::solid(MODEL, 2.2)));
         });
         self.readings(canvas, panel, condition);
         let far: Vec<Point> = self.outliers(condition).collect();
@@ -152,10 +156,9 @@ impl<'a> Data<'a> {
 
     /// Places of the readings that stand out.
     fn outliers(&self, condition: usize) -> impl Iterator<Item = Point> + '_ {
-        let column = if self.phase { "phase_rad" } else { "amplitude_rad" };
-        let rows: Vec<usize> = self.c.outliers.iter().filter(|o| o.column == column).map(|o| o.row).collect();
-        self.points(condition).filter(move |p| rows.contains(&p.point.row)).filter_map(move |p| {
-            let amplitude = self.amplitude.value(p.point.amplitude, self.setting(condition));
+        let far = |p: &&Compared| self.c.stands_out(p.point.row, self.phase);
+        self.points(condition).filter(far).filter_map(move |p| {
+            let amplitude = self.amplitude.value(p.point.amplitude, p.point.drive);
             let y = if self.phase { self.degrees(p.point.phase?) } else { amplitude };
             Some((p.point.frequency, y))
         })
@@ -225,12 +228,17 @@ impl Figure<Comparison> for Overlay {
             return Err(FigureError::missing(self.name(), "measured phases"));
         }
         let data = Data::of(comparison, self.phase);
+        let alone = !comparison.model.has_contact;
         let alt = format!(
             "Small multiples, {}: measured points with error bars and a line for the model against frequency, and below \
              each a strip of errors with a band of plus and minus two standard deviations.",
             count(data.shown.len(), "panel")
         );
         let svg = data.draw(self.title(), &alt)?;
-        Ok(Drawing::of(self, (data.caption(), alt), (svg, data.csv()), data.notes()))
+        let mut drawing = Drawing::of(self, (data.caption(), alt), (svg, data.csv()), data.notes());
+        if alone {
+            drawing.reading[2] = ALONE.into();
+        }
+        Ok(drawing)
     }
 }

@@ -1,6 +1,6 @@
 //! Measured and modelled resonance peaks, one row per condition: where and how high.
 
-use super::words::{self, Amplitude};
+use super::words::{self, Amplitude, cells_of_condition, columns_of_condition};
 
 use crate::compare::{Comparison, ConditionMetrics, Peak};
 use crate::figures::axes::{Axis, Panel};
@@ -13,42 +13,52 @@ use crate::figures::{Drawing, Figure, FigureError};
 const TOP: f64 = 48.0;
 const GAP: f64 = 34.0;
 
+/// What bad looks like and what to do where there is no contact.
+const ALONE: [&str; 2] = [
+    "Lines between the marks of one row: the length is the error. The same shift in all rows is a stiffness or a mass of the rig; \
+     one that grows from row to row with the drive is a force that is not linear.",
+    "A common shift: free a parameter of the rig in [fit]. Otherwise see whether frequency and height follow the amplitude.",
+];
+
 /// The figure.
 pub struct Peaks;
 
 struct Data<'a> {
-    shown: Vec<&'a ConditionMetrics>,
-    all: &'a [ConditionMetrics],
+    c: &'a Comparison,
+    shown: Vec<usize>,
     amplitude: Amplitude,
     row: f64,
 }
 
 impl<'a> Data<'a> {
     fn of(c: &'a Comparison) -> Self {
-        let (indices, _) = words::shown(c);
-        let shown: Vec<_> = indices.into_iter().map(|i| &c.conditions[i]).collect();
+        let (shown, _) = words::shown(c);
         let row = (400.0 / shown.len().max(1) as f64).clamp(22.0, 44.0);
-        Self { shown, all: &c.conditions, amplitude: Amplitude::of(c), row }
+        Self { c, shown, amplitude: Amplitude::of(c), row }
     }
 
-    /// Frequency and height of the measured and the modelled peak, as shown.
-    fn values(&self, condition: &ConditionMetrics) -> [Option<[f64; 2]>; 2] {
-        let show = |peak: Peak| [peak.frequency_hz, self.amplitude.value(peak.amplitude_rad, &condition.setting)];
+    /// Frequency and height of the measured and the modelled peak of a condition, as shown.
+    fn values(&self, condition: usize) -> [Option<[f64; 2]>; 2] {
+        let condition = &self.c.conditions[condition];
+        let show = |peak: Peak| [peak.frequency_hz, self.amplitude.value(peak.amplitude, condition.setting.drive)];
         [condition.measured_peak.map(show), condition.model_peak.map(show)]
     }
 
     fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
-        let labels: Vec<String> = self.shown.iter().map(|condition| words::brief(&condition.setting)).collect();
+        let labels: Vec<String> = self.shown.iter().map(|&condition| words::brief(self.c, condition)).collect();
         let left = labels.iter().map(|label| text_width(label, 14.0, false)).fold(0.0, f64::max) + 40.0;
         let width = 0.5 * (WIDTH - left - GAP - 30.0);
         let height = self.row * labels.len() as f64;
         let ends = |side: usize| {
-            let values = self.shown.iter().flat_map(|condition| self.values(condition)).flatten();
+            let values = self.shown.iter().flat_map(|&condition| self.values(condition)).flatten();
             let (low, high) = crate::figures::axes::range(values.map(|value| value[side]));
             let margin = 0.06 * (high - low);
             (low - margin, high + margin)
         };
-        let names = ["peak frequency [Hz]".to_string(), format!("peak {}", self.amplitude.label())];
+        let axis = |side: usize, (low, high): (f64, f64)| match side {
+            0 => Axis::frequency("peak frequency", low, high),
+            _ => Axis::linear(format!("peak {}", self.amplitude.label()), low, high),
+        };
         document((WIDTH, TOP + height + 62.0), (title, alt), |canvas| {
             let entries = [
                 (Key::Mark(Mark::Circle, INK, true), "measured".to_string()),
@@ -57,9 +67,8 @@ impl<'a> Data<'a> {
             for (index, entry) in entries.iter().enumerate() {
                 crate::figures::legend::legend(canvas, left + 150.0 * index as f64, 2.0, std::slice::from_ref(entry));
             }
-            for (side, name) in names.iter().enumerate() {
-                let (low, high) = ends(side);
-                let x = Axis::linear(name.clone(), low, high);
+            for side in 0..2 {
+                let x = axis(side, ends(side));
                 let y = Axis::rows();
                 let panel = Panel { left: left + (width + GAP) * side as f64, top: TOP, width, height, x, y };
                 self.panel(canvas, &panel, side);
@@ -81,7 +90,7 @@ impl<'a> Data<'a> {
 
     /// Marks of the measured (0) or the modelled (1) peaks.
     fn marks(&self, canvas: &mut Canvas, panel: &Panel, side: usize, shown: usize) {
-        for (index, condition) in self.shown.iter().enumerate() {
+        for (index, &condition) in self.shown.iter().enumerate() {
             let Some(value) = self.values(condition)[shown] else { continue };
             let at = (panel.px(value[side]), TOP + self.row * (index as f64 + 0.5));
             match shown {
@@ -93,7 +102,7 @@ impl<'a> Data<'a> {
 
     /// Lines along the rows, and between the two marks of each.
     fn joins(&self, canvas: &mut Canvas, panel: &Panel, side: usize) {
-        for (index, condition) in self.shown.iter().enumerate() {
+        for (index, &condition) in self.shown.iter().enumerate() {
             let y = TOP + self.row * (index as f64 + 0.5);
             canvas.line((panel.left, y), (panel.right(), y), Stroke::solid(GRID, 1.0));
             let values = self.values(condition);
@@ -109,37 +118,33 @@ impl<'a> Data<'a> {
     }
 
     fn csv(&self) -> String {
-        let header = [
-            "speed [m/s]",
-            "load [N]",
-            "drive [m]",
-            "measured peak [Hz]",
-            "measured height [rad]",
-            "model peak [Hz]",
-            "model height [rad]",
-        ];
-        let mut table = Table::new(&header);
-        for condition in self.all {
-            let s = condition.setting;
-            let numbers = |peak: Option<Peak>| peak.map_or([f64::NAN; 2], |p| [p.frequency_hz, p.amplitude_rad]);
+        let signals = &self.c.table.signals;
+        let [measured, model] = ["measured", "model"].map(|whose| format!("{whose} height [{}]", signals.reading.unit));
+        let mut header = columns_of_condition(self.c);
+        header.extend(["measured peak [Hz]".into(), measured, "model peak [Hz]".into(), model]);
+        let mut table = Table::new(&header.iter().map(String::as_str).collect::<Vec<_>>());
+        for (index, condition) in self.c.conditions.iter().enumerate() {
+            let numbers = |peak: Option<Peak>| peak.map_or([f64::NAN; 2], |p| [p.frequency_hz, p.amplitude]);
             let [a, b] = [numbers(condition.measured_peak), numbers(condition.model_peak)];
-            table.row([s.speed, s.load, s.drive, a[0], a[1], b[0], b[1]].map(cell));
+            let cells = [a[0], a[1], b[0], b[1]].map(cell);
+            table.row(cells_of_condition(self.c, index).into_iter().chain(cells));
         }
         table.finish()
     }
 
     /// The largest differences, over the conditions that have both peaks.
     fn notes(&self) -> Vec<(String, String)> {
-        let both = || self.all.iter().filter_map(|c| Some((c.model_peak?, c.measured_peak?, &c.setting)));
+        let all = || self.c.conditions.iter().enumerate();
+        let both = || all().filter_map(|(i, c)| Some((c.model_peak?, c.measured_peak?, i)));
         let shift = both().map(|(a, b, s)| (a.frequency_hz - b.frequency_hz, s));
-        let height = both().map(|(a, b, s)| (100.0 * (a.amplitude_rad / b.amplitude_rad - 1.0), s));
-        let largest = |values: &mut dyn Iterator<Item = (f64, &'a crate::compare::Setting)>, unit: &str| {
+        let height = both().map(|(a, b, s)| (100.0 * (a.amplitude / b.amplitude - 1.0), s));
+        let largest = |values: &mut dyn Iterator<Item = (f64, usize)>, unit: &str| {
             let worst = values.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
             worst.map_or_else(
                 || "–".into(),
-                |(value, setting)| {
+                |(value, index)| {
                     let sign = if value > 0.0 { "+" } else { "" };
-                    format!("{sign}{} {unit} at {}", significant(value, 2), words::condition(setting))
+                    format!("{sign}{} {unit} at {}", significant(value, 2), words::condition(self.c, index))
                 },
             )
         };
@@ -175,8 +180,9 @@ impl Figure<Comparison> for Peaks {
         }
         let data = Data::of(comparison);
         let caption = format!(
-            "Frequency (left) and height (right) of the resonance peak, one row per condition (speed V, load W, drive u₀): measured \
+            "Frequency (left) and height (right) of the resonance peak, one row per {}: measured \
              (filled) and of the model (open), each by a parabola through the logarithms of the readings around the largest one.{}",
+            words::row(comparison),
             words::shown(comparison).1
         );
         let alt = format!(
@@ -184,6 +190,13 @@ impl Figure<Comparison> for Peaks {
             count(data.shown.len(), "row")
         );
         let svg = data.draw(self.title(), &alt)?;
-        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), data.notes()))
+        let mut drawing = Drawing::of(self, (caption, alt), (svg, data.csv()), data.notes());
+        if !comparison.model.has_contact {
+            drawing.reading[1..].clone_from_slice(&ALONE.map(String::from));
+        } else if !comparison.table.signals.of_arm() {
+            let symbol = comparison.table.signals.drive.symbol;
+            drawing.reading[2] = drawing.reading[2].replace("u₀", symbol);
+        }
+        Ok(drawing)
     }
 }

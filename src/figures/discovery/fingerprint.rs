@@ -63,7 +63,7 @@ impl<'a> Data<'a> {
     fn of(steps: &'a [Step]) -> Self {
         let (base, end) = (&steps[0], &steps[steps.len() - 1]);
         let measured = &end.comparison.contact;
-        let rows = Row::both(&end.comparison.model.contact);
+        let rows = Row::both(&end.comparison);
         let (_, before) = fingerprint(&end.comparison.model, &base.comparison.points);
         let telling = |i: &usize| {
             let of = |p: &ContactPoint| p.condition == *i;
@@ -91,17 +91,17 @@ impl<'a> Data<'a> {
         let n = self.shown.len() as f64;
         let width = (WIDTH - LEFT - RIGHT - GAP * (n - 1.0)) / n;
         let measured = &self.end.comparison.contact;
-        let label = if n > 3.0 { "f [Hz]" } else { "frequency f [Hz]" };
+        let label = if n > 3.0 { "f" } else { "frequency f" };
         let points = measured.iter().filter(|p| self.shown.contains(&p.condition));
         let axis = frequencies(label, points.map(|p| p.frequency_hz));
         document((WIDTH, TOP + 2.0 * HEIGHT + BETWEEN + 62.0), (title, alt), |canvas| {
             self.legend(canvas);
             for (index, &condition) in self.shown.iter().enumerate() {
                 let left = LEFT + (width + GAP) * index as f64;
-                let setting = &self.end.comparison.conditions[condition].setting;
-                canvas.text((left, TOP - 26.0), &words::speed(setting), Type::default().bold());
+                let (first, second) = words::heading(&self.end.comparison, condition);
+                canvas.text((left, TOP - 26.0), &first, Type::default().bold());
                 let small = Type { size: 14.0, ..Type::default() };
-                canvas.text((left, TOP - 8.0), &words::load_and_drive(setting), small);
+                canvas.text((left, TOP - 8.0), &second, small);
                 for (lower, (row, limits)) in self.rows.iter().zip(&self.limits).enumerate() {
                     let y = Axis::linear(row.label.clone(), limits.low, limits.high);
                     let top = TOP + (HEIGHT + BETWEEN) * lower as f64;
@@ -150,7 +150,7 @@ impl<'a> Data<'a> {
     fn csv(&self) -> String {
         let end = &self.end.comparison;
         let models = [("base", &*self.before), ("explanation", &end.contact_model)];
-        contact::csv(&end.conditions, &[("measured", &end.contact), models[0], models[1]])
+        contact::csv(end, &[("measured", &end.contact), models[0], models[1]])
     }
 
     fn notes(&self) -> Vec<(String, String)> {
@@ -191,18 +191,31 @@ impl Figure<Discovery> for Fingerprint {
             "Two rows of panels for {panels}, stiffness above and damping below against frequency: measured points with bars, a \
              dashed line for the base and a solid one for the explanation."
         );
-        let svg = data.draw(self.title(), &alt)?;
+        let alone = !discovery.explanation().comparison.model.has_contact;
+        let title = if alone { "What the missing force did, before and after" } else { self.title() };
+        let svg = data.draw(title, &alt)?;
         let rig = if discovery.explanation().hypothesis.recalibrated().is_empty() {
             ""
         } else {
             " Readings and both curves are seen through the recalibrated rig and instrument."
         };
         let added = discovery.explanation().hypothesis.label();
+        let whose = if alone {
+            "of the force that acts besides those of the linear rig, from the readings and that rig alone"
+        } else {
+            "that the contact must have had, from the readings and the rig alone"
+        };
         let caption = format!(
-            "Dynamic stiffness and damping that the contact must have had, from the readings and the rig alone, at the {panels} \
+            "Dynamic stiffness and damping {whose}, at the {panels} \
              where the base fails most; dashed, what one would find if the readings were the curves of the base; solid, that of the explanation, with {added}.{rig} \
              Faded: readings that say little; some may lie beyond the axes."
         );
-        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), data.notes()))
+        let drawing = Drawing::of(self, (caption, alt), (svg, data.csv()), data.notes());
+        if alone {
+            let mut reading = drawing.reading;
+            reading[2] = "Where it fails, compare the measured shape with what `stickslip effects NAME` tells.".into();
+            return Ok(Drawing { title: title.into(), reading, ..drawing });
+        }
+        Ok(drawing)
     }
 }

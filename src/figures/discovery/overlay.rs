@@ -11,7 +11,6 @@ use crate::figures::comparison::sigma::{BAND, Sigma};
 use crate::figures::comparison::words;
 use crate::figures::legend::{Entry, Key};
 use crate::figures::marks::Mark;
-use crate::figures::resonance::unbroken;
 use crate::figures::style::{INK, SHADE, Table, cell, count, significant};
 use crate::figures::{Drawing, Figure, FigureError};
 
@@ -67,10 +66,10 @@ impl<'a> Steps<'a> {
         let multiples = Multiples {
             legend: self.legend(),
             label: self.data[0].label(),
-            x: frequencies("frequency f [Hz]", points.map(|p| p.point.frequency)),
+            x: frequencies("frequency f", points.map(|p| p.point.frequency)),
             y: self.data[0].axis(&self.shown, curves),
             scale: &self.scale,
-            shown: self.shown.iter().map(|&i| (i, self.data[0].setting(i))).collect(),
+            shown: self.shown.iter().map(|&i| (i, words::heading(&self.steps[0].comparison, i))).collect(),
         };
         let values = |canvas: &mut Canvas, panel: &Panel, condition| self.main(canvas, panel, condition);
         multiples.draw((title, alt), values, |canvas, panel, condition| self.strip(canvas, panel, condition))
@@ -81,7 +80,7 @@ impl<'a> Steps<'a> {
         for (index, data) in self.data.iter().enumerate() {
             let curve = data.curve(condition);
             canvas.series(&self.steps[index].name(), |canvas| {
-                unbroken(&curve).iter().for_each(|run| panel.curve(canvas, run, self.stroke(index, 2.2)));
+                data.runs(&curve).iter().for_each(|run| panel.curve(canvas, run, self.stroke(index, 2.2)));
             });
         }
     }
@@ -109,7 +108,7 @@ impl<'a> Steps<'a> {
         let header = ["kind", "step", "condition", "row", "frequency [Hz]", &value, "sd", "error [sigma]"];
         let mut table = Table::new(&header);
         for condition in 0..self.steps[0].comparison.conditions.len() {
-            let label = words::condition(self.data[0].setting(condition));
+            let label = words::condition(&self.steps[0].comparison, condition);
             let mut row = |kind: &str, step: &str, row: String, numbers: [f64; 4]| {
                 let cells = [kind.to_string(), step.to_string(), label.clone(), row];
                 table.row(cells.into_iter().chain(numbers.map(cell)));
@@ -178,6 +177,12 @@ impl Figure<Discovery> for Overlay {
         let notes = data.steps.iter().map(|step| {
             (format!("Largest error, {}", step.name()), format!("{} σ", significant(data.largest(step), 3)))
         });
-        Ok(Drawing::of(self, (caption, alt), (svg, data.csv()), notes.collect()))
+        let mut drawing = Drawing::of(self, (caption, alt), (svg, data.csv()), notes.collect());
+        if !data.steps[0].comparison.model.has_contact {
+            drawing.reading[2] =
+                "Compare the panels in which the base fails most with those in which it does not: the drive tells."
+                    .into();
+        }
+        Ok(drawing)
     }
 }

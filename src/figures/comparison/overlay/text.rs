@@ -16,15 +16,14 @@ impl Data<'_> {
             ["kind", "condition", "row", "frequency [Hz]", &value, &sd, &model, "error [sigma]", "phase error [sigma]"];
         let mut table = Table::new(&header);
         for condition in 0..self.c.conditions.len() {
-            let setting = *self.setting(condition);
-            let name = words::condition(&setting);
+            let name = words::condition(self.c, condition);
             let measured = self.measured(condition);
             let points = self.points(condition).filter(|p| !self.phase || p.point.phase.is_some());
             for (p, (f, y, bar)) in points.zip(measured) {
                 let of_phase = p.phase_residual.unwrap_or(f64::NAN);
                 let (model, error) = match self.phase {
                     true => (self.degrees(p.model.phase), of_phase),
-                    false => (self.amplitude.value(p.model.amplitude, &setting), p.amplitude_residual),
+                    false => (self.amplitude.value(p.model.amplitude, p.point.drive), p.amplitude_residual),
                 };
                 let numbers = [f, y, bar / BAR, model, error, of_phase].map(cell);
                 table.row(["reading".into(), name.clone(), p.point.row.to_string()].into_iter().chain(numbers));
@@ -40,10 +39,14 @@ impl Data<'_> {
 
     /// What it shows.
     pub(super) fn caption(&self) -> String {
-        let (what, companion) = match self.phase {
-            true => ("Phase φ relative to the actuator", ""),
+        let signals = &self.c.table.signals;
+        let (what, companion): (String, &str) = match self.phase {
+            true if signals.of_arm() => ("Phase φ relative to the actuator".into(), ""),
+            true => (format!("Phase φ of the {} relative to the {}", signals.reading.name, signals.drive.name), ""),
             false => {
-                ("Amplitude", " The strip below each panel shows the errors of amplitude and, where measured, phase.")
+                let strip = " The strip below each panel shows the errors of amplitude and, where measured, phase.";
+                let of = if signals.of_arm() { String::new() } else { format!(" of the {}", signals.reading.name) };
+                (format!("Amplitude{of}"), strip)
             }
         };
         let lost = self.c.points.iter().filter(|p| p.model.status != Status::Steady).count();
