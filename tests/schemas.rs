@@ -117,6 +117,43 @@ fn what_the_program_writes_obeys_the_published_schemas() {
 }
 
 #[test]
+fn what_it_writes_of_another_rig_obeys_them_too() {
+    let dir = tempfile::tempdir().unwrap();
+    let root = dir.path();
+    // A pendulum whose damping grows with the torque, which no effect of the catalogue does by itself.
+    let mut table = String::from("series,frequency_hz,torque_n_m,amplitude_rad_s,phase_deg\n");
+    for (series, torque, loss) in [(1, 1e-4, 0.02), (2, 3e-4, 0.05)] {
+        for i in 0..24 {
+            let f = 1.0 + 0.02 * (f64::from(i) - 11.5);
+            let (re, im) = (1.0 - f * f, loss * f);
+            let (amplitude, phase) = (torque / 0.01 / re.hypot(im), -im.atan2(re).to_degrees() + 90.0);
+            let omega = std::f64::consts::TAU * f;
+            let scatter = 1.0 + 0.004 * f64::from(i * i % 7 - 3);
+            table += &format!("{series},{f:.3},{torque},{:.6e},{:.3}\n", omega * amplitude * scatter, phase + scatter);
+        }
+    }
+    std::fs::write(root.join("pendulum.csv"), table).unwrap();
+    let text = "title = \"A pendulum\"\n[rig]\nkind = \"oscillator\"\ncoordinate = \"angle\"\nstiffness = \"0.01 N m/rad\"\n\
+        inertia = \"2.533e-4 kg m^2\"\ndamping_ratio = 0.02\ndrive = \"force\"\n[sweep]\nfrequency = { from = \"0.8 Hz\", \
+        to = \"1.2 Hz\", points = 9 }\ndrive = \"0.1 N mm\"\n[measurement]\nfile = \"pendulum.csv\"\n[fit]\nfree = [\"rig.stiffness\", \
+        \"rig.damping_ratio\"]\n";
+    std::fs::write(root.join("pendulum.toml"), text).unwrap();
+    let run = |arguments: &[&str]| {
+        let mut command = Command::cargo_bin("stickslip").unwrap();
+        command.current_dir(root).env("XDG_CACHE_HOME", root).args(arguments).assert().success();
+    };
+    run(&["report", "pendulum.toml", "--no-cache"]);
+    run(&["compare", "pendulum.toml", "--json", "comparison.json"]);
+    run(&["discover", "pendulum.toml", "--json", "discovery.json", "--max-effects", "1"]);
+    obeys("report", &root.join("output/report.json"));
+    for name in ["comparison", "discovery"] {
+        obeys(name, &root.join(format!("{name}.json")));
+    }
+    let peak = &read(root.join("comparison.json"))["conditions"][0]["measured_peak"];
+    assert_eq!(peak["amplitude_unit"], "rad/s");
+}
+
+#[test]
 fn a_schema_refuses_what_it_does_not_describe() {
     let schema = serde_json::json!({"type": "object", "required": ["a"], "properties": {"a": {"type": "number"}}});
     for value in

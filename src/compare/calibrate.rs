@@ -1,6 +1,6 @@
 //! Moving the free parameters of a scenario to where its model fits best.
 
-use super::{Outlier, Setting};
+use super::{Label, Outlier, Setting};
 use crate::fit::resonance;
 use crate::fit::{CONVERGED, Fit, HUBER, Parameter, Problem, Settings, minimise, parameter, robust_chi2};
 use crate::measurement::{Point, Series, Table};
@@ -66,7 +66,8 @@ pub fn settings_of(scenario: &Scenario, table: &Table) -> Vec<Setting> {
     };
     let setting = |(at, series): (usize, &Series)| {
         let Series { speed, load, drive, .. } = *series;
-        Setting { speed, load, drive, signal, contact, number: number(at) }
+        let name = Label::of(&series.name);
+        Setting { speed, load, drive, signal, contact, number: number(at), name }
     };
     table.series.iter().enumerate().map(setting).collect()
 }

@@ -53,6 +53,39 @@ pub struct Setting {
     pub contact: bool,
     /// Number of the series from 1, where drives alone do not tell them apart; otherwise 0.
     pub number: usize,
+    /// What the table calls the series, if anything.
+    pub name: Label,
+}
+
+/// Bytes of a label.
+const LABEL: usize = 32;
+
+/// A name of a user's, shortened where it is long.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Label {
+    bytes: [u8; LABEL],
+    length: usize,
+}
+
+impl Label {
+    /// The name, or as much of it as there is room for.
+    pub fn of(name: &str) -> Self {
+        let cut = if name.len() <= LABEL { name.into() } else { format!("{}…", Self::start(name, LABEL - 3)) };
+        let mut bytes = [0; LABEL];
+        bytes[..cut.len()].copy_from_slice(cut.as_bytes());
+        Self { bytes, length: cut.len() }
+    }
+
+    /// The first bytes of a text, up to the end of a character.
+    fn start(text: &str, most: usize) -> &str {
+        let end = (0..=most).rev().find(|end| text.is_char_boundary(*end)).unwrap_or(0);
+        &text[..end]
+    }
+
+    /// The text.
+    pub fn as_str(&self) -> &str {
+        std::str::from_utf8(&self.bytes[..self.length]).unwrap_or_default()
+    }
 }
 
 impl serde::Serialize for Setting {
@@ -70,6 +103,7 @@ impl serde::Serialize for Setting {
         }
         if self.number > 0 {
             map.serialize_entry("series", &self.number)?;
+            map.serialize_entry("series_name", self.name.as_str())?;
         }
         map.end()
     }
@@ -78,7 +112,7 @@ impl serde::Serialize for Setting {
 impl Setting {
     /// A setting of the paper's rig.
     pub fn of_arm(speed: f64, load: f64, drive: f64) -> Self {
-        Self { speed, load, drive, signal: Signals::ARM.drive, contact: true, number: 0 }
+        Self { speed, load, drive, signal: Signals::ARM.drive, contact: true, number: 0, name: Label::default() }
     }
 }
 
@@ -314,4 +348,18 @@ fn standing_out(curve: &[&Compared], column: &'static str, noise: f64) -> Vec<Ou
     let mut found = calibrate::outliers(column, &amplitudes, noise);
     found.extend(calibrate::outliers(PHASE, &phases, noise));
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_keep_short_names_and_shorten_long_ones_between_characters() {
+        for name in ["", "0.3", "série 2, à froid"] {
+            assert_eq!(Label::of(name).as_str(), name);
+        }
+        let long = Label::of(&"é".repeat(40));
+        assert!(long.as_str().ends_with('…') && long.as_str().len() <= LABEL, "{}", long.as_str());
+    }
 }

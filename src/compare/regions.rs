@@ -215,8 +215,10 @@ fn rounded(percent: f64) -> String {
 /// A condition in words, e.g. `V = 20 mm/s, W = 20 N, u₀ = 2.5 µm`, or `series 2, F₀ = 0.3 N`.
 pub fn words(setting: &Setting) -> String {
     let mut parts = Vec::new();
-    if setting.number > 0 {
-        parts.push(format!("series {}", setting.number));
+    match (setting.number, setting.name.as_str()) {
+        (0, _) => {}
+        (number, "") => parts.push(format!("series {number}")),
+        (_, name) => parts.push(format!("series {name}")),
     }
     if setting.contact {
         let speed = if setting.speed == 0.0 { "0 mm/s".into() } else { units::format(setting.speed, "m/s") };

@@ -1,7 +1,7 @@
 //! Where rival explanations differ most, relative to the noise.
 
 use super::hypothesis::Hypothesis;
-use crate::compare::{Setting, words};
+use crate::compare::{Label, Setting, words};
 use crate::measurement::Table;
 use crate::model::{Model, Operation};
 use crate::solver::analytic::wrap;
@@ -114,7 +114,7 @@ pub(super) fn would_show(without: &Model, forms: &[Model], table: &Table, bounds
 /// The condition of a point.
 fn setting(at: &Operation, table: &Table, contact: bool) -> Setting {
     let (speed, load, drive, signal) = (at.speed, at.load, at.drive, table.signals.drive);
-    Setting { speed, load, drive, signal, contact, number: 0 }
+    Setting { speed, load, drive, signal, contact, number: 0, name: Label::default() }
 }
 
 /// Where two models differ most within the bounds, in standard deviations of a reading.

@@ -361,6 +361,10 @@ impl Contact {
                 "Free a number of the rig where all curves agree; where they part look at the same against the amplitude.",
             ]
         };
+        let mut reading = reading;
+        if data.c.model.effects.is_empty() {
+            reading[0] = "Marks on zero: the linear rig is all there is.";
+        }
         let svg = data.draw(title, &alt)?;
         let drawing = Drawing::new((name, title), (data.caption_alone(), alt), (svg, data.csv()), reading);
         Ok(Drawing { notes: data.notes_alone(), ..drawing })

@@ -64,8 +64,8 @@ fn after_series(comparison: &Comparison, condition: usize, told: String) -> Stri
 
 /// The series by its name, or by its number where nothing else tells it from others.
 fn series(comparison: &Comparison, condition: usize) -> String {
-    let name = comparison.table.series.get(condition).map_or("", |series| &series.name);
-    match (name, comparison.conditions[condition].setting.number) {
+    let setting = &comparison.conditions[condition].setting;
+    match (setting.name.as_str(), setting.number) {
         ("", 0) => String::new(),
         ("", number) => format!("series {number}"),
         (name, _) => format!("series {}", short(name)),
@@ -197,6 +197,7 @@ pub fn columns_of_condition(comparison: &Comparison) -> Vec<String> {
 pub fn cells_of_condition(comparison: &Comparison, condition: usize) -> Vec<String> {
     let setting = &comparison.conditions[condition].setting;
     let name = comparison.table.series.get(condition).map_or("", |series| &series.name);
+    // In full, unlike in a label.
     let series = if name.is_empty() { (condition + 1).to_string() } else { name.to_string() };
     match setting.contact {
         true => [setting.speed, setting.load, setting.drive].map(cell).to_vec(),
