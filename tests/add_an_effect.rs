@@ -3,7 +3,7 @@
 mod common;
 
 use common::{at, complex, paper_model, steady};
-use stickslip::effects::{Effect, Group, Law, ParameterInfo, Zero};
+use stickslip::effects::{Effect, Group, Law, Measure, ParameterInfo, Zero};
 use stickslip::model::Model;
 use stickslip::scenario::Formulation::Series;
 

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{EULER_STEPS, Random, paper_model, steady};
-use stickslip::effects::{Effect, Law, ParameterInfo, REGISTRY, find, typical};
+use stickslip::effects::{Effect, Law, Measure, ParameterInfo, REGISTRY, find, typical};
 use stickslip::model::lumps::FIRST_EFFECT_PARAMETER;
 use stickslip::model::{Model, Operation};
 use stickslip::scenario::Formulation::Series;
@@ -84,6 +84,9 @@ fn every_parameter_has_a_unit_limits_and_a_range_within_them() {
             let (low, high) = info.range.expect("a range");
             assert!(0.0 <= low && low < high && info.minimum <= low && high <= info.maximum, "{what}");
             assert_eq!(info.signed, info.minimum < 0.0, "{what}");
+            // A range with a unit would be that of one size of rig.
+            let pure = ["1", "decades"].contains(&info.unit);
+            assert!(pure || info.measure != Measure::Number, "{what}");
             assert!(!info.signed || info.minimum <= -high, "{what}");
             assert_eq!(infos.iter().filter(|other| other.key == info.key).count(), 1, "{what}");
         }

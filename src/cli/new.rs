@@ -1,18 +1,24 @@
 //! `stickslip new`: looks at a measured table, says what it sees, and writes a scenario that fits it.
 
 use super::{Global, say};
+use crate::compare::calibrate;
 use crate::error::{Error, Result};
 use crate::files;
 use crate::fit::resonance::{Resonance, of_all, resonance};
 use crate::measurement::{Direction, Point, Series, Survey, survey};
+use crate::model::Model;
 use crate::scenario::diagnostic::whole_file;
-use crate::scenario::{Coordinate, Signal};
+use crate::scenario::{Coordinate, Scenario, Signal, Signals};
+use crate::solver::cycle::Tolerance;
 use crate::statistics::{median, wrap};
 use crate::units::{self, count};
+use std::cmp::Ordering::Equal;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+/// Sum of squares by which one kind of reading has to fit better than a simpler one.
+const DISTINCT: f64 = 10.0;
 /// Two neighbours along a series whose amplitudes differ by this many times what their neighbours do are a jump, if by more
 /// than this many standard deviations.
 const JUMP: (f64, f64) = (5.0, 8.0);
@@ -26,8 +32,7 @@ pub fn execute(table: &Path, output: Option<&Path>, global: &Global) -> Result<(
         return Err(Error::Input(whole_file(&title, "name another file with -o, or move it away")));
     }
     let draft = Draft::new(&seen, table)?;
-    let text = draft.scenario(&target);
-    crate::scenario::load_text(&target, &text)?;
+    let text = draft.best_scenario(&target)?;
     files::create(&target, text.as_bytes())?;
     for line in draft.description() {
         say(global, &line);
@@ -194,8 +199,33 @@ impl<'a> Draft<'a> {
         lacking
     }
 
-    /// The scenario in the notation of its file.
-    fn scenario(&self, target: &Path) -> String {
+    /// The scenario whose linear resonance fits the readings at the smallest drive best: of a reading in volts it is not said
+    /// whether it is of displacement, velocity or acceleration, which differ in shape and phase.
+    fn best_scenario(&self, target: &Path) -> Result<String> {
+        let orders: &[u8] = if self.signals().1.unit == "V" { &[0, 1, 2] } else { &[0] };
+        let table = &self.seen.table;
+        let level = |s: &Series| (s.load, s.drive);
+        let smallest =
+            table.series.iter().enumerate().min_by(|a, b| level(a.1).partial_cmp(&level(b.1)).unwrap_or(Equal));
+        let points: Vec<Point> =
+            table.points.iter().filter(|p| smallest.is_some_and(|s| s.0 == p.series)).cloned().collect();
+        let mut best: Option<(f64, String)> = None;
+        for &order in orders {
+            let text = self.scenario(target, order);
+            let scenario = crate::scenario::load_text(target, &text)?;
+            let signals = Signals { drive: table.signals.drive, reading: scenario.signals.reading };
+            let signals = if orders.len() > 1 { signals } else { table.signals };
+            let model = Model::new(&Scenario { signals, ..scenario.clone() });
+            let misfit = calibrate(&model, &scenario.free, &points, Tolerance::COARSE, 0).fit.objective;
+            if best.as_ref().is_none_or(|(least, _)| misfit + DISTINCT < *least) {
+                best = Some((misfit, text));
+            }
+        }
+        Ok(best.map_or_else(String::new, |(_, text)| text))
+    }
+
+    /// The scenario in the notation of its file; a reading in volts is of the motion differentiated `order` times.
+    fn scenario(&self, target: &Path, order: u8) -> String {
         let (drive, reading) = self.signals();
         let angle = self.coordinate == Coordinate::Angle;
         let number = |value: f64| digits(value, 5);
@@ -228,7 +258,11 @@ impl<'a> Draft<'a> {
             }
             (_, (_, true)) => {
                 text += "# the mass is not known: it is 1, and the drive is known up to a factor\n";
-                let _ = writeln!(instrument, "sensitivity = \"{} V/{motion}\"    # reading per motion", number(ratio));
+                let unit = ["V", "V s", "V s^2"][usize::from(order.min(2))];
+                let ratio = ratio / (TAU * r.frequency).powi(order.into());
+                let of = ["displacement", "velocity", "acceleration"][usize::from(order.min(2))];
+                let _ =
+                    writeln!(instrument, "sensitivity = \"{} {unit}/{motion}\"    # reading per {of}", number(ratio));
                 free.push("instrument.sensitivity");
             }
             (false, (true, false)) => {
@@ -254,7 +288,7 @@ impl<'a> Draft<'a> {
             let force = if angle { "V/(N m)" } else { "V/N" };
             let _ = writeln!(instrument, "drive_sensitivity = \"1 {force}\"    # not known: it sets the unit of force");
         }
-        if let Some(offset) = self.phase_offset() {
+        if let Some(offset) = self.phase_offset().map(|offset| wrap(offset - FRAC_PI_2 * f64::from(order))) {
             let inverted = offset.abs() > FRAC_PI_2;
             let remark = if inverted { "    # the reading has the opposite sign" } else { "" };
             let _ = writeln!(instrument, "phase_offset = \"{} rad\"{remark}", number(if inverted { PI } else { 0.0 }));

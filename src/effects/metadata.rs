@@ -107,6 +107,8 @@ pub enum Measure {
     Time,
     /// Speed of the motion at the contact; where a roller turns, its mean with that of the roller on a logarithmic scale.
     Speed,
+    /// One over that speed.
+    Slowness,
     /// Travel in 1/w0 at that speed.
     Travel,
     /// Stiffness of the bristles.
@@ -182,6 +184,7 @@ impl Measure {
             Self::Number => 1.0,
             Self::Time => 1.0 / of.omega,
             Self::Speed => of.speed(),
+            Self::Slowness => 1.0 / of.speed(),
             Self::Travel => of.speed() / of.omega,
             Self::ContactStiffness => of.contact_stiffness,
             Self::ContactDamping => of.contact_stiffness / of.omega,

@@ -1,6 +1,7 @@
 //! What a header says: which column it is and in which unit its numbers are.
 
 use super::frame::{DRIVES, Frame, READINGS, kind};
+use super::names::{ALIASES, NAMES, SAYING};
 use super::unit::{Unit, Wanted, gravity, known, suffix};
 use crate::scenario::parameters::MEASURED;
 
@@ -21,108 +22,6 @@ pub(crate) const SERIES: usize = 9;
 pub(crate) const SWEEP: usize = 10;
 /// How many columns a table may have.
 pub(crate) const ALL: usize = 11;
-
-/// Names of columns in headers, and which column each is.
-const NAMES: &[(&str, usize)] = &[
-    ("speed", SPEED),
-    ("load", LOAD),
-    ("drive", DRIVE),
-    ("force", DRIVE),
-    ("torque", DRIVE),
-    ("frequency", FREQUENCY),
-    ("amplitude", AMPLITUDE),
-    ("phase", PHASE),
-    ("amplitude_sd", AMPLITUDE_SD),
-    ("phase_sd", PHASE_SD),
-    ("mean", MEAN),
-];
-
-/// Another name of a column, as laboratories' programs write it.
-struct Alias {
-    name: &'static str,
-    column: usize,
-    /// SI units with which it is that column; all of the column where there are none.
-    units: &'static [&'static str],
-    /// Whether it is the column where no unit is stated, too.
-    bare: bool,
-}
-
-const fn alias(name: &'static str, column: usize, units: &'static [&'static str], bare: bool) -> Alias {
-    Alias { name, column, units, bare }
-}
-
-const LENGTH: &[&str] = &["m"];
-const VELOCITY: &[&str] = &["m/s"];
-const ACCELERATION: &[&str] = &["m/s^2"];
-const ANY_ACCELERATION: &[&str] = &["m/s^2", "rad/s^2"];
-const HERTZ: &[&str] = &["Hz"];
-const RADIAN: &[&str] = &["rad"];
-const NEWTON: &[&str] = &["N"];
-const TORQUE: &[&str] = &["N m"];
-
-/// A unit decides wherever a name alone could be another quantity.
-const ALIASES: &[Alias] = &[
-    alias("f", FREQUENCY, HERTZ, true),
-    alias("freq", FREQUENCY, HERTZ, true),
-    alias("frequenz", FREQUENCY, HERTZ, true),
-    alias("drive_frequency", FREQUENCY, HERTZ, true),
-    alias("excitation_frequency", FREQUENCY, HERTZ, true),
-    alias("f", DRIVE, NEWTON, false),
-    alias("force", DRIVE, NEWTON, false),
-    alias("torque", DRIVE, TORQUE, false),
-    alias("drive", DRIVE, &[], false),
-    alias("kraft", DRIVE, NEWTON, false),
-    alias("excitation_force", DRIVE, NEWTON, false),
-    alias("drive_force", DRIVE, NEWTON, false),
-    alias("drehmoment", DRIVE, TORQUE, false),
-    alias("moment", DRIVE, TORQUE, false),
-    alias("excitation", DRIVE, &[], false),
-    alias("drive_level", DRIVE, &[], false),
-    alias("base_displacement", DRIVE, &["m", "rad"], false),
-    alias("base_acceleration", DRIVE, ANY_ACCELERATION, false),
-    alias("base_accel", DRIVE, ANY_ACCELERATION, false),
-    alias("ampl", AMPLITUDE, &[], true),
-    alias("response", AMPLITUDE, &[], false),
-    alias("displacement", AMPLITUDE, LENGTH, false),
-    alias("deflection", AMPLITUDE, LENGTH, false),
-    alias("auslenkung", AMPLITUDE, LENGTH, false),
-    alias("x", AMPLITUDE, LENGTH, false),
-    alias("velocity", AMPLITUDE, VELOCITY, false),
-    alias("vel", AMPLITUDE, VELOCITY, false),
-    alias("v", AMPLITUDE, VELOCITY, false),
-    alias("acceleration", AMPLITUDE, ACCELERATION, false),
-    alias("accel", AMPLITUDE, ACCELERATION, false),
-    alias("acc", AMPLITUDE, ACCELERATION, false),
-    alias("beschleunigung", AMPLITUDE, ACCELERATION, false),
-    alias("a", AMPLITUDE, ACCELERATION, false),
-    alias("angle", AMPLITUDE, RADIAN, false),
-    alias("angular_velocity", AMPLITUDE, &["rad/s"], false),
-    alias("angular_acceleration", AMPLITUDE, &["rad/s^2"], false),
-    alias("phi", PHASE, RADIAN, true),
-    alias("φ", PHASE, RADIAN, true),
-    alias("ϕ", PHASE, RADIAN, true),
-    alias("phase_angle", PHASE, RADIAN, true),
-    alias("phasenwinkel", PHASE, RADIAN, true),
-    alias("roller_speed", SPEED, VELOCITY, false),
-    alias("normal_load", LOAD, NEWTON, false),
-    alias("normal_force", LOAD, NEWTON, false),
-];
-
-/// Words in names that say what is held, with its SI unit; the first that is there decides.
-const SAYING: &[(&str, &str)] = &[
-    ("angular_velocity", "rad/s"),
-    ("angular_acceleration", "rad/s^2"),
-    ("velocity", "m/s"),
-    ("acceleration", "m/s^2"),
-    ("accel", "m/s^2"),
-    ("displacement", "m"),
-    ("deflection", "m"),
-    ("torque", "N m"),
-    ("force", "N"),
-    ("voltage", "V"),
-    ("angle", "rad"),
-    ("frequency", "Hz"),
-];
 
 /// What a header may be.
 #[derive(Debug, Clone, PartialEq)]

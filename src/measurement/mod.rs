@@ -1,9 +1,12 @@
 //! Tables of measured steady states with their uncertainties. The measured file is read and never written.
 //!
 //! One file per input format: `delimited` (CSV and its relatives), `workbook` (Excel, OpenDocument; feature `xlsx`) and
-//! `universal` (dataset 58). The first two give a `sheet` of cells; `header` and `columns` find out what stands in which
-//! column and in which unit, `rows` turns cells into readings. From there all formats are one: `pool` unites repeated
-//! readings, `noise` gives every point its standard deviations, where none are stated from the [`scatter`](scatter()).
+//! `universal` (dataset 58). The first two give a `sheet` of cells; `header`, `names` and `unit` find out what a header says,
+//! `frame` what the scenario's rig can make of it, `search` and `columns` which column is which, `rows` turns cells into
+//! readings, `samples` tells recordings in time from tables. From there all formats are one: `series` finds the sweeps that
+//! readings belong to, `pool` unites repeated ones, `noise` gives every point its standard deviations, where none are stated
+//! from the [`scatter`](scatter()), `doubts` says what is possible and yet not likely. [`survey`](survey()) does all of it
+//! without a scenario.
 
 mod columns;
 mod delimited;
@@ -11,14 +14,17 @@ mod doubts;
 mod file;
 mod frame;
 mod header;
+mod names;
 mod noise;
 mod pool;
 mod rows;
 mod samples;
 mod scatter;
+mod search;
 mod series;
 mod sheet;
 mod survey;
+mod swings;
 mod unit;
 mod universal;
 mod workbook;

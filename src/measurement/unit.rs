@@ -5,7 +5,7 @@ use crate::units::{self, UnitError};
 
 /// Symbols that are read in whatever case they are written, unless two differ in nothing else.
 const SYMBOLS: &[&str] = &[
-    "m", "mm", "um", "nm", "cm", "km", "s", "ms", "min", "N", "mN", "uN", "kN", "MN", "Hz", "kHz", "rad", "mrad",
+    "m", "mm", "um", "nm", "cm", "km", "s", "ms", "min", "N", "mN", "uN", "nN", "kN", "MN", "Hz", "kHz", "rad", "mrad",
     "urad", "nrad", "deg", "V", "mV", "uV", "kV",
 ];
 

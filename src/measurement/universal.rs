@@ -7,10 +7,11 @@ mod dataset;
 
 use std::f64::consts::TAU;
 
-use super::columns::{only_value, other_rig};
+use super::columns::only_value;
 use super::frame::{DRIVES, Frame, READINGS, kind};
 use super::header::{AMPLITUDE, DRIVE, FREQUENCY, LOAD, SPEED};
 use super::pool::{Reading, Readings, wrap};
+use super::search::other_rig;
 use super::sheet::Complaints;
 use super::unit::Wanted;
 use crate::error::{Error, Result};

@@ -6,7 +6,7 @@ use super::parameters::{CONTACT, DRIVE_SENSITIVITY, INSTRUMENT, OSCILLATOR_WORDS
 use super::reader::{Reader, Table};
 use super::rig::{Coordinate, Dissipation, Elasticity, Excitation, Oscillator, Rig, Signal, TorsionalArm};
 use super::types::{Contact, Formulation, Instrument};
-use super::written::{Entry, Value};
+use super::written::{Entry, Value, inside};
 use crate::effects::ParameterInfo;
 use crate::units;
 
@@ -29,6 +29,13 @@ pub(crate) fn rig(reader: &mut Reader<'_>, entries: &[Entry]) -> Option<Rig> {
         0 => arm(reader, &table).map(Rig::TorsionalArm),
         _ => mode(reader, &table, entries).map(Rig::Oscillator),
     }
+}
+
+/// Whether the table `[rig]`, sound or not, is meant to be that of the paper's kind.
+pub(crate) fn means_arm(entries: &[Entry]) -> bool {
+    let rig = entries.iter().find(|entry| entry.key == "rig").map(|entry| inside(&entry.node));
+    let kind = rig.and_then(|keys| keys.iter().find(|entry| entry.key == "kind"));
+    kind.is_none_or(|entry| matches!(&entry.node.value, Value::Text(kind) if kind == KINDS[0]))
 }
 
 /// Which of `known` a key names; the inner option tells whether it is there.
@@ -109,8 +116,9 @@ fn mode(reader: &mut Reader<'_>, table: &Table<'_>, entries: &[Entry]) -> Option
             }
             [_, second, ..] => {
                 let place = table.get(keys[second])?.place.clone();
-                let title = format!("[rig] states {list} together");
-                reader.fail(&place, &title, "stated before in another form", "keep one of them");
+                let both = found.iter().map(|at| format!("`{}`", keys[*at])).collect::<Vec<_>>().join(" and ");
+                let label = "the same in another form";
+                reader.fail(&place, &format!("[rig] states {both} together"), label, "keep one of them");
                 None
             }
         }

@@ -59,14 +59,16 @@ fn read(
         get("figures").map(|node| reader.names("figures", node, options.figure_names, "a figure that can be drawn"));
 
     let rig = rig(reader, entries);
-    // The paper's rig is nothing without a contact; of another it is unknown while the rig is.
-    let contact = contact(reader, entries, rig.is_none_or(|rig| rig.is_arm()));
+    // The paper's rig is nothing without a contact.
+    let arm = read_rig::means_arm(entries);
+    let contact = contact(reader, entries, arm);
     let instrument = instrument(reader, entries);
     let signals = rig.zip(instrument).map(|(rig, instrument)| read_rig::signals(&rig, &instrument));
-    let drive = signals.map_or(Signals::ARM, |signals| signals).drive.unit;
+    // Without rig or instrument it is not known in which unit the drive of another rig is.
+    let drive = signals.or(arm.then_some(Signals::ARM)).map(|signals| signals.drive.unit);
     let table = reader.table(entries, "sweep");
     let sweep: Option<Option<Sweep>> = match &table {
-        Some(table) => axes::sweep(reader, table, drive, contact).map(Some),
+        Some(table) => drive.and_then(|drive| axes::sweep(reader, table, drive, contact)).map(Some),
         None => Some(None),
     };
     let of = (rig.map(|rig| rig.coordinate()), contact.map(|contact| contact.is_some()));

@@ -163,6 +163,11 @@ fn nothing_panics_whatever_the_bytes() {
     let sources = [
         ("t.csv", PRACTICE.lines().take(8).collect::<Vec<_>>().join("\n")),
         ("t.uff", include_str!("../data/frf.uff").to_string()),
+        (
+            "t.txt",
+            "series;sweep;f / Hz;F / N;a / g;phi / °;amplitude_2_m\n".to_string()
+                + &(0..12).map(|n| format!("{};up;{n},5;1,{n};{n}e-3;-9{n};1\n", n / 6)).collect::<String>(),
+        ),
     ];
     const SPLICES: &[&str] =
         &["9e999", "\"", ",", ";", "\t", "[", "]", "\n", "µ", "-", "nan", "#", "%", "\u{feff}", "\r", "🙂", "    -1\n"];
@@ -186,6 +191,9 @@ fn nothing_panics_whatever_the_bytes() {
             }
             std::fs::write(folder.path().join(name), &bytes).expect("a file");
             if let Err(error) = measurement::load(&scenario) {
+                assert_eq!(error.exit_code(), 2, "{error}");
+            }
+            if let Err(error) = measurement::survey(folder.path().join(name)) {
                 assert_eq!(error.exit_code(), 2, "{error}");
             }
         }

@@ -1,6 +1,6 @@
 //! A viscous film at the interface: friction grows in proportion to the slip rate.
 
-use super::{Effect, Group, Law, ParameterInfo, Zero};
+use super::{Effect, Group, Law, Measure, ParameterInfo, Zero};
 
 /// A viscous film.
 pub struct ViscousFilm;
@@ -37,7 +37,8 @@ impl Effect for ViscousFilm {
             (0.0, 1e6),
             (0.1, 100.0),
             "rise of the friction coefficient per slip rate",
-        )];
+        )
+        .in_units_of(Measure::Slowness)];
         LIST
     }
 

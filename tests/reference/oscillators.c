@@ -1,0 +1,111 @@
+/* Time integration of one driven mode, for oscillators.py (which compiles this file and states the equations).
+
+   Dimensionless: time t counts 1/w0, u is displacement over a length X0,
+
+       u'' + u'/Q + u + kappa u^3 + d |u'| u' + sum_i k_i clip(u - z_i, -y_i, y_i) = p cos(W t)
+
+   z_i is where slider i holds: it stays while |u - z_i| <= y_i and is dragged along otherwise.
+
+   Method: the linear damped oscillator is propagated exactly by its matrix exponential; the drive and everything
+   nonlinear enter through the classical fourth-order Runge-Kutta rule in the variables that the exponential leaves
+   (Lawson 1967). Errors are therefore relative to the small terms and do not grow with Q. A slider is
+   committed at the end of a step, and first at the turning point where the velocity changes sign within it. */
+
+#include <math.h>
+#include <stdlib.h>
+
+typedef struct { double Q, kappa, d, p, W; int m; const double *k, *y; double *z; } mode;
+
+static double joint(const mode *o, double u)
+{
+    double sum[4] = { 0.0 }; /* four at a time, for speed; m is a multiple of four, filled up with k = 0 */
+    for (int i = 0; i < o->m; i += 4)
+        for (int j = 0; j < 4; j++) {
+            double e = u - o->z[i + j], y = o->y[i + j];
+            e = e > y ? y : e;
+            e = e < -y ? -y : e;
+            sum[j] += o->k[i + j] * e;
+        }
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
+static void drag(const mode *o, double u)
+{
+    for (int i = 0; i < o->m; i++) {
+        double e = u - o->z[i], y = o->y[i];
+        e = e > y ? y : e;
+        e = e < -y ? -y : e;
+        o->z[i] = u - e;
+    }
+}
+
+/* drive minus everything that is not the linear oscillator */
+static double rest(const mode *o, double u, double v, double drive)
+{
+    return drive - o->kappa * u * u * u - o->d * fabs(v) * v - joint(o, u);
+}
+
+/* exp(A h) of A = [[0, 1], [-1, -1/Q]], Q > 1/2, row by row */
+static void propagator(double Q, double h, double e[4])
+{
+    double a = 0.5 / Q, w = sqrt(1.0 - a * a), x = exp(-a * h), c = cos(w * h), s = sin(w * h);
+    e[0] = x * (c + a / w * s);
+    e[1] = x * s / w;
+    e[2] = -x * s / w;
+    e[3] = x * (c - a / w * s);
+}
+
+/* Runs whole drive periods from phase 0 of the drive. par: Q, kappa, d, p, W. state: u, u', z_1..z_m (replaced by the end state).
+   out, of the last period: 2/N sum u cos, 2/N sum u sin, largest |u|. */
+void run(const double *par, int m, const double *k, const double *y, double *state, long cycles, int steps, double *out)
+{
+    mode o = { par[0], par[1], par[2], par[3], par[4], m, k, y, state + 2 };
+    const double two_pi = 6.283185307179586476925;
+    double h = two_pi / o.W / steps, half[4], full[4];
+    propagator(o.Q, 0.5 * h, half);
+    propagator(o.Q, h, full);
+    double *wave = malloc((2 * steps + 1) * sizeof *wave); /* cosine at the steps and half way */
+    for (int j = 0; j <= 2 * steps; j++) wave[j] = cos(two_pi * j / (2 * steps));
+    double u = state[0], v = state[1];
+    for (long c = 0; c < cycles; c++) {
+        double sc = 0.0, ss = 0.0, top = 0.0;
+        for (int j = 0; j < steps; j++) {
+            double f0 = o.p * wave[2 * j], f1 = o.p * wave[2 * j + 1], f2 = o.p * wave[2 * j + 2];
+            if (c == cycles - 1) {
+                sc += u * wave[2 * j];
+                ss += u * sin(two_pi * j / steps);
+                if (fabs(u) > top) top = fabs(u);
+            }
+            double k1 = rest(&o, u, v, f0);
+            double hu = half[0] * u + half[1] * v, hv = half[2] * u + half[3] * v;
+            double k2 = rest(&o, hu + half[1] * 0.5 * h * k1, hv + half[3] * 0.5 * h * k1, f1);
+            double k3 = rest(&o, hu, hv + 0.5 * h * k2, f1);
+            double fu = full[0] * u + full[1] * v, fv = full[2] * u + full[3] * v;
+            double k4 = rest(&o, fu + half[1] * h * k3, fv + half[3] * h * k3, f2);
+            double nu = fu + h / 6.0 * (full[1] * k1 + 2.0 * half[1] * (k2 + k3));
+            double nv = fv + h / 6.0 * (full[3] * k1 + 2.0 * half[3] * (k2 + k3) + k4);
+            if (m > 0) {
+                if (v * nv < 0.0) drag(&o, u + 0.5 * h * v * v / (v - nv));
+                drag(&o, nu);
+            }
+            u = nu;
+            v = nv;
+        }
+        out[0] = 2.0 * sc / steps;
+        out[1] = 2.0 * ss / steps;
+        out[2] = top;
+    }
+    free(wave);
+    state[0] = u;
+    state[1] = v;
+}
+
+/* The sliders alone, moved along path: the force after each point of it (for checks against closed forms). */
+void follow(int m, const double *k, const double *y, double *z, long n, const double *path, double *force)
+{
+    mode o = { 1.0, 0.0, 0.0, 0.0, 1.0, m, k, y, z };
+    for (long i = 0; i < n; i++) {
+        drag(&o, path[i]);
+        force[i] = joint(&o, path[i]);
+    }
+}
