@@ -3,7 +3,7 @@
 mod common;
 
 use common::{EULER_STEPS, Random, paper_model, steady};
-use stickslip::effects::{Effect, Law, Measure, ParameterInfo, REGISTRY, find, typical};
+use stickslip::effects::{Effect, Law, Measure, ParameterInfo, REGISTRY, find, fits_rig, typical};
 use stickslip::model::lumps::FIRST_EFFECT_PARAMETER;
 use stickslip::model::{Model, Operation};
 use stickslip::scenario::Formulation::Series;
@@ -49,6 +49,11 @@ fn tabulated(effect: &dyn Effect) -> Vec<f64> {
     rows().into_iter().find(|row| row.effect.name() == effect.name()).expect("a row").parameters
 }
 
+/// The effects that act on the paper's rig; those of a rig without a contact are tested in `tests/oscillator.rs`.
+fn beside_contact() -> impl Iterator<Item = &'static dyn Effect> {
+    REGISTRY.iter().copied().filter(|effect| fits_rig(*effect, true).is_ok())
+}
+
 /// Static contact, partial stick at two loads, full slip, and slip both ways at a low load.
 const CONDITIONS: [(f64, f64, f64); 5] =
     [(0.0, 20.0, 2.5e-6), (5e-5, 20.0, 2.5e-6), (1e-4, 10.0, 2.5e-6), (0.02, 20.0, 2.5e-6), (0.0, 0.1, 7.5e-6)];
@@ -64,6 +69,10 @@ fn every_effect_is_documented() {
         assert!(!effect.title().is_empty() && !effect.equation().is_empty(), "{name}");
         for text in [effect.meaning(), effect.source(), effect.fingerprint()] {
             assert!(sentence(text), "{name}: {text}");
+        }
+        if fits_rig(*effect, true).is_err() {
+            assert!(effect.fingerprint().contains("Without contact"), "{name}");
+            continue;
         }
         for state in ["V = 0", "artial stick", "ull slip"] {
             assert!(effect.fingerprint().contains(state), "{name}: {state}");
@@ -107,8 +116,8 @@ fn zero_strength_is_the_base() {
     let steady =
         |model: &Model, at: &Operation| solve(model, at, EULER_STEPS, &fine, false, &mut Warm::default()).state;
     let base = paper_model(Series);
-    for effect in REGISTRY.iter().filter(|effect| !effect.zero().is_empty()) {
-        let mut parameters = tabulated(*effect);
+    for effect in beside_contact().filter(|effect| !effect.zero().is_empty()) {
+        let mut parameters = tabulated(effect);
         let mut tolerance = 1e-10;
         for zero in effect.zero() {
             parameters[zero.parameter] = zero.value;
@@ -118,7 +127,7 @@ fn zero_strength_is_the_base() {
                 tolerance = 2e-7;
             }
         }
-        let model = with(*effect, parameters);
+        let model = with(effect, parameters);
         for (speed, load, drive) in CONDITIONS {
             for frequency in [62.0, 71.0, 84.0] {
                 let at = Operation { speed, load, drive, frequency };
@@ -226,18 +235,18 @@ fn derivatives_of_steady_states_match_differences() {
     let solved = |model: &Model, at: &Operation, derivatives: bool| -> Solution {
         solve(model, at, EULER_STEPS, &fine, derivatives, &mut Warm::default())
     };
-    for effect in REGISTRY {
-        let p = tabulated(*effect);
+    for effect in beside_contact() {
+        let p = tabulated(effect);
         for (speed, load, drive) in [(0.0, 0.1, 7.5e-6), (1e-4, 10.0, 2.5e-6), (0.02, 20.0, 2.5e-6)] {
             let at = Operation { speed, load, drive, frequency: 73.0 };
-            let solution = solved(&with(*effect, p.clone()), &at, true);
+            let solution = solved(&with(effect, p.clone()), &at, true);
             let what = format!("{} {at:?}", effect.name());
             let gradient = solution.derivatives.unwrap_or_else(|| panic!("{what}: {:?}", solution.state.status));
             for (i, info) in effect.parameters().iter().enumerate() {
                 let shifted = |relative: f64| {
                     let mut p = p.clone();
                     p[i] *= 1.0 + relative;
-                    solved(&with(*effect, p), &at, false).state
+                    solved(&with(effect, p), &at, false).state
                 };
                 let h = 1e-3;
                 let (up, down) = (shifted(h), shifted(-h));
@@ -266,8 +275,12 @@ fn the_example_of_every_page_is_a_valid_scenario() {
     let base = include_str!("broken/base.toml");
     for effect in REGISTRY {
         let example = stickslip::cli::effects::example(*effect);
+        let alone = fits_rig(*effect, true).is_err();
+        let oscillator = "title = \"x\"\n[rig]\nkind = \"oscillator\"\ncoordinate = \"angle\"\nnatural_frequency = 72\n\
+                          quality_factor = 9\n[sweep]\nfrequency = 72\ndrive = 1\n";
         let sweep = "[sweep]\nfrequency = 72\nspeed = 0.02\nload = 20\ndrive = 2.5e-6\n";
-        std::fs::write(&path, format!("{base}\n{sweep}\n{example}")).expect("a file");
+        let rig = if alone { oscillator.to_string() } else { format!("{base}\n{sweep}") };
+        std::fs::write(&path, format!("{rig}\n{example}")).expect("a file");
         let scenario = stickslip::scenario::load(&path).unwrap_or_else(|error| panic!("{error}"));
         for (read, meant) in scenario.effects[0].parameters.iter().zip(typical(*effect)) {
             assert!((read / meant - 1.0).abs() < 1e-12, "{}", effect.name());

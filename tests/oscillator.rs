@@ -159,6 +159,27 @@ fn balance_and_integration_agree() {
 }
 
 #[test]
+fn zero_strength_is_the_linear_mode() {
+    let bare = oscillator(3.0, 7.0, 40.0);
+    for (name, parameters) in [
+        ("cubic-stiffness", vec![0.0]),
+        ("quadratic-damping", vec![0.0]),
+        ("friction-joint", vec![0.0, 1.0, 2.0]),
+        ("structural-damping", vec![0.0]),
+        ("sensor-delay", vec![0.0]),
+        ("actuator-lag", vec![0.0]),
+    ] {
+        let model = with(bare.clone(), name, &parameters);
+        for frequency in [5.0, 7.0, 7.1, 12.0] {
+            let one = solved(&model, &at(2.0, frequency), &mut Warm::default()).state;
+            let other = solved(&bare, &at(2.0, frequency), &mut Warm::default()).state;
+            let apart = (one.amplitude / other.amplitude - 1.0).abs() + (one.phase - other.phase).abs();
+            assert!(apart < 1e-9, "{name} {frequency}: {apart:e}");
+        }
+    }
+}
+
+#[test]
 fn derivatives_are_those_of_differences() {
     let (mass, f0, quality, force) = (3.0, 7.0, 40.0, 2.0);
     let k = mass * (TAU * f0).powi(2);

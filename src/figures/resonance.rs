@@ -441,7 +441,8 @@ mod tests {
         assert_eq!(folds(&hardening), [rise, fall]);
         let lines = down_lines(&hardening, &|s| s.amplitude);
         assert_eq!(lines, [[(2.0, 0.9), (3.0, 0.8), (4.0, 0.7), (5.0, 0.6)]]);
-        assert_eq!(peak_of(&hardening), Some((4.0, 5.0)));
+        // By a parabola through the readings about the largest.
+        assert!(peak_of(&hardening).is_some_and(|(f, a)| (f - 4.0).abs() < 0.5 && (a - 5.0).abs() < 0.5));
     }
 
     #[test]
@@ -454,7 +455,7 @@ mod tests {
 
     #[test]
     fn branches_that_reach_the_end_of_the_sweep_fold_only_within_it() {
-        let cut = curve(&[1.0, 2.0, 3.0], &[1.0, 0.9, 0.8]);
+        let cut = curve(&[1.0, 1.2, 1.4], &[1.0, 0.5, 0.4]);
         assert_eq!(folds(&cut), [Fold { from: 1, to: 0, down: true }]);
         assert_eq!(folds(&curve(&[1.0, 2.0], &[1.0, 2.0])), []);
     }
