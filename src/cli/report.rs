@@ -160,10 +160,10 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     gates::passed(&judged)
 }
 
-/// Title of the page: of scenarios none of which is about the paper's kind of rig, their own.
+/// Title of the page: of scenarios that are not all about the paper's kind of rig, their own.
 fn title(scenarios: &[Scenario]) -> String {
     match scenarios {
-        some if some.iter().any(|scenario| scenario.rig.is_arm()) => TITLE.into(),
+        some if of_paper(some).is_some() || some.iter().all(|scenario| scenario.rig.is_arm()) => TITLE.into(),
         [one] => one.title.clone(),
         [first, others @ ..] => format!("{} and {} more", first.title, others.len()),
         [] => TITLE.into(),

@@ -71,10 +71,13 @@ pub fn figures(outcomes: &[Outcome], out: &Folder) -> Result<Vec<Vec<FigureInput
                 Ok(drawing) => write(drawing, &outcome.scenario.id, out).map(Some),
                 // A default figure that the sweep cannot fill is left out; one that was asked for is an error.
                 Err(FigureError::MissingData(_)) if outcome.scenario.figures.is_none() => Ok(None),
-                Err(why) => Err(Error::Input(format!(
-                    "error: {}: {why}\n  = help: extend the sweep, or take the name out of `figures`",
-                    outcome.scenario.path.display()
-                ))),
+                Err(why) => {
+                    let path = outcome.scenario.path.display();
+                    // No sweep gives a rig a contact.
+                    let extend = if outcome.scenario.contact.is_some() { "extend the sweep, or " } else { "" };
+                    let help = format!("{extend}take the name out of `figures`");
+                    Err(Error::Input(format!("error: {path}: {why}\n  = help: {help}")))
+                }
             }
         })
         .collect::<Result<_>>()?;

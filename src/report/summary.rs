@@ -20,7 +20,7 @@ const PAPER: &str = "The experiment of Nakano and others (Frontiers in Mechanica
 const PLAIN: &str = "Simulations of a torsional rig in frictional contact with a driven roller, after Nakano and others (Frontiers in \
     Mechanical Engineering 5:9, 2019): the figures with their numbers, and how far these can be trusted.";
 
-/// Of scenarios none of which is about the paper's kind of rig.
+/// Of scenarios that are not all about the paper's kind of rig.
 fn of_others(scenarios: &[ScenarioView]) -> String {
     let measured = scenarios.iter().any(|scenario| scenario.comparison.is_some());
     let equation = scenarios.iter().filter_map(|s| Some(s.rig.as_ref()?.equations.first()?.equation.clone())).next();
@@ -110,7 +110,7 @@ impl ReportView {
             check.anchor = anchors.claim(&anchor::check(&check.name));
         }
         let (equations, glossary) = of_rigs(&scenarios);
-        let others = !scenarios.is_empty() && scenarios.iter().all(|scenario| scenario.rig.is_some());
+        let others = scenarios.iter().any(|scenario| scenario.rig.is_some());
         let lead = match (claims.is_empty(), others) {
             (false, _) => PAPER.into(),
             (true, false) => PLAIN.into(),
