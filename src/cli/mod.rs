@@ -38,7 +38,7 @@ use json::{Json, Stamped};
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-/// Reproduces a published friction experiment: rubber on a vibrating arm, from sticking to sliding.
+/// Finds what the model of a driven resonator lacks: simulates, compares with measurements, names the missing effect.
 #[derive(Debug, Parser)]
 #[command(version, about, long_about = None, after_help = EXIT_STATUS, disable_help_subcommand = true)]
 pub struct Cli {
