@@ -6,7 +6,7 @@ mod strength;
 
 pub use strength::{strengths, varied};
 
-use crate::effects::{Effect, REGISTRY};
+use crate::effects::{Effect, REGISTRY, fits_rig};
 use crate::model::Model;
 use crate::scenario::{Formulation, Scenario};
 use crate::sweep::{Condition, Curve, DEFAULT_EULER_STEPS, curve};
@@ -45,12 +45,12 @@ pub struct Entry {
     pub strengths: Vec<Strength>,
 }
 
-/// An entry for every effect of the registry, on rig, contact and instrument of `scenario`; its effects are left out.
+/// An entry for every effect of the registry that acts on such a rig, on rig, contact and instrument of `scenario`; its effects are left out.
 /// The result does not depend on the number of threads.
 pub fn run(scenario: &Scenario) -> Vec<Entry> {
     let bare = Model { effects: Vec::new(), ..Model::new(scenario) };
-    let wanted: Vec<(&'static dyn Effect, Vec<f64>)> = REGISTRY
-        .iter()
+    let shown = || REGISTRY.iter().filter(|effect| fits_rig(**effect, bare.has_contact).is_ok());
+    let wanted: Vec<(&'static dyn Effect, Vec<f64>)> = shown()
         .flat_map(|effect| strengths(*effect).into_iter().map(move |parameters| (*effect, parameters)))
         .collect();
     let models: Vec<Model> = std::iter::once(bare.clone())
@@ -67,7 +67,7 @@ pub fn run(scenario: &Scenario) -> Vec<Entry> {
         }
         entry
     };
-    REGISTRY.iter().map(entry).collect()
+    shown().map(entry).collect()
 }
 
 /// The curves of every model at every condition.

@@ -17,7 +17,7 @@ pub use words::{Criterion, close, condition, criteria, lines, otherwise, paramet
 
 use crate::compare::Peak;
 use crate::discover::{Addition, compatible};
-use crate::effects::{Effect, REGISTRY};
+use crate::effects::{Effect, REGISTRY, fits_rig};
 use crate::measurement::Point;
 use crate::model::Model;
 use crate::scenario::{Formulation, Question, Scenario};
@@ -154,6 +154,7 @@ pub fn answer(scenario: &Scenario) -> Option<Answer> {
     let others: Vec<Judge> = others.into_iter().filter(|other| other.judge(&target).all()).collect();
     let searched: Vec<(Hypothesis, Vec<bool>)> = REGISTRY
         .par_iter()
+        .filter(|effect| fits_rig(**effect, base.has_contact).is_ok())
         .filter(|effect| compatible(&base, &[Addition::Effect(**effect)]))
         .filter(|effect| !base.effects.iter().any(|(present, _)| present.name() == effect.name()))
         .map(|effect| search::search(&base, *effect, &condition, &points, (&judge, &others)))
