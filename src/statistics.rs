@@ -18,6 +18,12 @@ pub fn spread(values: impl IntoIterator<Item = f64>, center: f64) -> f64 {
     MAD * median(values.into_iter().map(|value| (value - center).abs()))
 }
 
+/// The angle wrapped to (-pi, pi].
+pub fn wrap(angle: f64) -> f64 {
+    let turned = angle - std::f64::consts::TAU * (angle / std::f64::consts::TAU).round();
+    if turned <= -std::f64::consts::PI { turned + std::f64::consts::TAU } else { turned }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -27,10 +33,4 @@ mod tests {
         assert_eq!([median([]), median([3.0]), median([1.0, 2.0]), median([9e9, 1.0, 2.0])], [0.0, 3.0, 1.5, 2.0]);
         assert_eq!(spread([1.0, 2.0, 3.0, 4.0, 9e9], 3.0), MAD);
     }
-}
-
-/// The angle wrapped to (-pi, pi].
-pub fn wrap(angle: f64) -> f64 {
-    let turned = angle - std::f64::consts::TAU * (angle / std::f64::consts::TAU).round();
-    if turned <= -std::f64::consts::PI { turned + std::f64::consts::TAU } else { turned }
 }

@@ -150,7 +150,7 @@ impl<'a> Data<'a> {
             false => panel.curve(canvas, points, stroke),
         };
         let folds = folds(styled.curve);
-        let mut up = data::steady(styled.curve, &of);
+        let mut up = data::steady(styled.curve, of);
         // Highest first, so that places before stay where they are.
         for fold in folds.iter().filter(|fold| !fold.down).rev() {
             let (at, next) = (fold.from.min(fold.to), fold.from.max(fold.to));
@@ -168,7 +168,7 @@ impl<'a> Data<'a> {
             panel.curve(canvas, &[from, to], Stroke::dashed(solid.color, 1.3, DOTS));
             panel.marks(canvas, &[from], Mark::Circle, 4.2, solid.color, true);
         }
-        panel.marks(canvas, &data::self_excited(styled.curve, &of), Mark::Circle, 4.0, solid.color, false);
+        panel.marks(canvas, &data::self_excited(styled.curve, of), Mark::Circle, 4.0, solid.color, false);
     }
 
     fn csv(&self) -> String {
