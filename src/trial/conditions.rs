@@ -96,7 +96,13 @@ impl Bench {
 
     /// A hash of everything stated here.
     pub fn hash(&self) -> String {
-        let text = format!("{:?} {:?} {:?}", self.model, self.free, self.operations);
+        // In the form of the committed results, which knew one kind of rig.
+        let (rig, i) = (format!("{:?}", self.model.rig.arm()).replace("TorsionalArm", "Rig"), &self.model.instrument);
+        let text = format!(
+            "Model {{ rig: {rig}, contact: {:?}, instrument: Instrument {{ drive_gain: {:?}, amplitude_gain: {:?}, phase_offset: {:?} }}, \
+             effects: [] }} {:?} {:?}",
+            self.model.contact, i.drive_gain, i.amplitude_gain, i.phase_offset, self.free, self.operations
+        );
         blake3::hash(text.as_bytes()).to_hex().to_string()
     }
 }
