@@ -81,7 +81,7 @@ pub struct Solution {
     /// The observables.
     pub state: SteadyState,
     /// Derivatives of (amplitude, phase) by the parameters of the model, in the order of
-    /// [`crate::model::lumps::BASE_PARAMETERS`] and then of the effects; where asked for.
+    /// [`crate::model::Model::parameter`]; where asked for.
     pub derivatives: Option<Vec<(f64, f64)>>,
     /// Readings (amplitude, phase) of the other stable states at the same point.
     pub others: Vec<(f64, f64)>,
