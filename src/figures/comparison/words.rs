@@ -97,8 +97,7 @@ fn course(series: &Series, setting: &Setting) -> String {
         let from = if unit(&low) == unit(&high) { number } else { &low };
         parts.push(format!("{from} to {high}"));
     }
-    // Many a table says it in the name.
-    if series.direction == Direction::Down && !series.name.to_lowercase().contains("down") {
+    if series.direction == Direction::Down {
         parts.push("down".into());
     }
     parts.join(", ")
