@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 
 /// Sum of squares by which one kind of reading has to fit better than a simpler one.
 const DISTINCT: f64 = 10.0;
-/// Two neighbours along a series whose amplitudes differ by this many times what their neighbours do are a jump, if by more
+/// Two neighbours along a series whose responses per drive differ by this many times what their neighbours do are a jump, if by more
 /// than this many standard deviations.
 const JUMP: (f64, f64) = (5.0, 8.0);
 
@@ -32,14 +32,26 @@ pub fn execute(table: &Path, output: Option<&Path>, global: &Global) -> Result<(
         return Err(Error::Input(whole_file(&title, "name another file with -o, or move it away")));
     }
     let draft = Draft::new(&seen, table)?;
-    let text = draft.best_scenario(&target)?;
+    let (text, chosen) = draft.best_scenario(&target)?;
     files::create(&target, text.as_bytes())?;
     for line in draft.description() {
         say(global, &line);
     }
+    if let Some(chosen) = chosen {
+        say(global, &format!("  note: {chosen}"));
+    }
     say(global, &format!("wrote {}", target.display()));
     say(global, &format!("next: stickslip discover {}", target.display()));
     Ok(())
+}
+
+/// What a reading is of, where the table does not say.
+#[derive(Clone, Copy)]
+struct Kind {
+    /// Times that the motion is differentiated before a reading in volts.
+    order: u8,
+    /// Whether the motion of the base is part of it.
+    absolute: bool,
 }
 
 /// What a table tells of its rig.
@@ -71,7 +83,14 @@ impl<'a> Draft<'a> {
         let alone = |p: &&Point| if unloaded { p.load == 0.0 } else { p.speed == fastest };
         let slowest = points.iter().filter(|p| p.load > 0.0).map(|p| p.speed).fold(f64::INFINITY, f64::min);
         let of = |part: Vec<Point>| of_all(&part, seen.table.signals.reading.order);
-        let free = if rolls { points.iter().filter(alone).cloned().collect() } else { points.clone() };
+        // At the smallest drive, where a rig that is not linear is nearest to it.
+        let gentlest = seen.table.series.iter().map(|s| s.drive).fold(f64::INFINITY, f64::min);
+        let gentle = |p: &&Point| seen.table.series[p.series].drive <= gentlest;
+        let free = if rolls {
+            points.iter().filter(alone).cloned().collect()
+        } else {
+            points.iter().filter(gentle).cloned().collect()
+        };
         let stuck: Vec<Point> = points.iter().filter(|p| p.load > 0.0 && p.speed == slowest).cloned().collect();
         let Some(resonance) = of(free).or_else(|| of(points.clone())) else {
             return refuse(
@@ -199,33 +218,67 @@ impl<'a> Draft<'a> {
         lacking
     }
 
-    /// The scenario whose linear resonance fits the readings at the smallest drive best: of a reading in volts it is not said
-    /// whether it is of displacement, velocity or acceleration, which differ in shape and phase.
-    fn best_scenario(&self, target: &Path) -> Result<String> {
-        let orders: &[u8] = if self.signals().1.unit == "V" { &[0, 1, 2] } else { &[0] };
+    /// The scenario whose linear resonance fits the readings at the smallest drive best, and what was chosen between, in words:
+    /// of a reading in volts it is not said whether it is of displacement, velocity or acceleration, and of a rig on a moving
+    /// base not whether its motion is read relative to that; they differ in shape and phase.
+    fn best_scenario(&self, target: &Path) -> Result<(String, Option<String>)> {
+        let reading = self.signals().1;
+        let kinds = self.kinds();
         let table = &self.seen.table;
         let level = |s: &Series| (s.load, s.drive);
         let smallest =
             table.series.iter().enumerate().min_by(|a, b| level(a.1).partial_cmp(&level(b.1)).unwrap_or(Equal));
         let points: Vec<Point> =
             table.points.iter().filter(|p| smallest.is_some_and(|s| s.0 == p.series)).cloned().collect();
-        let mut best: Option<(f64, String)> = None;
-        for &order in orders {
-            let text = self.scenario(target, order);
+        let mut tried: Vec<(f64, Kind, String)> = Vec::new();
+        for &kind in &kinds {
+            let text = self.scenario(target, kind);
             let scenario = crate::scenario::load_text(target, &text)?;
             let signals = Signals { drive: table.signals.drive, reading: scenario.signals.reading };
-            let signals = if orders.len() > 1 { signals } else { table.signals };
+            let signals = if reading.unit == "V" { signals } else { table.signals };
             let model = Model::new(&Scenario { signals, ..scenario.clone() });
             let misfit = calibrate(&model, &scenario.free, &points, Tolerance::COARSE, 0).fit.objective;
-            if best.as_ref().is_none_or(|(least, _)| misfit + DISTINCT < *least) {
-                best = Some((misfit, text));
-            }
+            tried.push((misfit, kind, text));
         }
-        Ok(best.map_or_else(String::new, |(_, text)| text))
+        let best = (1..tried.len()).fold(0, |best, i| if tried[i].0 + DISTINCT < tried[best].0 { i } else { best });
+        let (misfit, kind, text) = tried.swap_remove(best);
+        let chosen = tried.iter().map(|other| other.0 - misfit).min_by(f64::total_cmp).map(|margin| {
+            let by = if margin > DISTINCT {
+                format!("fits best, by {margin:.0} in the sum of squares of a linear resonance")
+            } else {
+                "is the usual case; the readings do not decide".into()
+            };
+            let others: Vec<String> = tried.iter().map(|(_, other, _)| self.words(*other)).collect();
+            format!("the reading is taken as {}, not {}: that {by}", self.words(kind), others.join(" or "))
+        });
+        Ok((text, chosen))
     }
 
-    /// The scenario in the notation of its file; a reading in volts is of the motion differentiated `order` times.
-    fn scenario(&self, target: &Path, order: u8) -> String {
+    /// What the reading may be of, the usual first.
+    fn kinds(&self) -> Vec<Kind> {
+        let reading = self.signals().1;
+        let orders = if reading.unit == "V" { vec![0, 1, 2] } else { vec![0] };
+        let of = |order: u8| {
+            // An accelerometer moves with the mass and knows no base.
+            let accelerometer = order.max(reading.order) == 2;
+            let absolute = if self.base_driven() { vec![accelerometer, !accelerometer] } else { vec![false] };
+            absolute.into_iter().map(move |absolute| Kind { order, absolute })
+        };
+        orders.into_iter().flat_map(of).collect()
+    }
+
+    fn words(&self, kind: Kind) -> String {
+        let order = kind.order.max(self.signals().1.order);
+        let of = ["displacement", "velocity", "acceleration"][usize::from(order.min(2))];
+        match (self.base_driven(), kind.absolute) {
+            (false, _) => of.into(),
+            (true, false) => format!("{of} relative to the base"),
+            (true, true) => format!("absolute {of}"),
+        }
+    }
+
+    /// The scenario in the notation of its file.
+    fn scenario(&self, target: &Path, Kind { order, absolute }: Kind) -> String {
         let (drive, reading) = self.signals();
         let angle = self.coordinate == Coordinate::Angle;
         let number = |value: f64| digits(value, 5);
@@ -234,15 +287,21 @@ impl<'a> Draft<'a> {
             self.table.file_stem().map_or("table".into(), |stem| stem.to_string_lossy().replace(['"', '\\'], "'"));
         let mut text = format!(
             "# Written by `stickslip new` from what the readings show; every number may be corrected.\ntitle = \"Resonance of {stem}\"\n\
-             provenance = \"measured; starting values estimated from the readings\"\n\n[rig]\nkind = \"oscillator\"\n"
+             provenance = \"not stated: readings of {file}; starting values estimated from them\"    # where they come from\n\n\
+             [rig]\nkind = \"oscillator\"\n",
+            file = self.table.file_name().map_or(stem.clone(), |name| name.to_string_lossy().replace(['"', '\\'], "'"))
         );
         if angle {
             text += "coordinate = \"angle\"\n";
         }
         let mut free = vec!["rig.natural_frequency", "rig.quality_factor"];
         if self.base_driven() {
-            text += "drive = \"base\"                 # or \"spring\", with spring_stiffness\n\
-                     reading = \"relative\"           # to the base; or \"absolute\"\n";
+            text += "drive = \"base\"                 # or \"spring\", with spring_stiffness\n";
+            text += if absolute {
+                "reading = \"absolute\"           # or \"relative\" to the base\n"
+            } else {
+                "reading = \"relative\"           # to the base; or \"absolute\"\n"
+            };
         } else {
             text += "drive = \"force\"                # or \"base\"; \"spring\"\n";
         }
@@ -341,9 +400,10 @@ fn digits(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value)
 }
 
-/// Steps between neighbours along the frequency that are far larger than the steps about them.
+/// Steps of the response per drive between neighbours along the frequency that are far larger than the steps about them.
 fn jumps(points: &[&Point]) -> usize {
-    let step = |pair: &[&Point]| (pair[1].amplitude / pair[0].amplitude).ln().abs();
+    let response = |p: &Point| p.amplitude / p.drive;
+    let step = |pair: &[&Point]| (response(pair[1]) / response(pair[0])).ln().abs();
     let steps: Vec<f64> = points.windows(2).map(step).collect();
     let noise = median(points.iter().map(|p| p.amplitude_sd / p.amplitude));
     let is_jump = |i: usize| {

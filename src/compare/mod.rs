@@ -36,7 +36,7 @@ use std::sync::OnceLock;
 
 /// Version of the comparison: raised whenever the same input may give other numbers, so that a limit that is suddenly
 /// crossed can be told from a change of the program.
-pub const COMPARATOR: &str = "5";
+pub const COMPARATOR: &str = "6";
 
 /// Load, speed and drive of a measured curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -295,9 +295,12 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
     let two = points.iter().filter(|p| !p.model.others.is_empty()).count();
     if two > 0 {
         let off = branches::off_the_sweep(&points, &table.series);
+        let which = match off {
+            0 => "all of them those that a sweep of the model is on".into(),
+            off => format!("{} with another than the one that a sweep of the model is on", count(off, "reading")),
+        };
         notes.push(format!(
-            "the model has two stable states at {}; each is compared with the state nearest to it, {off} with another than the \
-             one that a sweep of the model is on",
+            "the model has two stable states at {}; each reading is compared with the state nearest to it, {which}",
             count(two, "point")
         ));
     }

@@ -113,7 +113,7 @@ impl Drawing {
         ];
         let tell = |text: &str| {
             let text = words.iter().fold(text.to_string(), |text, (old, new)| text.replace(old, new));
-            replaced(&text, "arm", "rig")
+            replaced(&replaced(&text, "arm", "rig"), "roller", "counterface")
         };
         for text in [&mut self.title, &mut self.caption, &mut self.alt, &mut self.svg, &mut self.csv] {
             *text = tell(text);

@@ -134,7 +134,11 @@ impl Table {
             _ => "amplitude and some phases",
         };
         let relative = median(self.points.iter().map(|point| point.amplitude_sd / point.amplitude));
-        let mut noise = format!("noise {} {:.1} %", self.amplitude_noise.word(), 100.0 * relative);
+        // One decimal, or two digits of what is smaller than that shows.
+        let percent = 100.0 * relative;
+        let decimals = if percent > 0.0 { (1.0 - percent.log10().floor()).max(1.0) as usize } else { 1 };
+        let decimals = if percent >= 0.1 { 1 } else { decimals };
+        let mut noise = format!("noise {} {percent:.decimals$} %", self.amplitude_noise.word());
         if let Some(source) = self.phase_noise {
             let phase = median(self.points.iter().filter_map(|point| point.phase_sd)).to_degrees();
             let word = if source == self.amplitude_noise { String::new() } else { format!("{} ", source.word()) };

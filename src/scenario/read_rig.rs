@@ -198,7 +198,7 @@ pub(crate) fn contact(reader: &mut Reader<'_>, entries: &[Entry], needed: bool) 
 }
 
 /// The table `[instrument]`, and the signals that its sensitivities make of those of the rig.
-pub(crate) fn instrument(reader: &mut Reader<'_>, entries: &[Entry]) -> Option<Instrument> {
+pub(crate) fn instrument(reader: &mut Reader<'_>, entries: &[Entry], rig: Option<&Rig>) -> Option<Instrument> {
     if !entries.iter().any(|entry| entry.key == "instrument") {
         return Some(Instrument::default());
     }
@@ -211,8 +211,17 @@ pub(crate) fn instrument(reader: &mut Reader<'_>, entries: &[Entry]) -> Option<I
     };
     let (drive_gain, amplitude_gain) = (read(0, default.drive_gain), read(1, default.amplitude_gain));
     let phase_offset = read(2, default.phase_offset);
-    let drive = sensitivity(reader, &table, "drive_sensitivity", "drive_gain", DRIVE_SENSITIVITY)?;
-    let reading = sensitivity(reader, &table, "sensitivity", "amplitude_gain", SENSITIVITY)?;
+    // Where the rig could not be read, any.
+    let driven = |unit: &str| {
+        rig.is_none_or(|rig| match rig.signals().drive.unit {
+            "N m" => unit == "V/(N m)",
+            own => unit.ends_with(&format!("/{own}")),
+        })
+    };
+    let turns = rig.map(|rig| rig.coordinate() == Coordinate::Angle);
+    let read = |unit: &str| turns.is_none_or(|turns| unit.ends_with("rad") == turns);
+    let drive = sensitivity(reader, &table, ("drive_sensitivity", "drive_gain"), DRIVE_SENSITIVITY, driven)?;
+    let reading = sensitivity(reader, &table, ("sensitivity", "amplitude_gain"), SENSITIVITY, read)?;
     Some(Instrument {
         drive_gain: drive.map_or(drive_gain?, |(_, value)| value),
         amplitude_gain: reading.map_or(amplitude_gain?, |(_, value)| value),
@@ -222,13 +231,14 @@ pub(crate) fn instrument(reader: &mut Reader<'_>, entries: &[Entry]) -> Option<I
     })
 }
 
-/// A sensitivity in one of several units, in place of a `gain`; a bare number is in the first of them.
+/// A sensitivity in one of several units that are `possible` with the rig, in place of a `gain`; a bare number is in the first
+/// of them.
 fn sensitivity(
     reader: &mut Reader<'_>,
     table: &Table<'_>,
-    key: &str,
-    gain: &str,
+    (key, gain): (&str, &str),
     forms: &[ParameterInfo],
+    possible: impl Fn(&str) -> bool,
 ) -> Option<Option<(usize, f64)>> {
     let Some(node) = table.get(key) else { return Some(None) };
     if let Some(other) = table.get(gain) {
@@ -236,18 +246,20 @@ fn sensitivity(
         reader.fail(&other.place, &title, "two numbers that no data can tell apart", "keep one of the two");
         return None;
     }
+    let fitting: Vec<usize> = (0..forms.len()).filter(|&at| possible(forms[at].unit)).collect();
+    let first = fitting.first().copied().unwrap_or(0);
     if let Value::Text(text) = &node.value {
-        let dimension = |info: &ParameterInfo| units::parse(text, info.unit).is_ok();
-        if let Some(at) = forms.iter().position(dimension) {
+        let dimension = |&at: &usize| units::parse(text, forms[at].unit).is_ok();
+        if let Some(at) = fitting.iter().copied().find(dimension) {
             return reader.quantity(node, &forms[at]).map(|value| Some((at, value)));
         }
-        let list = forms.iter().map(|info| info.unit).collect::<Vec<_>>().join(", ");
-        let why = units::parse(text, forms[0].unit).err().map_or(String::new(), |error| error.to_string());
-        let help = format!("`{key}` is the {}, in one of {list}", forms[0].meaning);
+        let list = fitting.iter().map(|&at| forms[at].unit).collect::<Vec<_>>().join(", ");
+        let why = units::parse(text, forms[first].unit).err().map_or(String::new(), |error| error.to_string());
+        let help = format!("of this rig `{key}` is the {}, in one of {list}", forms[first].meaning);
         reader.fail(&node.place, &format!("cannot read `{key}`"), &why, &help);
         return None;
     }
-    reader.quantity(node, &forms[0]).map(|value| Some((0, value)))
+    reader.quantity(node, &forms[first]).map(|value| Some((first, value)))
 }
 
 /// The voltage signals that stand in place of those of the rig where a sensitivity is stated.

@@ -62,7 +62,7 @@ fn read(
     // The paper's rig is nothing without a contact.
     let arm = read_rig::means_arm(entries);
     let contact = contact(reader, entries, arm);
-    let instrument = instrument(reader, entries);
+    let instrument = instrument(reader, entries, rig.as_ref());
     let signals = rig.zip(instrument).map(|(rig, instrument)| read_rig::signals(&rig, &instrument));
     // Without rig or instrument it is not known in which unit the drive of another rig is.
     let drive = signals.or(arm.then_some(Signals::ARM)).map(|signals| signals.drive.unit);

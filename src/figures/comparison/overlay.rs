@@ -26,7 +26,7 @@ const PHASES: &str = "error of phase";
 
 /// What to do where there is no contact.
 const ALONE: &str = "See whether the swing is in every panel or grows with the drive: the first is a number of the rig or the \
-                     instrument, the second a force that is not linear. Then read the missing force below.";
+                     instrument, the second a force that is not linear.";
 
 /// Amplitudes, or their companion for phases.
 pub struct Overlay {
