@@ -7,7 +7,7 @@ use divan::Bencher;
 use std::path::Path;
 use stickslip::compare::calibrate;
 use stickslip::discover::{Addition, Options, additions, compatible, discover, extended};
-use stickslip::fit::{HUBER, Parameter, Problem, Settings, minimise, parameter};
+use stickslip::fit::{Parameter, Problem, Settings, TAIL, minimise, parameter};
 use stickslip::measurement::{self, Table};
 use stickslip::model::Model;
 use stickslip::scenario::{self, Scenario};
@@ -68,7 +68,7 @@ fn evaluation(bencher: Bencher, name: &str) {
 fn fit(bencher: Bencher, name: &str) {
     let (scenario, table) = practice(1);
     let (model, parameters) = with(&scenario, name);
-    let settings = Settings { evaluations: 30, threshold: HUBER, converged: 1e-4 };
+    let settings = Settings { evaluations: 30, threshold: TAIL, converged: 1e-4 };
     bencher.bench_local(|| {
         let mut problem = Problem::new(model.clone(), &table.points, parameters.clone(), Tolerance::COARSE);
         let values = problem.values();

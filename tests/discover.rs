@@ -2,23 +2,23 @@
 
 use std::path::{Path, PathBuf};
 use stickslip::compare::{calibrate, problem};
-use stickslip::discover::{Discovery, Options, Verdict, discover};
+use stickslip::discover::{Discovery, SearchOptions, Verdict, discover};
 use stickslip::measurement::Point;
 use stickslip::solver::cycle::Tolerance;
 use stickslip::{measurement, scenario};
 
 fn found(number: u32) -> Discovery {
-    found_with(number, &Options::default())
+    found_with(number, &SearchOptions::default())
 }
 
-fn found_with(number: u32, options: &Options) -> Discovery {
+fn found_with(number: u32, options: &SearchOptions) -> Discovery {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
     let places = [format!("scenarios/practice/{number}"), format!("tests/data/practice/{number}")];
     let path = places.iter().map(|p| folder.join(p).join("scenario.toml")).find(|p| p.is_file()).expect("the table");
     found_at(&path, options)
 }
 
-fn found_at(path: &Path, options: &Options) -> Discovery {
+fn found_at(path: &Path, options: &SearchOptions) -> Discovery {
     let scenario = scenario::load(path).expect("a scenario");
     let table = measurement::load(&scenario).expect("a table").expect("measurements");
     discover(&scenario, &table, options)
@@ -103,7 +103,7 @@ fn practice_8_too_small_to_see() {
 
 #[test]
 fn no_more_effects_are_named_than_asked_for_although_structure_is_left() {
-    let d = found_with(7, &Options { max_effects: 1, ..Options::default() });
+    let d = found_with(7, &SearchOptions { max_effects: 1, ..SearchOptions::default() });
     assert_eq!(d.verdict, Verdict::Unexplained);
     assert_eq!(d.explanation().hypothesis.additions.len(), 1);
 }
@@ -112,7 +112,7 @@ fn no_more_effects_are_named_than_asked_for_although_structure_is_left() {
 #[test]
 fn left_out_conditions_are_predicted_as_fits_without_them_predict() {
     let valley = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/valley/scenario.toml");
-    for d in [found_at(&valley, &Options::default()), found(5)] {
+    for d in [found_at(&valley, &SearchOptions::default()), found(5)] {
         let end = d.explanation();
         let (points, model) = (&end.comparison.table.points, &end.comparison.model);
         let keys: Vec<String> = end.comparison.fit.parameters.iter().map(|p| p.key.clone()).collect();

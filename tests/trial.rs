@@ -223,7 +223,7 @@ fn trials_are_sealed_scored_kept_and_resumed() {
     let answers = options.out.join("answers");
     let sealed = std::fs::read(answers.join(format!("{id}.json"))).unwrap();
     std::fs::remove_dir_all(&answers).unwrap();
-    let settings = discover::Options { max_effects: 1, ..discover::Options::default() };
+    let settings = discover::SearchOptions { max_effects: 1, ..discover::SearchOptions::default() };
     let again = trial::examine(&trial, &settings).unwrap();
     let found = damping.found.as_ref().unwrap();
     assert_eq!(

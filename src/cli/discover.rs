@@ -7,7 +7,7 @@ use super::compare::{
 use super::gates::{self, GateLimits, Verdicts};
 use super::{Global, Json, Stamped, say};
 use crate::compare;
-use crate::discover::{self, Candidate, Discovery, Options, Verdict};
+use crate::discover::{self, Candidate, Discovery, SearchOptions, Verdict};
 use crate::error::Result;
 use crate::gate;
 use crate::measurement::Table;
@@ -15,21 +15,26 @@ use crate::units::Frequencies;
 use std::path::Path;
 
 /// Candidates shown on the terminal.
-const CANDIDATES: usize = 8;
+const CANDIDATES: usize = 6;
+/// Outliers, regions, ties shown there.
+const SHOWN: usize = 3;
+/// What stands in the columns of the candidates.
+const LEGEND: &str = "  delta BIC: misfit and price of the parameters above the best, 6 is 20 to 1; weight: share of the evidence; left-out: \
+                      error at series that were not fitted; from: what was fitted";
 
 /// Searches for what is missing in a scenario's model, and holds the result to its gates; the JSON goes to `json` where
 /// given.
 pub fn execute(
     path: &Path,
     json: Option<&Json>,
-    (options, bounds): (&Options, &Limits),
+    (options, bounds): (&SearchOptions, &Limits),
     (limits, verdict): (&GateLimits, &Verdicts),
     global: &Global,
 ) -> Result<()> {
     let (mut scenario, table) = with_measurements(path)?;
     limits.apply(&mut scenario.gate);
     verdict.apply(&mut scenario.gate);
-    let options = Options { bounds: bounds.of(&scenario, &table)?, ..options.clone() };
+    let options = SearchOptions { bounds: bounds.of(&scenario, &table)?, ..options.clone() };
     let discovery = discover::discover(&scenario, &table, &options);
     let mut judged = gate::of_comparison(&scenario.gate, &discovery.steps[0].comparison);
     judged.extend(gate::of_discovery(&scenario.gate, &discovery));
@@ -64,11 +69,14 @@ pub(super) fn words(d: &Discovery) -> Vec<String> {
     lines.extend(without_outliers(c).map(|without| format!("  the last with a chi2 of {without}")));
     lines.push(format!("parameters ({}):", interval_words(c)));
     lines.extend(c.fit.parameters.iter().zip(&c.intervals).map(|(p, i)| format!("  {}", parameter(p, i))));
-    for tie in &d.correlations {
+    for tie in d.correlations.iter().take(SHOWN) {
         lines.push(format!(
             "  tied together: {} and {} (correlation {:.3})",
             tie.parameters.0, tie.parameters.1, tie.value
         ));
+    }
+    if d.correlations.len() > SHOWN {
+        lines.push(format!("  and {} more pairs (see --json)", d.correlations.len() - SHOWN));
     }
     lines.push(verdict(c));
     lines.push("candidates:                       delta BIC  weight      chi2  left-out  from".into());
@@ -76,23 +84,26 @@ pub(super) fn words(d: &Discovery) -> Vec<String> {
     if d.candidates.len() > CANDIDATES {
         lines.push(format!("  and {} more (see --json)", d.candidates.len() - CANDIDATES));
     }
+    lines.push(LEGEND.into());
     for group in &d.indistinguishable {
         lines.push(format!("these data do not tell apart: {}", group.join(", ")));
     }
-    for effect in &d.not_testable {
-        let shows = if effect.would_show.is_empty() {
-            "nor in any measurement within the bounds"
-        } else {
-            effect.would_show.as_str()
+    if !d.not_testable.is_empty() {
+        let names: Vec<&str> = d.not_testable.iter().map(|e| e.effect.as_str()).collect();
+        let show = d.not_testable.iter().find(|e| !e.would_show.is_empty());
+        let shows = match show {
+            Some(effect) => format!("{} would show {}", effect.effect, effect.would_show),
+            None => "nor in any measurement within the bounds".into(),
         };
-        lines.push(format!("not testable with these data: {} ({shows})", effect.effect));
+        lines.push(format!("not testable with these data: {} ({shows})", names.join(", ")));
     }
-    for outlier in &d.outliers {
-        lines.push(stands_out(c, outlier));
+    lines.extend(d.outliers.iter().take(SHOWN).map(|outlier| stands_out(c, outlier)));
+    if d.outliers.len() > SHOWN {
+        lines.push(format!("and {} more readings that stand out (see --json)", d.outliers.len() - SHOWN));
     }
     if d.verdict == Verdict::Unexplained {
         lines.push("where the best model still fails:".into());
-        lines.extend(c.regions.iter().take(CANDIDATES).map(|region| format!("  {}", region.sentence)));
+        lines.extend(c.regions.iter().take(SHOWN).map(|region| format!("  {}", region.sentence)));
     }
     if let Some(next) = &d.next_measurement {
         let [one, other] = &next.separates;

@@ -30,7 +30,6 @@ mod simulate;
 mod target;
 pub mod trial;
 
-use crate::discover::Options;
 use crate::error::{Error, Result};
 use clap::{Args, Parser, Subcommand};
 use folder::Folder;
@@ -51,7 +50,7 @@ pub struct Cli {
 const EXIT_STATUS: &str = "Without a command: report. Exit status: 0 done; 1 done and a gate failed; \
     2 bad usage or input; 3 could not finish.";
 
-/// Options of every command.
+/// SearchOptions of every command.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct Global {
     /// Print nothing but errors
@@ -112,9 +111,12 @@ enum Command {
         /// Most effects in one explanation
         #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(0..=6))]
         max_effects: u8,
-        /// Seed of the quasi-random samples
+        /// Seed of the Sobol sequence of starting points
         #[arg(long, value_name = "N", default_value_t = 0)]
         seed: u32,
+        /// Search otherwise than by default: NAME=VALUE, as docs/search.md lists them
+        #[arg(long, value_name = "NAME=VALUE", value_delimiter = ',')]
+        search: Vec<String>,
         #[command(flatten)]
         gates: gates::GateLimits,
         #[command(flatten)]
@@ -220,8 +222,8 @@ pub fn run(cli: Cli) -> Result<()> {
             compare::execute(&compare::Job { path: &scenario, json, out, seed, limits: &gates }, &global)
         }
         Command::New { table, output } => new::execute(&table, output.as_deref(), &global),
-        Command::Discover { scenario, json, max_effects, seed, gates, verdict, limits } => {
-            let options = Options { max_effects: max_effects.into(), seed, ..Options::default() };
+        Command::Discover { scenario, json, max_effects, seed, search, gates, verdict, limits } => {
+            let options = trial::searched(&search, max_effects, seed)?;
             let json = json.map(Json::from);
             discover::execute(&scenario, json.as_ref(), (&options, &limits), (&gates, &verdict), &global)
         }

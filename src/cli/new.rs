@@ -246,7 +246,7 @@ impl<'a> Draft<'a> {
             let by = if margin > DISTINCT {
                 format!("fits best, by {margin:.0} in the sum of squares of a linear resonance")
             } else {
-                "is the usual case; the readings do not decide".into()
+                "is an assumption, the readings do not decide".into()
             };
             let others: Vec<String> = tried.iter().map(|(_, other, _)| self.words(*other)).collect();
             format!("the reading is taken as {}, not {}: that {by}", self.words(kind), others.join(" or "))
@@ -259,10 +259,8 @@ impl<'a> Draft<'a> {
         let reading = self.signals().1;
         let orders = if reading.unit == "V" { vec![0, 1, 2] } else { vec![0] };
         let of = |order: u8| {
-            // An accelerometer moves with the mass and knows no base.
-            let accelerometer = order.max(reading.order) == 2;
-            let absolute = if self.base_driven() { vec![accelerometer, !accelerometer] } else { vec![false] };
-            absolute.into_iter().map(move |absolute| Kind { order, absolute })
+            let absolute: &[bool] = if self.base_driven() { &[false, true] } else { &[false] };
+            absolute.iter().map(move |&absolute| Kind { order, absolute })
         };
         orders.into_iter().flat_map(of).collect()
     }

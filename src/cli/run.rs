@@ -36,7 +36,7 @@ pub fn execute(path: &Path, results: &Folder, global: &Global) -> Result<()> {
             let comparison = compare::compare(scenario, table);
             figures.extend(simulate::comparison(&comparison, results)?);
             compare::words(&comparison).iter().for_each(|line| say(global, line));
-            let discovery = discover::discover(scenario, table, &discover::Options::default());
+            let discovery = discover::discover(scenario, table, &discover::SearchOptions::default());
             figures.extend(simulate::discovery(&discovery, results)?);
             super::discover::words(&discovery).iter().for_each(|line| say(global, line));
             judged.extend(gate::of_comparison(&scenario.gate, &comparison));

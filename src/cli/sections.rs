@@ -114,7 +114,7 @@ fn discovered(work: &Work<'_>, out: &Folder) -> Result<Vec<Option<Discover>>> {
     let one = |(scenario, table): &(&Scenario, &Option<Table>)| {
         let Some(table) = table else { return Ok(None) };
         simulate::go_on()?;
-        let discovery = discover::discover(scenario, table, &discover::Options::default());
+        let discovery = discover::discover(scenario, table, &discover::SearchOptions::default());
         let figures = simulate::discovery(&discovery, out)?;
         Ok(Some((discovery, figures)))
     };

@@ -3,6 +3,7 @@
 use super::folder::Folder;
 use super::simulate::{self, go_on};
 use super::{Global, Json, say};
+use crate::discover::SearchOptions;
 use crate::error::{Error, Result};
 use crate::files;
 use crate::trial::{self, Bench, Options, Record, Summary};
@@ -52,6 +53,25 @@ pub struct Arguments {
     /// Most effects in one explanation
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(0..=6))]
     max_effects: u8,
+    /// Search otherwise than by default: NAME=VALUE, as docs/search.md lists them
+    #[arg(long, value_name = "NAME=VALUE", value_delimiter = ',')]
+    search: Vec<String>,
+}
+
+/// The options of a search with settings NAME=VALUE.
+///
+/// # Errors
+/// [`Error::Input`] naming the first setting that is none.
+pub(super) fn searched(settings: &[String], max_effects: u8, seed: u32) -> Result<SearchOptions> {
+    let mut options = SearchOptions { max_effects: max_effects.into(), seed, ..SearchOptions::default() };
+    for setting in settings {
+        options.set(setting).map_err(|why| {
+            let list: Vec<String> =
+                SearchOptions::NAMES.iter().map(|(name, meaning)| format!("{name}: {meaning}")).collect();
+            Error::Input(format!("error: --search: {why}\n  = help: {}", list.join("; ")))
+        })?;
+    }
+    Ok(options)
 }
 
 /// Runs the trials, prints the scores, writes the figures.
@@ -66,7 +86,7 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
         noise: a.noise.iter().map(|text| share("--noise", text, 1e-6)).collect::<Result<_>>()?,
         outliers: share("--outliers", &a.outliers, 0.0)?,
         phase: !a.no_phase,
-        max_effects: a.max_effects.into(),
+        search: searched(&a.search, a.max_effects, 0)?,
         out: a.out.clone(),
     };
     let bench = match &a.conditions {

@@ -2,7 +2,7 @@
 
 use super::{Label, Outlier, Setting};
 use crate::fit::resonance;
-use crate::fit::{CONVERGED, Fit, HUBER, Parameter, Problem, Settings, minimise, parameter, robust_chi2};
+use crate::fit::{CONVERGED, Fit, Parameter, Problem, Settings, TAIL, minimise, parameter, robust_chi2};
 use crate::measurement::{Point, Series, Table};
 use crate::model::{Model, Operation};
 use crate::scenario::Scenario;
@@ -125,7 +125,7 @@ fn calibrated(model: &Model, keys: &[String], points: &[Point], tolerance: Toler
     let mut tried: Vec<(f64, usize)> = starts
         .par_iter()
         .enumerate()
-        .map(|(index, start)| (robust_chi2(&stated.clone().evaluate(start, false).residuals, HUBER), index))
+        .map(|(index, start)| (robust_chi2(&stated.clone().evaluate(start, false).residuals, TAIL), index))
         .collect();
     // The stated values are always followed.
     tried[1..].sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -139,7 +139,7 @@ fn calibrated(model: &Model, keys: &[String], points: &[Point], tolerance: Toler
         .collect();
     let best = followed.into_iter().min_by(|a, b| a.objective.total_cmp(&b.objective));
     let mut fit = best.unwrap_or_else(|| minimise(&mut stated.clone(), &starts[0], &SETTLE));
-    let threshold = HUBER * scale(&fit.evaluation.residuals).max(1.0);
+    let threshold = TAIL * scale(&fit.evaluation.residuals).max(1.0);
     if fit.evaluation.residuals.amax() > threshold {
         let robust = Settings { evaluations: EVALUATIONS, threshold, converged: CONVERGED };
         fit = minimise(&mut stated.clone(), &fit.values, &robust);
@@ -154,7 +154,7 @@ fn calibrated(model: &Model, keys: &[String], points: &[Point], tolerance: Toler
 const SETTLE: Settings = Settings { evaluations: 1, threshold: f64::INFINITY, converged: CONVERGED };
 
 /// A quasi-random start within the ranges of the parameters.
-pub(crate) fn scattered(parameters: &[Parameter], number: u32, seed: u32) -> Vec<f64> {
+fn scattered(parameters: &[Parameter], number: u32, seed: u32) -> Vec<f64> {
     let share = |dimension: usize| f64::from(sobol_burley::sample(number, dimension as u32, seed));
     parameters.iter().enumerate().map(|(d, p)| p.within(share(d))).collect()
 }

@@ -2,8 +2,8 @@
 
 use super::MARGIN;
 use super::hypothesis::{Addition, Hypothesis};
-use super::sampling::{Base, at_stated_values};
-use super::search::{Data, explore, lead, on_all};
+use super::options::SearchOptions;
+use super::select::{Known, Search};
 use crate::compare::{self, Comparison, calibrate};
 use crate::effects::Effect;
 use crate::measurement::Table;
@@ -44,14 +44,10 @@ pub fn fit_addition(scenario: &Scenario, table: &Table, effect: &'static dyn Eff
     let keys = movable(scenario, "");
     let base = calibrate(&model, &keys, &table.points, Tolerance::default(), seed);
     let model = base.base.clone();
-    let stated = compare::problem(&model, &keys, [], Tolerance::default()).values();
-    let data = Data::new(model.clone(), &table.points, base.threshold, stated, seed);
+    let options = SearchOptions { seed, ..SearchOptions::default() };
+    let search = Search::new(scenario, table, &options, &keys, model.clone());
     let from = Hypothesis { additions: Vec::new(), model, fit: base.fit, estimate: None, bic: f64::INFINITY };
-    let explored =
-        explore(&data, &from, &Base::new(&data, &from), at_stated_values(&data, &from).as_ref(), addition, None, false);
-    let led = lead(&data, explored.begin(&data, &from)).map(|attempt| attempt.finished(&data));
-    let mut best = explored.found(&data, &from, led).hypothesis;
-    best.fit = on_all(&data, &best.model, &best.fit);
+    let best = search.add(&from, addition, &mut Known::default()).unwrap_or(from);
     let keys = keys.into_iter().chain(addition.keys()).collect::<Vec<_>>();
     conclude(scenario, table, before, best.fitted(), &keys, seed)
 }

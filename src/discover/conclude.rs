@@ -1,11 +1,10 @@
 //! What the rounds of a search say together: verdict, ladder, ranking, rivals, and what remains open.
 
-use super::forward::Search;
 use super::hypothesis::{Addition, Basis, Estimate, Hypothesis, count, extended};
-use super::round::{Entry, Rounds};
-use super::{Candidate, Discovery, MARGIN, Noise, NotTestable, Step, Verdict, held_out, next};
+use super::select::{Entry, Known, Search};
+use super::{Candidate, Discovery, Evidence, MARGIN, Noise, NotTestable, Step, Verdict, held_out, next, verdict};
 use crate::compare::{self, Calibration, Comparison};
-use crate::fit::{HUBER, Interval, approximate_intervals};
+use crate::fit::{Interval, TAIL, approximate_intervals};
 use rayon::prelude::*;
 
 /// A sum of squares that is larger by this than that of a smaller hypothesis shows a fit that did not come to its end.
@@ -19,7 +18,7 @@ impl Search<'_> {
         start: &Hypothesis,
         chosen: &Hypothesis,
         explanation: Comparison,
-        rounds: &Rounds,
+        known: &Known,
         ties: &[Vec<Hypothesis>],
     ) -> Discovery {
         let (factor, contradicted) = self.scatter(chosen);
@@ -43,18 +42,16 @@ impl Search<'_> {
         let mut steps: Vec<Step> = ladder.into_par_iter().enumerate().map(compared).collect();
         steps.push(step(steps.len(), chosen.clone(), explanation));
         let last = steps.len() - 1;
-        let candidates = self.rank(&steps, rounds, ties, noise);
+        let candidates = self.rank(&steps, known, ties, noise);
         let end = &steps[last];
-        // Without neighbours nothing could have shown structure: then nothing is concluded from its absence.
         let white = &end.comparison.whiteness;
-        let structured = white.structured || !white.testable;
-        let verdict = match (structured, chosen.additions.iter().any(Addition::is_effect), chosen.additions.is_empty())
-        {
-            (true, _, _) => Verdict::Unexplained,
-            (false, _, true) => Verdict::NothingMissing,
-            (false, true, false) => Verdict::EffectMissing,
-            (false, false, false) => Verdict::Recalibrate,
-        };
+        let verdict = verdict(&Evidence {
+            testable: white.testable,
+            structured: white.structured,
+            unsolved: end.comparison.unsolved() as f64 / self.table.points.len() as f64,
+            effects: chosen.additions.iter().filter(|a| a.is_effect()).count(),
+            recalibrations: chosen.additions.iter().filter(|a| !a.is_effect()).count(),
+        });
         let mut indistinguishable: Vec<Vec<String>> = Vec::new();
         let mut rivals: Vec<Hypothesis> = Vec::new();
         for tied in ties.iter().filter(|tied| tied.len() > 1) {
@@ -62,10 +59,17 @@ impl Search<'_> {
             indistinguishable.push(tied.iter().filter_map(|h| Some(h.additions.last()?.name().to_string())).collect());
         }
         let outliers = end.comparison.outliers.clone();
-        let not_testable = self.not_testable(&candidates, rounds);
+        let not_testable = self.not_testable(&candidates, known);
         let next_measurement = self.next(&end.hypothesis, &rivals, &candidates, noise);
         let correlations = end.comparison.correlations.clone();
         let mut notes = Vec::new();
+        let spent = !self.goes_on();
+        if spent {
+            notes.push(format!(
+                "the search has spent its budget of {} steady states: this is the best so far",
+                self.options.budget
+            ));
+        }
         if contradicted {
             notes.push(format!(
                 "the readings scatter {factor:.2} times as much as their stated standard deviations; all tests and intervals use the scatter"
@@ -112,6 +116,8 @@ impl Search<'_> {
             next_measurement,
             noise: Noise { factor, contradicted },
             correlations,
+            solved: self.data.solved(),
+            spent,
             notes,
             steps,
         }
@@ -119,12 +125,12 @@ impl Search<'_> {
 
     pub(super) fn comparison(&self, hypothesis: &Hypothesis, profile: bool, noise: f64) -> Comparison {
         let (base, fit) = (hypothesis.model.clone(), hypothesis.fit.clone());
-        let calibration = Calibration { base, fit, threshold: HUBER * noise };
+        let calibration = Calibration { base, fit, threshold: TAIL * noise };
         compare::judge(self.scenario, self.table, &calibration, profile)
     }
 
     /// All hypotheses of the first round and those about the explanation, the best first.
-    fn rank(&self, steps: &[Step], rounds: &Rounds, ties: &[Vec<Hypothesis>], noise: f64) -> Vec<Candidate> {
+    fn rank(&self, steps: &[Step], known: &Known, ties: &[Vec<Hypothesis>], noise: f64) -> Vec<Candidate> {
         let mut all: Vec<(Hypothesis, bool)> = Vec::new();
         let mut add = |hypothesis: &Hypothesis, testable: bool| {
             if !all.iter().any(|(known, _)| known.same_additions(hypothesis)) {
@@ -135,10 +141,11 @@ impl Search<'_> {
             add(&step.hypothesis, true);
         }
         ties.iter().flatten().for_each(|tied| add(tied, true));
-        for (number, round) in rounds.all().enumerate() {
-            for entry in round.found.iter().filter(|e| number == 0 || e.full) {
-                let testable = self.testable(entry);
-                add(&entry.found.hypothesis, testable);
+        // Of larger ones those that were fitted to all points.
+        for entry in &known.entries {
+            let hypothesis = &entry.hypothesis;
+            if hypothesis.additions.len() == 1 || hypothesis.estimate.is_none() {
+                add(hypothesis, self.testable(entry));
             }
         }
         // What contains a smaller hypothesis can do whatever that does: where its own fit is worse it is counted as if.
@@ -202,26 +209,25 @@ impl Search<'_> {
 
     /// Whether the strongest plausible form of an addition would be found.
     fn testable(&self, entry: &Entry) -> bool {
-        let hypothesis = &entry.found.hypothesis;
+        let hypothesis = &entry.hypothesis;
         let Some(addition) = hypothesis.additions.last() else { return true };
         let parameters = count(&extended(&self.data.base, &[*addition]), &addition.keys()) as f64;
-        entry.found.visibility > parameters * (self.readings() as f64).ln() + MARGIN
+        entry.visibility > parameters * (self.readings() as f64).ln() + MARGIN
     }
 
-    fn not_testable(&self, candidates: &[Candidate], rounds: &Rounds) -> Vec<NotTestable> {
-        let Some(first) = rounds.all().next() else { return Vec::new() };
-        let named = |entry: &&Entry| entry.found.hypothesis.additions.first().is_some_and(Addition::is_effect);
+    fn not_testable(&self, candidates: &[Candidate], known: &Known) -> Vec<NotTestable> {
+        let named = |entry: &&Entry| matches!(entry.hypothesis.additions[..], [Addition::Effect(_)]);
         let mut list = Vec::new();
-        for entry in first.found.iter().filter(named).filter(|e| !self.testable(e)) {
-            let Some(addition) = entry.found.hypothesis.additions.first() else { continue };
+        for entry in known.entries.iter().filter(named).filter(|e| !self.testable(e)) {
+            let Some(addition) = entry.hypothesis.additions.first() else { continue };
             let base = candidates.iter().find(|c| c.hypothesis.additions.is_empty());
             let would_show = base.map_or_else(String::new, |base| {
                 let fitted = base.hypothesis.fitted();
-                next::would_show(&fitted, &entry.found.strongest, self.table, &self.options.bounds)
+                next::would_show(&fitted, &entry.strongest, self.table, &self.options.bounds)
             });
             list.push(NotTestable {
                 effect: addition.name().into(),
-                largest_sigma: entry.found.visibility.sqrt(),
+                largest_sigma: entry.visibility.sqrt(),
                 would_show,
             });
         }

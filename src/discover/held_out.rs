@@ -1,8 +1,8 @@
 //! Prediction of conditions that were left out of the fit.
 
+use super::data::{Data, typical_of};
 use super::hypothesis::Hypothesis;
-use super::search::Data;
-use crate::fit::{Parameter, Problem, robust_chi2};
+use crate::fit::{Parameter, Problem, TAIL, robust_chi2};
 use crate::measurement::Point;
 use crate::solver::cycle::Tolerance;
 use nalgebra::{DMatrix, DVector};
@@ -17,6 +17,8 @@ const STRAIGHT: f64 = 0.05;
 const UPHILL: f64 = 2.0;
 /// ... so many times at most; then it is left out.
 const HALVINGS: i32 = 5;
+/// Points of such a part, about.
+const SOME: usize = 64;
 /// Directions that the rest of the data see less than this share of the best seen one stay as they are.
 const UNSEEN: f64 = 1e-5;
 
@@ -44,7 +46,8 @@ pub fn held_out(data: &Data<'_>, hypothesis: &Hypothesis) -> Option<HeldOut> {
         jacobian.column_mut(column).scale_mut(parameter.natural_slope(value));
     }
     let residuals = &fit.evaluation.residuals;
-    let stride = data.points.len() / data.part.len();
+    let stride = (data.points.len() / SOME).max(1);
+    let threshold = TAIL * typical_of(residuals);
     let of_row: Vec<usize> = data
         .points
         .iter()
@@ -55,10 +58,8 @@ pub fn held_out(data: &Data<'_>, hypothesis: &Hypothesis) -> Option<HeldOut> {
         .into_par_iter()
         .map(|condition| {
             let rows: Vec<usize> = (0..of_row.len()).filter(|&r| of_row[r] != condition).collect();
-            let clipped = DVector::from_iterator(
-                rows.len(),
-                rows.iter().map(|&r| residuals[r].clamp(-data.threshold, data.threshold)),
-            );
+            let clipped =
+                DVector::from_iterator(rows.len(), rows.iter().map(|&r| residuals[r].clamp(-threshold, threshold)));
             let step = newton(&jacobian.select_rows(&rows), &clipped);
             let moved = |share: f64| -> Vec<f64> {
                 let by =
@@ -76,8 +77,7 @@ pub fn held_out(data: &Data<'_>, hypothesis: &Hypothesis) -> Option<HeldOut> {
                     fit.parameters.clone(),
                     Tolerance::COARSE,
                 );
-                let mut objective =
-                    |values: &[f64]| robust_chi2(&rest.evaluate(values, false).residuals, data.threshold);
+                let mut objective = |values: &[f64]| robust_chi2(&rest.evaluate(values, false).residuals, threshold);
                 let before = objective(&fit.values);
                 let shares = (0..HALVINGS).map(|n| 0.5f64.powi(n));
                 let downhill = shares.map(moved).find(|values| objective(values) <= before + UPHILL);

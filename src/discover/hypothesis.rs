@@ -148,6 +148,11 @@ impl Hypothesis {
             .model(&self.fit.values)
     }
 
+    /// Whether its fit is to all of so many points.
+    pub fn is_full(&self, points: usize) -> bool {
+        self.estimate.is_none() && self.fit.evaluation.predictions.len() == points
+    }
+
     /// What its sum of squares rests on.
     pub fn basis(&self) -> Basis {
         self.estimate.map_or(Basis::AllPoints, |estimate| estimate.basis)

@@ -5,47 +5,30 @@
 
 mod add;
 mod conclude;
-mod forward;
+mod data;
 mod held_out;
 mod hypothesis;
 mod json;
+mod look;
 mod next;
-mod round;
-mod sampling;
-mod search;
+mod options;
+mod race;
+mod select;
+mod verdict;
 mod words;
 
 pub use add::{Change, fit_addition, fit_removal};
-pub use forward::discover;
 pub use held_out::{HeldOut, held_out};
 pub use hypothesis::{Addition, Basis, Estimate, Hypothesis, additions, compatible, extended};
 pub use json::{DiscoveryJson, SCHEMA, json};
 pub use next::{Bounds, NextMeasurement, farthest};
-pub use search::Data;
+pub use options::{MARGIN, SearchOptions};
+pub use select::discover;
+pub use verdict::{Evidence, verdict};
 pub use words::{identified, open_ends, sentence};
 
 use crate::compare::{Comparison, Outlier};
 use crate::fit::{Correlation, Interval};
-
-/// Schwarz's criterion of two hypotheses closer than this: the data do not decide between them.
-pub const MARGIN: f64 = 6.0;
-
-/// How to search.
-#[derive(Debug, Clone)]
-pub struct Options {
-    /// Most effects in one explanation.
-    pub max_effects: usize,
-    /// Seed of the quasi-random samples.
-    pub seed: u32,
-    /// Where the next measurement may be.
-    pub bounds: Bounds,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self { max_effects: 3, seed: 0, bounds: Bounds::default() }
-    }
-}
 
 /// What the data say.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -157,6 +140,10 @@ pub struct Discovery {
     pub noise: Noise,
     /// Estimates that are tied together in the explanation.
     pub correlations: Vec<Correlation>,
+    /// Steady states that were solved, and whether the search ended because it had spent its budget of them.
+    pub solved: u64,
+    /// As that.
+    pub spent: bool,
     /// Things said in plain words.
     pub notes: Vec<String>,
 }

@@ -25,6 +25,13 @@ pub fn sentence(d: &Discovery) -> String {
         Verdict::Recalibrate => format!("recalibrate {}: no effect is needed", recalibrated.join(", ")),
         Verdict::EffectMissing if recalibrated.is_empty() => format!("missing: {}", effects.join(" + ")),
         Verdict::EffectMissing => format!("missing: {}; recalibrate {}", effects.join(" + "), recalibrated.join(", ")),
+        Verdict::Unexplained if !end.comparison.whiteness.testable => {
+            let what = if end.hypothesis.additions.is_empty() { "the calibrated model".into() } else { all };
+            format!(
+                "undecided: the series are too short to test whether {what} leaves more than noise; chi2 {:.2}",
+                end.comparison.overall.chi2_per_point
+            )
+        }
         Verdict::Unexplained if end.hypothesis.additions.is_empty() => {
             "unexplained: structured misfit is left, and nothing of the catalogue reduces it".into()
         }

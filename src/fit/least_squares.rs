@@ -4,8 +4,9 @@ use super::{Evaluation, Parameter, Problem};
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
 use nalgebra::{DMatrix, DVector, Dyn, storage::Owned};
 
-/// Residuals beyond this many standard deviations count linearly (Huber 1964), so that a few outliers decide nothing.
-pub const HUBER: f64 = 4.0;
+/// Beyond this many standard deviations residuals count with their logarithm: normal noise with the tails of Student's t, so
+/// that what is far off loses its pull and outliers decide nothing.
+pub const TAIL: f64 = 4.0;
 /// Relative change of the sum of squares at which a fit to all points is done: far below one unit for any table that fits.
 pub const CONVERGED: f64 = 1e-7;
 
@@ -14,7 +15,7 @@ pub const CONVERGED: f64 = 1e-7;
 pub struct Settings {
     /// Most evaluations of the model.
     pub evaluations: usize,
-    /// Residuals beyond this count linearly; infinity for plain least squares.
+    /// Residuals beyond this count with their logarithm; infinity for plain least squares.
     pub threshold: f64,
     /// Relative change of the sum of squares at which it is done.
     pub converged: f64,
@@ -29,7 +30,7 @@ pub struct Fit {
     pub values: Vec<f64>,
     /// Residuals and derivatives there.
     pub evaluation: Evaluation,
-    /// Sum of squares, residuals beyond the threshold counted linearly.
+    /// Sum of squares, residuals beyond the threshold counted with their logarithm.
     pub objective: f64,
     /// Evaluations of the model.
     pub evaluations: usize,
@@ -44,18 +45,20 @@ impl Fit {
     }
 }
 
-/// Sum of squares with residuals beyond `threshold` counted linearly.
+/// Sum of squares with residuals beyond `threshold` counted with their logarithm.
 pub fn robust_chi2(residuals: &DVector<f64>, threshold: f64) -> f64 {
     residuals.iter().map(|&r| soften(r, threshold).0.powi(2)).sum()
 }
 
-/// Residual whose square is Huber's loss, and its derivative by the residual.
+/// Residual whose square is the loss, r^2 up to the threshold t and t^2 (1 + 2 ln(r/t)) beyond it (both and their slopes meet
+/// there), and its derivative by the residual.
 fn soften(r: f64, threshold: f64) -> (f64, f64) {
-    if r.abs() <= threshold {
+    let size = r.abs();
+    if size <= threshold {
         return (r, 1.0);
     }
-    let soft = (threshold * (2.0 * r.abs() - threshold)).sqrt();
-    (soft.copysign(r), threshold / soft)
+    let soft = threshold * (1.0 + 2.0 * (size / threshold).ln()).sqrt();
+    (soft.copysign(r), threshold * threshold / (size * soft))
 }
 
 /// Minimises the sum of squares from `start` (values, not coordinates).

@@ -1,13 +1,14 @@
 //! Least squares on measured steady states: parameters within bounds, residuals on the solver's derivatives, few outliers
 //! tolerated. What is fitted and why is decided by [`crate::compare`] and [`crate::discover`].
 
+mod dense;
 mod least_squares;
 mod parameter;
 mod problem;
 mod profile;
 pub mod resonance;
 
-pub use least_squares::{CONVERGED, Fit, HUBER, Settings, minimise, robust_chi2};
+pub use least_squares::{CONVERGED, Fit, Settings, TAIL, minimise, robust_chi2};
 pub use parameter::{Parameter, parameter};
 pub use problem::{Evaluation, Prediction, Problem, TROUBLED, operation, read};
 pub use profile::{Correlation, Identified, Interval, approximate_intervals, correlations, profiled};

@@ -1,6 +1,7 @@
 //! Residuals of a model against measured points, with derivatives by the parameters of a fit.
 
 use super::Parameter;
+use super::dense::{Chain, Reading, Solved, chains};
 use crate::measurement::Point;
 use crate::model::lumps::FIRST_EFFECT_PARAMETER;
 use crate::model::{Model, Operation};
@@ -77,8 +78,14 @@ pub struct Problem<'a> {
     warm: Vec<Warm>,
     /// Whether the points of a model that is lost need not all be solved.
     gives_up: bool,
+    /// Series that are read between some of their points.
+    dense: Vec<Chain>,
+    /// The points of the others.
+    single: Vec<usize>,
     /// Evaluations so far.
     pub evaluations: usize,
+    /// Steady states solved so far.
+    pub solved: usize,
 }
 
 impl<'a> Problem<'a> {
@@ -91,7 +98,8 @@ impl<'a> Problem<'a> {
     ) -> Self {
         let points: Vec<_> = points.into_iter().collect();
         let warm = vec![Warm::default(); points.len()];
-        Self { model, points, parameters, tolerance, warm, gives_up: false, evaluations: 0 }
+        let (dense, single) = chains(&points);
+        Self { model, points, parameters, tolerance, warm, gives_up: false, dense, single, evaluations: 0, solved: 0 }
     }
 
     /// The same points with the model at these values and other parameters to move.
@@ -99,12 +107,10 @@ impl<'a> Problem<'a> {
         Self { model: self.model(values), parameters, ..self.clone() }
     }
 
-    /// Another model at those of the points that are `kept`, nothing to move, for a look at its residuals alone: a model
-    /// without a steady state at many points is given up before all are solved.
-    pub fn of(&self, model: Model, kept: &[bool]) -> Self {
-        let of = |i: usize| kept[i].then(|| (self.points[i], self.warm[i].clone()));
-        let (points, warm) = (0..self.points.len()).filter_map(of).unzip();
-        Self { model, points, parameters: Vec::new(), tolerance: self.tolerance, warm, gives_up: true, evaluations: 0 }
+    /// Another model at the same points, nothing to move, for a look at its residuals alone: one without a steady state at many
+    /// points is given up before all are solved.
+    pub fn of(&self, model: Model) -> Self {
+        Self { model, parameters: Vec::new(), gives_up: true, evaluations: 0, solved: 0, ..self.clone() }
     }
 
     /// The parameters.
@@ -150,33 +156,49 @@ impl<'a> Problem<'a> {
         let share = if gives_up && model.has_continuum() { LOST_COSTLY } else { LOST.0 };
         let allowed = share * self.points.len() as f64;
         let troubled = AtomicUsize::new(0);
-        let work: Vec<(&Point, &mut Warm)> = self.points.iter().copied().zip(&mut self.warm).collect();
-        let solved: Vec<(Prediction, Vec<(f64, f64)>)> = work
-            .into_par_iter()
-            .map(|(point, warm)| {
-                warm.forget_orbit();
-                warm.expect(point.amplitude, point.phase);
-                if gives_up && troubled.load(Relaxed) as f64 > allowed {
-                    let status = Status::Failed("one of too many points without a steady state".into());
-                    return (
-                        Prediction { amplitude: f64::NAN, phase: f64::NAN, status, others: Vec::new() },
-                        Vec::new(),
-                    );
-                }
-                let solution = solve_steady(&model, &operation(point), &tolerance, derivatives, warm);
-                let state = solution.state;
-                if state.status != Status::Steady {
-                    troubled.fetch_add(1, Relaxed);
-                }
-                let zero = || vec![(0.0, 0.0); indices.len()];
-                let gradient = match &solution.derivatives {
-                    Some(all) if state.status == Status::Steady => indices.iter().map(|&i| all[i]).collect(),
-                    _ => zero(),
-                };
-                let others = solution.others;
-                (Prediction { amplitude: state.amplitude, phase: state.phase, status: state.status, others }, gradient)
-            })
-            .collect();
+        let points = &self.points;
+        let solve = |(index, warm): (usize, &mut Warm)| -> (usize, Solved) {
+            let point = points[index];
+            warm.forget_orbit();
+            warm.expect(point.amplitude, point.phase);
+            if gives_up && troubled.load(Relaxed) as f64 > allowed {
+                let status = Status::Failed("one of too many points without a steady state".into());
+                return (
+                    index,
+                    (Prediction { amplitude: f64::NAN, phase: f64::NAN, status, others: Vec::new() }, vec![]),
+                );
+            }
+            let solution = solve_steady(&model, &operation(point), &tolerance, derivatives, warm);
+            let state = solution.state;
+            if state.status != Status::Steady {
+                troubled.fetch_add(1, Relaxed);
+            }
+            let gradient = match &solution.derivatives {
+                Some(all) if state.status == Status::Steady => indices.iter().map(|&i| all[i]).collect(),
+                _ => vec![(0.0, 0.0); indices.len()],
+            };
+            let others = solution.others;
+            let (amplitude, phase, status) = (state.amplitude, state.phase, state.status);
+            (index, (Prediction { amplitude, phase, status, others }, gradient))
+        };
+        let mut solved: Vec<Option<Solved>> = vec![None; points.len()];
+        let (mut readings, mut wave): (Vec<Reading<'_>>, Vec<Vec<usize>>) = self.dense.iter().map(Reading::new).unzip();
+        wave.push(self.single.clone());
+        while wave.iter().any(|own| !own.is_empty()) {
+            let mut wanted = vec![false; points.len()];
+            wave.iter().flatten().for_each(|&index| wanted[index] = true);
+            let work: Vec<(usize, &mut Warm)> = self.warm.iter_mut().enumerate().filter(|(i, _)| wanted[*i]).collect();
+            self.solved += work.len();
+            let found: Vec<(usize, Solved)> = work.into_par_iter().map(solve).collect();
+            let before = solved.iter().any(Option::is_some);
+            found.into_iter().for_each(|(index, one)| solved[index] = Some(one));
+            if before {
+                readings.iter_mut().for_each(|reading| reading.refine(points, &solved));
+            }
+            wave = readings.iter().map(Reading::next).collect();
+        }
+        readings.iter().for_each(|reading| reading.fill(points, &mut solved));
+        let solved: Vec<Solved> = solved.into_iter().flatten().collect();
         let rows = self.points.iter().map(|p| 1 + usize::from(p.phase.is_some())).sum();
         let mut residuals = DVector::zeros(rows);
         let mut jacobian = DMatrix::zeros(rows, indices.len());

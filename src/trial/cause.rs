@@ -1,7 +1,7 @@
 //! What can be planted.
 
 use super::outside::{self, OUTSIDE, Outside};
-use crate::effects::{self, Effect, REGISTRY};
+use crate::effects::{self, Effect, REGISTRY, fits_rig};
 use crate::error::{Error, Result};
 use crate::scenario::diagnostic::{nearest, whole_file};
 use std::collections::BTreeMap;
@@ -130,7 +130,9 @@ pub fn shown(cause: &str) -> &str {
 /// All names, in the order in which they are planted.
 fn names(kind: Option<Kind>) -> Vec<String> {
     let mut all = vec![(Kind::None, "none".to_string())];
-    all.extend(REGISTRY.iter().map(|e| (Kind::Effect, e.name().to_string())));
+    // The paper's rig has a contact.
+    let fitting = REGISTRY.iter().filter(|effect| fits_rig(**effect, true).is_ok());
+    all.extend(fitting.map(|e| (Kind::Effect, e.name().to_string())));
     all.extend(RECALIBRATIONS.iter().map(|key| (Kind::Recalibration, (*key).to_string())));
     all.extend(PAIRS.iter().map(|pair| (Kind::Pair, pair.join("+"))));
     all.extend(OUTSIDE.iter().map(|cause| (Kind::Outside, cause.name().to_string())));

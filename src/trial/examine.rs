@@ -75,7 +75,7 @@ impl Found {
 ///
 /// # Errors
 /// Whatever reading the files reports.
-pub fn examine(folder: &Path, options: &discover::Options) -> Result<Found> {
+pub fn examine(folder: &Path, options: &discover::SearchOptions) -> Result<Found> {
     let scenario = scenario::load(folder.join("scenario.toml"))?;
     let table = measurement::load(&scenario)?
         .ok_or_else(|| Error::Unfinished(format!("{} names no measurements", scenario.path.display())))?;

@@ -40,6 +40,7 @@ pub use summary::{ByCause, Confusion, Coverage, SCHEMA, Scores, Summary, summari
 pub use table::{scenario as scenario_text, table as table_text};
 pub use visible::{excess, noiseless};
 
+use crate::discover::SearchOptions;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -65,8 +66,8 @@ pub struct Options {
     pub outliers: f64,
     /// Whether the tables have phases.
     pub phase: bool,
-    /// Most effects in one explanation.
-    pub max_effects: usize,
+    /// How is searched.
+    pub search: SearchOptions,
     /// Folder of tables, answers and results.
     pub out: PathBuf,
 }

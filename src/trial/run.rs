@@ -69,8 +69,13 @@ fn inputs(bench: &Bench, options: &Options, cause: &Cause, seed: u32, noise: f64
         cause.name(),
         options.outliers,
         options.phase,
-        options.max_effects
+        options.search.max_effects
     );
+    // A search by default has the hash that it had before others could be asked for.
+    let usual =
+        discover::SearchOptions { max_effects: options.search.max_effects, ..discover::SearchOptions::default() };
+    let (own, usual) = (format!("{:?}", options.search), format!("{usual:?}"));
+    let text = if own == usual { text } else { text + &own };
     blake3::hash(text.as_bytes()).to_hex().to_string()
 }
 
@@ -95,8 +100,7 @@ pub fn single(bench: &Bench, options: &Options, cause: &Cause, seed: u32, noise:
         (seal(&options.out, &answer)?, table)
     };
     let planting_seconds = start.elapsed().as_secs_f64();
-    let settings = discover::Options { max_effects: options.max_effects, ..discover::Options::default() };
-    let found = table.is_some().then(|| examine(&folder, &settings)).transpose()?;
+    let found = table.is_some().then(|| examine(&folder, &options.search)).transpose()?;
     let answer = open(&closed)?;
     let score = found.as_ref().map(|found| score(&answer, found));
     let record = Record {

@@ -1,6 +1,6 @@
 //! A discovery that is cheap: few conditions, every second frequency, one effect at most.
 
-use stickslip::discover::{Discovery, Options, discover};
+use stickslip::discover::{Discovery, SearchOptions, discover};
 use stickslip::measurement::{self, Table};
 use stickslip::scenario::{self, Scenario};
 
@@ -29,5 +29,5 @@ pub fn small(number: usize) -> (Scenario, Table) {
 pub fn discovered(number: usize, change: impl FnOnce(&mut Scenario, &mut Table)) -> Discovery {
     let (mut scenario, mut table) = small(number);
     change(&mut scenario, &mut table);
-    discover(&scenario, &table, &Options { max_effects: 1, ..Options::default() })
+    discover(&scenario, &table, &SearchOptions { max_effects: 1, ..SearchOptions::default() })
 }

@@ -1,0 +1,224 @@
+//! What a search works on, and the one fit that everything in it is made by.
+
+use super::hypothesis::{Addition, Hypothesis};
+use crate::fit::{Fit, Parameter, Problem, Settings, TAIL, minimise, parameter, robust_chi2};
+use crate::measurement::Point;
+use crate::model::Model;
+use crate::solver::cycle::Tolerance;
+use crate::statistics::spread;
+use nalgebra::DVector;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
+/// Relative change of the sum of squares at which a fit to some of the points is done, and one to all.
+const CLOSE: f64 = 1e-4;
+const CLOSER: f64 = 1e-6;
+
+/// The readings, and the model that is to explain them.
+pub struct Data<'a> {
+    /// The model of the scenario, not calibrated.
+    pub base: Model,
+    /// All points.
+    pub points: &'a [Point],
+    /// Their numbers such that any first part of them is spread over all series.
+    order: Vec<usize>,
+    /// Values that the scenario states for the parameters that a calibration may move: once something is missing, the
+    /// calibrated ones may be far off.
+    pub stated: Vec<f64>,
+    /// Number of series.
+    series: usize,
+    /// Keys of those parameters.
+    free: Vec<String>,
+    /// Steady states that may be solved.
+    pub budget: u64,
+    /// Steady states solved so far.
+    solved: AtomicU64,
+}
+
+/// How far a fit is taken.
+#[derive(Debug, Clone, Copy)]
+pub struct Effort {
+    /// Points; where these are all, also the accuracy at which hypotheses are ranked.
+    pub points: usize,
+    /// Evaluations.
+    pub evaluations: usize,
+}
+
+impl<'a> Data<'a> {
+    /// The points as a model sees them whose parameters `free` move.
+    pub fn new(base: Model, free: &[String], points: &'a [Point], budget: u64) -> Self {
+        let parameters = free.iter().filter_map(|key| parameter(&base, key)).collect();
+        let none: [&Point; 0] = [];
+        let stated = Problem::new(base.clone(), none, parameters, Tolerance::default()).values();
+        Self {
+            base,
+            points,
+            order: spread_out(points),
+            stated,
+            series: points.last().map_or(0, |p| p.series + 1),
+            free: free.to_vec(),
+            budget,
+            solved: AtomicU64::new(0),
+        }
+    }
+
+    /// So many of the points in their order.
+    pub fn some(&self, count: usize) -> Vec<&'a Point> {
+        let mut chosen: Vec<usize> = self.order.iter().copied().take(count).collect();
+        chosen.sort_unstable();
+        chosen.into_iter().map(|index| &self.points[index]).collect()
+    }
+
+    /// Readings: amplitudes and phases.
+    pub fn readings(&self) -> usize {
+        readings(self.points)
+    }
+
+    /// Steady states solved so far, by all threads.
+    pub fn solved(&self) -> u64 {
+        self.solved.load(Relaxed)
+    }
+
+    /// Counts steady states of a model.
+    pub fn count(&self, model: &Model, solved: usize) {
+        self.solved.fetch_add(solved as u64 * price(model), Relaxed);
+    }
+
+    /// Whether a fit costs no more than its share of the budget: what does is not begun. The same whatever was done before.
+    pub fn affords(&self, model: &Model, effort: Effort) -> bool {
+        let points = effort.points.min(self.points.len()).min(DENSE * self.series);
+        (points * effort.evaluations) as u64 * price(model) < self.budget / SHARE
+    }
+
+    /// Parameters that move where these are added: those of an effect with the signs that the model has, all others about the
+    /// values that the scenario states, wherever fits have carried them since.
+    pub fn movable(&self, model: &Model, additions: &[Addition]) -> Vec<Parameter> {
+        let keys = self.free.iter().cloned().chain(additions.iter().flat_map(Addition::keys));
+        let of = |key: String| parameter(if key.starts_with("effect.") { model } else { &self.base }, &key);
+        keys.filter_map(of).collect()
+    }
+
+    /// The same of a hypothesis, in its order, and of one more addition.
+    pub fn beside(&self, model: &Model, from: &Hypothesis, addition: Addition) -> Vec<Parameter> {
+        let keys = from.fit.parameters.iter().map(|p| p.key.clone()).chain(addition.keys());
+        keys.filter_map(|key| parameter(if key.starts_with("effect.") { model } else { &self.base }, &key)).collect()
+    }
+
+    /// Fits the parameters of a model from a start, whose residuals are about as large as `typical` (infinite where that is not
+    /// known): what is far larger than those counts little.
+    pub fn fit(&self, model: &Model, parameters: &[Parameter], start: &[f64], typical: f64, effort: Effort) -> Fit {
+        let all = effort.points >= self.points.len();
+        let (tolerance, converged) = if all { (Tolerance::FIT, CLOSER) } else { (Tolerance::COARSE, CLOSE) };
+        let mut problem = Problem::new(model.clone(), self.some(effort.points), parameters.to_vec(), tolerance);
+        let mut threshold = TAIL * typical.max(1.0);
+        let mut values = start.to_vec();
+        loop {
+            let left = effort.evaluations.saturating_sub(problem.evaluations).max(1);
+            let fit = minimise(&mut problem, &values, &Settings { evaluations: left, threshold, converged });
+            let tighter = TAIL * typical_of(&fit.evaluation.residuals);
+            let pulled = fit.evaluation.residuals.amax() > tighter && tighter < 0.5 * threshold;
+            if !pulled || problem.evaluations >= effort.evaluations {
+                self.count(model, problem.solved);
+                return Fit { evaluations: problem.evaluations, ..fit };
+            }
+            (threshold, values) = (tighter, fit.values);
+        }
+    }
+
+    /// A hypothesis fitted to all points from the values that it has.
+    pub fn fitted(&self, hypothesis: Hypothesis, evaluations: usize) -> Hypothesis {
+        let Hypothesis { model, fit, .. } = &hypothesis;
+        let effort = Effort { points: self.points.len(), evaluations };
+        let typical = typical_of(&fit.evaluation.residuals);
+        let found = self.fit(model, &fit.parameters, &fit.values, typical, effort);
+        let worse = hypothesis.is_full(self.points.len())
+            && robust_chi2(&found.evaluation.residuals, TAIL) > robust_chi2(&fit.evaluation.residuals, TAIL);
+        let fit = if worse { Fit { termination: found.termination, ..hypothesis.fit } } else { found };
+        Hypothesis { fit, estimate: None, ..hypothesis }
+    }
+}
+
+/// Largest part of the budget that one fit may cost.
+const SHARE: u64 = 10;
+/// Steady states that a densely measured series takes, about.
+const DENSE: usize = 100;
+
+/// Steady states of a single slider that one of a model costs, as measured: a continuum of sliders has its own solution by
+/// itself, and none beside another law of the contact.
+fn price(model: &Model) -> u64 {
+    match (model.has_continuum(), model.effects.len()) {
+        (false, _) => 1,
+        (true, 1) => 3,
+        (true, _) => 1000,
+    }
+}
+
+/// Typical size of residuals, at least that of the noise.
+pub fn typical_of(residuals: &DVector<f64>) -> f64 {
+    spread(residuals.iter().copied(), 0.0).max(1.0)
+}
+
+/// Amplitudes and phases of points.
+pub fn readings<'p>(points: impl IntoIterator<Item = &'p Point>) -> usize {
+    points.into_iter().map(|p| 1 + usize::from(p.phase.is_some())).sum()
+}
+
+/// Numbers of points such that every first part of them is spread over all series and over each: by the van der Corput
+/// sequence along each.
+fn spread_out(points: &[Point]) -> Vec<usize> {
+    let series = points.iter().map(|p| p.series).max().map_or(0, |last| last + 1);
+    let mut keys: Vec<(f64, usize)> = Vec::with_capacity(points.len());
+    for of in 0..series {
+        let own: Vec<usize> = (0..points.len()).filter(|&i| points[i].series == of).collect();
+        let count = own.len();
+        let mut chosen = vec![false; count];
+        let mut rank = 0.5;
+        // The middle, the quarters, the eighths, ...
+        for number in 1_u32.. {
+            let place = (count as f64 * f64::from(number.reverse_bits()) / 2f64.powi(32)) as usize;
+            if std::mem::replace(&mut chosen[place], true) {
+                continue;
+            }
+            keys.push((rank / count as f64, own[place]));
+            rank += 1.0;
+            if rank > count as f64 {
+                break;
+            }
+        }
+    }
+    keys.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    keys.into_iter().map(|(_, index)| index).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_first_part_of_the_points_is_spread_over_all_series_and_along_each() {
+        let point = |row: usize, series: usize| Point {
+            row,
+            line: row,
+            speed: 0.0,
+            load: 0.0,
+            drive: 1.0,
+            frequency: 1.0 + row as f64,
+            amplitude: 1.0,
+            phase: None,
+            amplitude_sd: 1.0,
+            phase_sd: None,
+            mean: None,
+            replicates: 1,
+            series,
+        };
+        let points: Vec<Point> = (0..90).map(|row| point(row, usize::from(row >= 30))).collect();
+        let order = spread_out(&points);
+        let mut all = order.clone();
+        all.sort_unstable();
+        assert_eq!(all, (0..90).collect::<Vec<_>>());
+        for (first, of_first) in [(6, 2), (12, 4), (45, 15)] {
+            assert_eq!(order[..first].iter().filter(|&&i| i < 30).count(), of_first, "{first}");
+        }
+        // The first of either series lies in its middle.
+        assert!(order[..3].contains(&15) && order[..3].contains(&60), "{order:?}");
+    }
+}

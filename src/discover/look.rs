@@ -1,0 +1,245 @@
+//! A look at one more addition before any fit: at starting points over its ranges, and how much of the misfit each would take
+//! off in a linear estimate.
+
+use super::data::{Data, readings, typical_of};
+use super::hypothesis::{Addition, Hypothesis, extended};
+use crate::fit::resonance;
+use crate::fit::{Evaluation, Parameter, Problem, TAIL, parameter, robust_chi2};
+use crate::measurement::Point;
+use crate::model::Model;
+use crate::solver::cycle::Tolerance;
+use nalgebra::{DMatrix, DVector};
+
+/// Singular values below this share of the largest count as none.
+const SINGULAR: f64 = 1e-9;
+
+/// A hypothesis to which something may be added, on some of the points.
+pub struct Parent<'a> {
+    /// Values of its parameters.
+    pub values: Vec<f64>,
+    model: Model,
+    problem: Problem<'a>,
+    evaluation: Evaluation,
+    /// Orthonormal columns that span what its parameters can do.
+    span: DMatrix<f64>,
+}
+
+impl<'a> Parent<'a> {
+    /// The hypothesis at these values of its parameters.
+    pub fn new(data: &Data<'a>, from: &Hypothesis, values: Vec<f64>, points: usize) -> Self {
+        let parameters = from.fit.parameters.clone();
+        let mut problem = Problem::new(from.model.clone(), data.some(points), parameters, Tolerance::COARSE);
+        let evaluation = problem.evaluate(&values, true);
+        data.count(&from.model, problem.solved);
+        let rows = evaluation.residuals.len();
+        let mut span = DMatrix::zeros(rows, 0);
+        if evaluation.jacobian.ncols() > 0 {
+            let svd = evaluation.jacobian.clone().svd(true, false);
+            let largest = svd.singular_values.iter().copied().fold(0.0, f64::max);
+            let seen: Vec<usize> =
+                (0..svd.singular_values.len()).filter(|&i| svd.singular_values[i] > SINGULAR * largest).collect();
+            if let Some(u) = svd.u.filter(|_| !seen.is_empty()) {
+                span = u.select_columns(&seen);
+            }
+        }
+        Self { model: problem.model(&values), values, problem, evaluation, span }
+    }
+
+    /// Residuals at the best that the parameters can do, in a linear estimate.
+    pub fn rest(&self) -> DVector<f64> {
+        self.without(&self.evaluation.residuals)
+    }
+
+    /// A change of the residuals less what the parameters could undo.
+    fn without(&self, change: &DVector<f64>) -> DVector<f64> {
+        if self.span.ncols() == 0 {
+            return change.clone();
+        }
+        change - &self.span * (self.span.transpose() * change)
+    }
+}
+
+/// A starting point of an addition.
+pub struct Start {
+    /// The model with the addition, at the signs of its start.
+    pub model: Model,
+    /// Values of all parameters.
+    pub values: Vec<f64>,
+    /// Residuals there, in a linear estimate.
+    pub residuals: DVector<f64>,
+}
+
+/// What a look saw.
+pub struct Look {
+    /// Starting points.
+    pub starts: Vec<Start>,
+    /// Largest change that any of them makes beyond what the parameters before can imitate: sum of squares, over all points.
+    pub visibility: f64,
+    /// The model with that change; all of them where none changes anything.
+    pub strongest: Vec<Model>,
+}
+
+/// Looks at `count` starting points of an addition, in turn from the places where its parent may be; the first of the sequence
+/// is number `first`.
+pub fn look(data: &Data<'_>, parents: &[Parent<'_>], from: &Hypothesis, addition: Addition, count: Count<'_>) -> Look {
+    let mut found = Look { starts: Vec::new(), visibility: 0.0, strongest: Vec::new() };
+    for (number, shares) in count.samples(from, addition).into_iter().enumerate() {
+        let parent = &parents[number % parents.len()];
+        let model = shares.of(data, &parent.model, addition);
+        let mut problem = parent.problem.of(model.clone());
+        let residuals = problem.evaluate(&[], false).residuals;
+        data.count(&model, problem.solved);
+        let rest = parent.rest();
+        let change = parent.without(&(&residuals - &parent.evaluation.residuals));
+        let size = change.norm_squared();
+        found.strongest.push(model.clone());
+        if size > found.visibility {
+            (found.visibility, found.strongest) = (size, vec![model.clone()]);
+        }
+        let values = |model: &Model| {
+            let none: [&Point; 0] = [];
+            let own = Problem::new(model.clone(), none, data.beside(model, from, addition), Tolerance::COARSE).values();
+            let mut values = parent.values.clone();
+            values.extend_from_slice(&own[parent.values.len()..]);
+            values
+        };
+        let drawn = parent.without(&residuals);
+        if size > 0.0 {
+            // As much of the change as the sum of squares wants.
+            let share = (-rest.dot(&change) / size).max(0.0);
+            let scaled = &rest + &change * share;
+            let threshold = TAIL * typical_of(&rest);
+            let better = robust_chi2(&scaled, threshold) < robust_chi2(&drawn, threshold);
+            if let Some(model) =
+                Some(share).filter(|_| better).and_then(|share| strengthened(&parent.model, &model, addition, share))
+            {
+                found.starts.push(Start { values: values(&model), model, residuals: scaled });
+                continue;
+            }
+        }
+        found.starts.push(Start { values: values(&model), model, residuals: drawn });
+    }
+    if found.visibility > 0.0 {
+        found.strongest.drain(1..);
+    }
+    let seen = readings(parents[0].problem.points().iter().copied()).max(1);
+    found.visibility *= data.readings() as f64 / seen as f64;
+    found
+}
+
+/// Which starting points.
+#[derive(Debug, Clone, Copy)]
+pub struct Count<'k> {
+    /// The model with the addition as it was fitted beside something else.
+    pub known: Option<&'k Model>,
+    /// How many.
+    pub starts: usize,
+    /// Number of the first in the sequence.
+    pub first: usize,
+    /// Seed of the sequence.
+    pub seed: u32,
+}
+
+/// A starting point as shares of the ranges of an addition, or as values.
+enum Sample {
+    Known(Vec<f64>),
+    Shares(Vec<f64>, bool),
+    Step(f64),
+    Resonance,
+}
+
+impl Count<'_> {
+    fn samples(&self, from: &Hypothesis, addition: Addition) -> Vec<Sample> {
+        if let Addition::Recalibration(_) = addition {
+            // The stated value, a little to either side, and where the resonance of the readings puts it: a sensor may be
+            // inverted, a gain off by any factor.
+            return vec![Sample::Step(-0.05), Sample::Step(0.05), Sample::Resonance];
+        }
+        let model = extended(&from.model, &[addition]);
+        let own: Vec<Parameter> = addition.keys().iter().filter_map(|key| parameter(&model, key)).collect();
+        let signed = own.iter().any(|p| p.signed);
+        // A continuum of sliders costs as much as many others.
+        let count = if model.has_continuum() { (self.starts / 8).max(2) } else { self.starts };
+        let shares = |number: usize| -> Vec<f64> {
+            match own.len() {
+                1 => vec![radical(number + 1)],
+                n => (0..n as u32).map(|d| f64::from(sobol_burley::sample(number as u32, d, self.seed))).collect(),
+            }
+        };
+        // Both signs of a point before the next one.
+        let of = |i: usize| {
+            if signed { Sample::Shares(shares(i / 2), i % 2 == 1) } else { Sample::Shares(shares(i), false) }
+        };
+        let known = self.known.and_then(|model| {
+            let Addition::Effect(effect) = addition else { return None };
+            let (_, values) = model.effects.iter().find(|(e, _)| e.name() == effect.name())?;
+            Some(Sample::Known(values.clone()))
+        });
+        let count = if model.has_continuum() && known.is_some() { 0 } else { count };
+        known.into_iter().chain((self.first..self.first + count).map(of)).collect()
+    }
+}
+
+impl Sample {
+    /// The model with the addition there.
+    fn of(&self, data: &Data<'_>, before: &Model, addition: Addition) -> Model {
+        let model = extended(before, &[addition]);
+        let parameters: Vec<Parameter> = addition.keys().iter().filter_map(|key| parameter(&model, key)).collect();
+        let none: [&Point; 0] = [];
+        let with = |model: &Model, parameters: Vec<Parameter>, values: &[f64]| {
+            Problem::new(model.clone(), none, parameters, Tolerance::COARSE).model(values)
+        };
+        let stated = Problem::new(model.clone(), none, parameters.clone(), Tolerance::COARSE).values();
+        match self {
+            Self::Known(values) => {
+                let mut model = model;
+                if let Some((_, own)) = model.effects.last_mut() {
+                    own.clone_from(values);
+                }
+                model
+            }
+            Self::Shares(shares, negative) => {
+                let turned = |p: &Parameter| if p.signed && *negative { p.mirrored() } else { p.clone() };
+                let parameters: Vec<Parameter> = parameters.iter().map(turned).collect();
+                let values: Vec<f64> = parameters.iter().zip(shares).map(|(p, &share)| p.within(share)).collect();
+                with(&model, parameters, &values)
+            }
+            Self::Step(step) => {
+                let moved = parameters[0].moved(stated[0], *step);
+                with(&model, parameters, &[moved])
+            }
+            Self::Resonance => resonance::started(&model, &addition.keys(), data.points).unwrap_or(model),
+        }
+    }
+}
+
+/// The van der Corput sequence: 1/2, 1/4, 3/4, 1/8, ...
+fn radical(number: usize) -> f64 {
+    (number as u32).reverse_bits() as f64 / 2f64.powi(32)
+}
+
+/// The model with the strength of the addition times `share`, or with a number moved so much further from where it is
+/// `before`, within its bounds; `None` where a law states no single strength that vanishes with the effect.
+fn strengthened(before: &Model, model: &Model, addition: Addition, share: f64) -> Option<Model> {
+    let none: [&Point; 0] = [];
+    let effect = match addition {
+        Addition::Effect(effect) => effect,
+        Addition::Recalibration(key) => {
+            let number = parameter(before, key)?;
+            let value =
+                |model: &Model| Problem::new(model.clone(), none, vec![number.clone()], Tolerance::COARSE).values()[0];
+            let step = share * number.natural_step(value(before), value(model));
+            let moved = number.moved(value(before), step);
+            return Some(Problem::new(before.clone(), none, vec![number], Tolerance::COARSE).model(&[moved]));
+        }
+    };
+    let [zero] = effect.zero() else { return None };
+    let step = match zero.value {
+        0.0 => share.ln(),
+        f64::INFINITY => -share.ln(),
+        _ => return None,
+    };
+    let strength = parameter(model, &addition.keys()[zero.parameter]).filter(|_| step.is_finite())?;
+    let problem = Problem::new(model.clone(), none, vec![strength.clone()], Tolerance::COARSE);
+    Some(problem.model(&[strength.moved(problem.values()[0], step)]))
+}

@@ -1,0 +1,118 @@
+//! How a search is made: everything about it that is a choice.
+
+use super::next::Bounds;
+
+/// Schwarz's criterion of two hypotheses closer than this: the data do not decide between them. Odds of twenty to one where
+/// both were as likely before (Kass and Raftery 1995).
+pub const MARGIN: f64 = 6.0;
+
+/// The policy of a search, whole. `docs/search.md` tells what each is for and what the search is without it.
+#[derive(Debug, Clone)]
+pub struct SearchOptions {
+    /// Most additions in one explanation. Each more costs a race.
+    pub max_effects: usize,
+    /// Seed of the Sobol sequence of starting points.
+    pub seed: u32,
+    /// Starting points of one candidate in a race, over the ranges of its parameters. Cost of the first look in proportion.
+    pub starts: usize,
+    /// Points of the table on which a race begins, spread over all series; every round takes twice as many.
+    pub first_points: usize,
+    /// Evaluations of a fit in the first round; every round takes twice as many.
+    pub first_evaluations: usize,
+    /// Share of the competitors that go on after a round. A quarter makes all rounds cost the same; more costs more.
+    pub kept: f64,
+    /// Competitors that a race ends with: these are fitted to all points to their end.
+    pub survivors: usize,
+    /// Hypotheses to which a further addition is looked for. Looks in proportion.
+    pub beam: usize,
+    /// Steady states that may be solved, a continuum of sliders counted by its sliders. When they are spent the best so far is
+    /// reported as that.
+    pub budget: u64,
+    /// Where the next measurement may be.
+    pub bounds: Bounds,
+}
+
+impl SearchOptions {
+    /// What may be set by name, with its meaning.
+    pub const NAMES: [(&str, &str); 8] = [
+        ("max_effects", "most additions in one explanation"),
+        ("starts", "starting points of one candidate in a race"),
+        ("first_points", "points of the table in the first round"),
+        ("first_evaluations", "evaluations of a fit in the first round"),
+        ("kept", "share of the competitors that go on after a round"),
+        ("survivors", "competitors that a race ends with"),
+        ("beam", "hypotheses to which a further addition is looked for"),
+        ("budget", "steady states that may be solved"),
+    ];
+
+    /// Sets one of them, written `name=value`.
+    ///
+    /// # Errors
+    /// In words, where there is no such name or the value is none for it.
+    pub fn set(&mut self, setting: &str) -> Result<(), String> {
+        let names = || Self::NAMES.map(|(name, _)| name).join(", ");
+        let (name, value) = setting.split_once('=').ok_or_else(|| format!("`{setting}` is not written NAME=VALUE"))?;
+        let (name, value) = (name.trim(), value.trim());
+        let whole = |least: u64| {
+            let number = value.parse::<u64>().ok().filter(|number| *number >= least);
+            number.ok_or_else(|| format!("`{value}` is no value of {name}: it is a whole number from {least} on"))
+        };
+        match name {
+            "max_effects" => self.max_effects = whole(0)? as usize,
+            "starts" => self.starts = whole(1)? as usize,
+            "first_points" => self.first_points = whole(8)? as usize,
+            "first_evaluations" => self.first_evaluations = whole(1)? as usize,
+            "survivors" => self.survivors = whole(1)? as usize,
+            "beam" => self.beam = whole(1)? as usize,
+            "budget" => self.budget = whole(1)?,
+            "kept" => {
+                let share = value.parse::<f64>().ok().filter(|share| *share > 0.0 && *share <= 1.0);
+                self.kept =
+                    share.ok_or_else(|| format!("`{value}` is no value of kept: it is a share above 0, at most 1"))?;
+            }
+            _ => return Err(format!("a search has no `{name}`; it has {}", names())),
+        }
+        Ok(())
+    }
+}
+
+impl Default for SearchOptions {
+    fn default() -> Self {
+        Self {
+            max_effects: 3,
+            seed: 0,
+            starts: 16,
+            first_points: 64,
+            first_evaluations: 4,
+            kept: 0.25,
+            survivors: 6,
+            beam: 4,
+            budget: 800_000,
+            bounds: Bounds::default(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_are_read_by_name_and_refused_with_what_would_do() {
+        let mut options = SearchOptions::default();
+        for (name, _) in SearchOptions::NAMES {
+            options.set(&format!("{name} = {}", if name == "kept" { "0.5" } else { "9" })).expect(name);
+        }
+        assert_eq!((options.starts, options.kept, options.budget), (9, 0.5, 9));
+        for (setting, expected) in [
+            ("starts", "NAME=VALUE"),
+            ("start=3", "no `start`; it has max_effects"),
+            ("starts=0", "from 1 on"),
+            ("kept=1.5", "at most 1"),
+            ("beam=x", "whole number"),
+        ] {
+            let refused = options.set(setting).expect_err(setting);
+            assert!(refused.contains(expected), "{refused}");
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! Successive halving (Jamieson and Talwalkar 2016): all competitors with little work, the better share with twice the
+//! points and twice the evaluations, until as many are left as are wanted.
+
+use rayon::prelude::*;
+
+/// Work of one round.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Round {
+    /// Points of the table.
+    pub points: usize,
+    /// Evaluations of one fit.
+    pub evaluations: usize,
+}
+
+/// Something that gets better with work.
+pub trait Competitor: Send {
+    /// What it is of: two of the same that have come to the same place are one.
+    fn of(&self) -> usize;
+    /// Works on.
+    fn advance(&mut self, round: Round);
+    /// Typical size of what it leaves, in units of the noise.
+    fn typical(&self) -> f64;
+    /// How bad it is, if residuals many times larger than `typical` are outliers; the same units for all after a round.
+    fn badness(&self, typical: f64) -> f64;
+}
+
+/// The rules of a race.
+#[derive(Debug, Clone, Copy)]
+pub struct Race {
+    /// Work of the first round.
+    pub first: Round,
+    /// Points that there are.
+    pub points: usize,
+    /// Share that goes on.
+    pub kept: f64,
+    /// Competitors at the end.
+    pub survivors: usize,
+}
+
+/// How a race ended: each group best first.
+pub struct Result<C> {
+    /// Those that came to the end.
+    pub survivors: Vec<C>,
+    /// Those that did not, the last to leave first.
+    pub dropped: Vec<C>,
+}
+
+impl Race {
+    /// Runs the race; `goes_on` is asked before each round.
+    pub fn run<C: Competitor>(&self, mut field: Vec<C>, goes_on: impl Fn() -> bool) -> Result<C> {
+        let mut round = self.first;
+        let mut dropped = Vec::new();
+        loop {
+            if !goes_on() {
+                break;
+            }
+            field.par_iter_mut().for_each(|competitor| competitor.advance(round));
+            if round.points >= self.points && field.len() <= self.survivors {
+                break;
+            }
+            self.rank(&mut field);
+            let wanted = ((field.len() as f64 * self.kept).ceil() as usize).max(self.survivors).min(field.len());
+            dropped.splice(0..0, field.split_off(wanted));
+            round = Round { points: (2 * round.points).min(self.points), evaluations: 2 * round.evaluations };
+        }
+        self.rank(&mut field);
+        dropped.splice(0..0, field.split_off(self.survivors.min(field.len())));
+        Result { survivors: field, dropped }
+    }
+
+    /// Sorts the competitors, the best first, and leaves one of those that have come to the same place: the criterion of the
+    /// same candidate twice, closer than one unit.
+    fn rank<C: Competitor>(&self, field: &mut Vec<C>) {
+        let typical = field.iter().map(Competitor::typical).fold(f64::INFINITY, f64::min).max(1.0);
+        let mut ranked: Vec<(f64, C)> = field.drain(..).map(|c| (c.badness(typical), c)).collect();
+        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut seen: Vec<(usize, f64)> = Vec::new();
+        for (badness, competitor) in ranked {
+            let again = seen.iter().any(|(of, other)| *of == competitor.of() && (badness - other).abs() < 1.0);
+            if !again {
+                seen.push((competitor.of(), badness));
+                field.push(competitor);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
+    /// Comes from where it starts to its end as fast as work is spent on it.
+    struct Fake<'a> {
+        of: usize,
+        end: f64,
+        start: f64,
+        spent: usize,
+        total: &'a AtomicUsize,
+    }
+
+    impl Competitor for Fake<'_> {
+        fn of(&self) -> usize {
+            self.of
+        }
+        fn advance(&mut self, round: Round) {
+            self.spent += round.evaluations;
+            self.total.fetch_add(round.evaluations * round.points, Relaxed);
+        }
+        fn typical(&self) -> f64 {
+            1.0
+        }
+        fn badness(&self, _: f64) -> f64 {
+            self.end + (self.start - self.end) * (-(self.spent as f64) / 8.0).exp()
+        }
+    }
+
+    const RULES: Race = Race { first: Round { points: 64, evaluations: 4 }, points: 312, kept: 0.25, survivors: 3 };
+
+    fn field(total: &AtomicUsize) -> Vec<Fake<'_>> {
+        let of = |i: usize| Fake { of: i, end: 100.0 + 10.0 * i as f64, start: 5000.0 - i as f64, spent: 0, total };
+        (0..200).map(of).collect()
+    }
+
+    #[test]
+    fn who_ends_best_wins() {
+        let total = AtomicUsize::new(0);
+        let mut all = field(&total);
+        all[7].end = 1.0;
+        all[7].start = 4000.0;
+        let ended = RULES.run(all, || true);
+        assert_eq!(ended.survivors.len(), 3);
+        assert_eq!(ended.survivors[0].of, 7);
+        assert_eq!(ended.survivors.len() + ended.dropped.len(), 200);
+    }
+
+    #[test]
+    fn rounds_cost_about_the_same_and_far_less_than_working_on_all() {
+        let total = AtomicUsize::new(0);
+        RULES.run(field(&total), || true);
+        let first = 200 * 64 * 4;
+        assert!(total.load(Relaxed) < 4 * first, "{}", total.load(Relaxed));
+    }
+
+    #[test]
+    fn competitors_that_come_to_the_same_place_are_one() {
+        let total = AtomicUsize::new(0);
+        let of = |i: usize| Fake { of: usize::from(i == 3), end: 5.0, start: 6.0 + i as f64, spent: 0, total: &total };
+        let ended = RULES.run((0..8).map(of).collect(), || true);
+        assert_eq!(ended.survivors.iter().map(|c| c.of).collect::<Vec<_>>(), [0, 1]);
+    }
+
+    #[test]
+    fn without_a_budget_nothing_is_worked_on_and_the_order_is_that_of_the_start() {
+        let total = AtomicUsize::new(0);
+        let ended = RULES.run(field(&total), || false);
+        assert_eq!(total.load(Relaxed), 0);
+        assert_eq!(ended.survivors[0].of, 199);
+    }
+}

@@ -1,0 +1,589 @@
+//! Forward selection with a beam, exchange and backward elimination, from the calibrated base to the explanation.
+
+use super::data::{Data, Effort, typical_of};
+use super::hypothesis::{Addition, Basis, Estimate, Hypothesis, additions, compatible, extended};
+use super::look::{Count, Look, Parent, Start, look};
+use super::race::{Competitor, Race, Round};
+use super::{Discovery, MARGIN, SearchOptions};
+use crate::compare::{self, Calibration, Whiteness};
+use crate::fit::{Fit, Parameter, TAIL, robust_chi2};
+use crate::measurement::Table;
+use crate::model::Model;
+use crate::scenario::Scenario;
+use crate::solver::cycle::Tolerance;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// Evaluations of one continuation of a fit to all points.
+const CONTINUED: usize = 15;
+/// A continuum of sliders is looked at, and raced, on the points divided by this.
+const COSTLY: usize = 4;
+/// Most continuations of a fit that ended for want of evaluations: it goes on while those that are left, each as good as the
+/// last, may bring it level with the best, ...
+const CONTINUATIONS: u32 = 8;
+/// ... and gain more than this in the criterion each.
+const GAIN: f64 = 0.1;
+
+/// Finds what is missing in the model of a scenario, given its measurements.
+pub fn discover(scenario: &Scenario, table: &Table, options: &SearchOptions) -> Discovery {
+    let scenario = &table.applied_to(scenario);
+    let model = Model::new(scenario);
+    let calibration = compare::calibrate(&model, &scenario.free, &table.points, Tolerance::default(), options.seed);
+    let search = Search::new(scenario, table, options, &scenario.free, calibration.base.clone());
+    search.run(calibration)
+}
+
+/// A search and what it has found so far.
+pub(super) struct Search<'a> {
+    pub scenario: &'a Scenario,
+    pub table: &'a Table,
+    pub options: &'a SearchOptions,
+    pub data: Data<'a>,
+    /// Everything that may be added.
+    pub pool: Vec<Addition>,
+}
+
+/// A hypothesis with one more addition, and what the look at that saw.
+#[derive(Clone)]
+pub(super) struct Entry {
+    pub hypothesis: Hypothesis,
+    /// As of [`Look`].
+    pub visibility: f64,
+    pub strongest: Vec<Model>,
+}
+
+impl Entry {
+    /// Of a single addition that was fitted: that and the model.
+    fn single(&self) -> Option<(Addition, Model)> {
+        let [addition] = self.hypothesis.additions[..] else { return None };
+        (self.hypothesis.basis() != Basis::Linear).then(|| (addition, self.hypothesis.fitted()))
+    }
+}
+
+/// All hypotheses that were fitted, the best fit of each.
+#[derive(Default)]
+pub(super) struct Known {
+    pub entries: Vec<Entry>,
+    /// What every candidate was raced beside.
+    parents: Vec<Vec<Addition>>,
+}
+
+impl Known {
+    /// Whether all candidates were raced beside these.
+    fn raced(&self, additions: &[Addition]) -> bool {
+        self.parents.iter().any(|known| known.len() == additions.len() && known.iter().all(|a| additions.contains(a)))
+    }
+
+    /// What was fitted to all points with one addition more than these, that last.
+    fn beside(&self, additions: &[Addition]) -> Vec<Hypothesis> {
+        let one_more = |h: &&Hypothesis| {
+            h.estimate.is_none()
+                && h.additions.len() == additions.len() + 1
+                && additions.iter().all(|a| h.additions.contains(a))
+        };
+        let mut found: Vec<Hypothesis> = self.entries.iter().map(|e| &e.hypothesis).filter(one_more).cloned().collect();
+        for hypothesis in &mut found {
+            hypothesis.additions.sort_by_key(|a| !additions.contains(a));
+        }
+        found
+    }
+
+    /// Keeps the better of two fits of the same additions: one to all points before one to some.
+    fn keep(&mut self, entry: &Entry) {
+        let Some(own) = self.entries.iter_mut().find(|e| e.hypothesis.same_additions(&entry.hypothesis)) else {
+            self.entries.push(entry.clone());
+            return;
+        };
+        let square = |h: &Hypothesis| robust_chi2(&h.fit.evaluation.residuals, TAIL);
+        let better = match (&own.hypothesis.estimate, &entry.hypothesis.estimate) {
+            (Some(_), None) => true,
+            (None, Some(_)) => false,
+            (None, None) => square(&entry.hypothesis) < square(&own.hypothesis),
+            (Some(a), Some(b)) => b.square < a.square,
+        };
+        if better {
+            own.hypothesis = entry.hypothesis.clone();
+        }
+        if entry.visibility > own.visibility {
+            (own.visibility, own.strongest) = (entry.visibility, entry.strongest.clone());
+        }
+    }
+}
+
+/// A fit of one more addition from one starting point, on its way.
+struct Runner<'s, 'a> {
+    search: &'s Search<'a>,
+    from: &'s Hypothesis,
+    of: usize,
+    addition: Addition,
+    model: Model,
+    parameters: Vec<Parameter>,
+    values: Vec<f64>,
+    residuals: DVector<f64>,
+    fit: Option<Fit>,
+}
+
+impl<'s, 'a> Runner<'s, 'a> {
+    fn new(search: &'s Search<'a>, (from, of): (&'s Hypothesis, usize), addition: Addition, start: Start) -> Self {
+        let Start { model, values, residuals } = start;
+        let parameters = search.data.beside(&model, from, addition);
+        Self { search, from, of, addition, model, parameters, values, residuals, fit: None }
+    }
+
+    /// Readings over those that the residuals are of.
+    fn scale(&self) -> f64 {
+        self.search.data.readings() as f64 / self.residuals.len().max(1) as f64
+    }
+
+    fn hypothesis(&self, full: bool) -> Hypothesis {
+        let additions: Vec<Addition> = self.from.additions.iter().copied().chain([self.addition]).collect();
+        let own = self.scale() * robust_chi2(&self.residuals, TAIL);
+        let basis = match &self.fit {
+            Some(fit) => Basis::SomePoints(fit.evaluation.predictions.len()),
+            None => Basis::Linear,
+        };
+        let unfitted = || {
+            let mut fit = self.from.fit.clone();
+            (fit.parameters, fit.values) = (self.parameters.clone(), self.values.clone());
+            fit.evaluation.jacobian = DMatrix::zeros(fit.evaluation.residuals.len(), fit.parameters.len());
+            fit.termination = "not fitted: in a linear estimate it explains too little".into();
+            fit
+        };
+        let fit = self.fit.clone().unwrap_or_else(unfitted);
+        let estimate = (!full).then_some(Estimate { square: own, basis });
+        Hypothesis { additions, model: self.model.clone(), fit, estimate, bic: f64::INFINITY }
+    }
+}
+
+impl Competitor for Runner<'_, '_> {
+    fn of(&self) -> usize {
+        self.of
+    }
+
+    fn advance(&mut self, Round { points, evaluations }: Round) {
+        let typical = if self.fit.is_some() { typical_of(&self.residuals) } else { f64::INFINITY };
+        let all = self.search.data.points.len();
+        let points = if self.model.has_continuum() && points < all { points / COSTLY } else { points };
+        let effort = Effort { points, evaluations };
+        if !self.search.data.affords(&self.model, effort) {
+            return;
+        }
+        let fit = self.search.data.fit(&self.model, &self.parameters, &self.values, typical, effort);
+        self.values.clone_from(&fit.values);
+        self.residuals.clone_from(&fit.evaluation.residuals);
+        self.fit = Some(fit);
+    }
+
+    fn typical(&self) -> f64 {
+        typical_of(&self.residuals)
+    }
+
+    fn badness(&self, typical: f64) -> f64 {
+        let parameters = self.parameters.len() as f64 * (self.search.data.readings() as f64).ln();
+        self.scale() * robust_chi2(&self.residuals, TAIL * typical) + parameters
+    }
+}
+
+impl<'a> Search<'a> {
+    /// A search for what is missing in `base`, whose parameters `free` move.
+    pub fn new(
+        scenario: &'a Scenario,
+        table: &'a Table,
+        options: &'a SearchOptions,
+        free: &[String],
+        base: Model,
+    ) -> Self {
+        let data = Data::new(base, free, &table.points, options.budget);
+        let pool = additions(&data.base, free, table.points.iter().any(|p| p.phase.is_some()));
+        Self { scenario, table, options, data, pool }
+    }
+
+    fn run(&self, calibration: Calibration) -> Discovery {
+        let start = Hypothesis {
+            additions: Vec::new(),
+            model: self.data.base.clone(),
+            fit: calibration.fit,
+            estimate: None,
+            bic: f64::INFINITY,
+        };
+        let mut known = Known::default();
+        let mut chosen = self.forward(&start, &mut known);
+        if self.structured(&chosen) {
+            let other = self.one_by_one(&start, &mut known);
+            chosen = self.better(chosen, other);
+        }
+        let (mut chosen, mut ties) = self.exchange(chosen, &mut known);
+        let explanation = loop {
+            let comparison = self.comparison(&chosen, !self.structured(&chosen), self.noise(&chosen));
+            let moved = comparison.fit.values != chosen.fit.values;
+            chosen.fit.clone_from(&comparison.fit);
+            // Where the profiles moved the fit, an addition may have become needless.
+            let fewer = if moved { self.eliminate(chosen.clone()) } else { chosen.clone() };
+            if fewer.additions.len() == chosen.additions.len() {
+                break comparison;
+            }
+            (chosen, ties) = self.exchange(fewer, &mut known);
+        };
+        self.conclude(&start, &chosen, explanation, &known, &ties)
+    }
+
+    /// Whether there is anything left to spend.
+    pub(super) fn goes_on(&self) -> bool {
+        self.data.solved() < self.data.budget
+    }
+
+    /// Adds to a hypothesis as long as that pays, and removes what that makes needless: all candidates race beside the leading
+    /// hypotheses.
+    fn forward(&self, start: &Hypothesis, known: &mut Known) -> Hypothesis {
+        let (mut chosen, mut beam) = (start.clone(), vec![start.clone()]);
+        for _ in 0..self.options.max_effects {
+            beam.retain(|h| h.additions.len() < self.options.max_effects);
+            if beam.is_empty() || !self.goes_on() {
+                break;
+            }
+            let mut full = self.race(&beam.iter().collect::<Vec<_>>(), &self.pool, 0, known);
+            let Some(best) = self.pick(&full, chosen.additions.is_empty()) else { break };
+            let noise = self.noise(&best);
+            if self.score(&chosen, noise) - self.score(&best, noise) <= MARGIN {
+                break;
+            }
+            chosen = self.eliminate(best);
+            if !self.structured(&chosen) && !chosen.fitted().has_continuum() {
+                beam = vec![chosen.clone()];
+                continue;
+            }
+            if !self.structured(&chosen) {
+                break;
+            }
+            let noise = self.noise(&chosen);
+            full.push(chosen.clone());
+            full.sort_by(|a, b| self.bic(a, noise).total_cmp(&self.bic(b, noise)));
+            beam.clear();
+            for hypothesis in full {
+                if beam.len() < self.options.beam && !beam.iter().any(|h| h.same_additions(&hypothesis)) {
+                    beam.push(hypothesis);
+                }
+            }
+        }
+        chosen
+    }
+
+    /// Adds to a hypothesis as a user would by hand, one after the other: every candidate by itself, as [`super::fit_addition`]
+    /// fits it, and the best is kept.
+    fn one_by_one(&self, start: &Hypothesis, known: &mut Known) -> Hypothesis {
+        let mut chosen = start.clone();
+        while chosen.additions.len() < self.options.max_effects && self.structured(&chosen) {
+            let mut all = Vec::new();
+            for &addition in &self.pool {
+                if !self.goes_on() {
+                    break;
+                }
+                all.extend(self.add(&chosen, addition, known));
+            }
+            let Some(best) = self.pick(&all, chosen.additions.is_empty()) else { break };
+            let noise = self.noise(&best);
+            if self.score(&chosen, noise) - self.score(&best, noise) <= MARGIN {
+                break;
+            }
+            chosen = best;
+        }
+        self.eliminate(chosen)
+    }
+
+    /// The race of all candidates beside all parents; the hypotheses that came to its end, fitted to all points. Starting points
+    /// are those of the `turn`-th part of the sequence.
+    fn race(&self, parents: &[&Hypothesis], pool: &[Addition], turn: usize, known: &mut Known) -> Vec<Hypothesis> {
+        let o = self.options;
+        let points = o.first_points.min(self.data.points.len());
+        let work: Vec<(usize, Addition)> = parents
+            .iter()
+            .enumerate()
+            .flat_map(|(number, _)| pool.iter().map(move |addition| (number, *addition)))
+            .filter(|(number, addition)| self.goes_with(parents[*number], *addition))
+            .collect();
+        // A continuum of sliders costs as much as all others together: it is looked at on fewer points, ...
+        let costly = |from: &Hypothesis, addition: Addition| {
+            extended(&from.model, &[addition]).has_continuum() && !from.model.has_continuum()
+        };
+        let few = points / COSTLY;
+        let places: Vec<[Vec<Parent<'_>>; 2]> =
+            parents.par_iter().map(|from| [self.places(from, points), self.places(from, few)]).collect();
+        // As many starting points for one parent as for several together.
+        let starts = (o.starts / parents.len()).max(2);
+        let fitted: Vec<(Addition, Model)> = known.entries.iter().filter_map(Entry::single).collect();
+        let looks: Vec<Look> = work
+            .par_iter()
+            .map(|(number, addition)| {
+                let from = parents[*number];
+                let known = fitted.iter().find(|(a, _)| a == addition).map(|(_, model)| model);
+                let known = known.filter(|_| !from.additions.is_empty());
+                let count = Count { known, starts, first: turn * o.starts, seed: o.seed };
+                look(&self.data, &places[*number][usize::from(costly(from, *addition))], from, *addition, count)
+            })
+            .collect();
+        let mut field: Vec<Runner<'_, '_>> = Vec::new();
+        let mut entries: Vec<Entry> = Vec::new();
+        for (of, ((number, addition), look)) in work.iter().zip(looks).enumerate() {
+            let Look { starts, visibility, strongest } = look;
+            let runners = starts.into_iter().map(|start| Runner::new(self, (parents[*number], of), *addition, start));
+            let mut runners: Vec<Runner<'_, '_>> = runners.collect();
+            // The starting points of a candidate compete with one another first: a linear estimate tells them apart, but little
+            // of what candidates are worth.
+            let typical = runners.iter().map(Competitor::typical).fold(f64::INFINITY, f64::min);
+            runners.sort_by(|a, b| a.badness(typical).total_cmp(&b.badness(typical)));
+            runners.truncate((runners.len() as f64 * o.kept).ceil() as usize);
+            let Some(first) = runners.first() else { continue };
+            entries.push(Entry { hypothesis: first.hypothesis(false), visibility, strongest });
+            field.extend(runners);
+        }
+        // ... and once something is found competes only if that leaves structure, and it promises most.
+        let typical = field.iter().map(Competitor::typical).fold(f64::INFINITY, f64::min);
+        let most = field.iter().map(|r| r.badness(typical)).fold(f64::INFINITY, f64::min);
+        field.retain(|r| {
+            let wanted = r.from.additions.is_empty() || (r.badness(typical) <= most && self.structured(r.from));
+            wanted || !costly(r.from, r.addition)
+        });
+        // Beside what leaves nothing but noise only what would be decided for is worth a fit.
+        if let [only] = parents
+            && !self.structured(only)
+        {
+            let rest = &places[0][0][0];
+            let scale = self.data.readings() as f64 / rest.rest().len().max(1) as f64;
+            let aim = scale * robust_chi2(&rest.rest(), TAIL);
+            let price = only.fit.parameters.len() as f64 * (self.data.readings() as f64).ln();
+            field.retain(|runner| runner.badness(1.0) + MARGIN < aim + price);
+        }
+        let race = Race {
+            first: Round { points, evaluations: o.first_evaluations },
+            points: self.data.points.len(),
+            kept: o.kept,
+            survivors: o.survivors,
+        };
+        let ended = race.run(field, || self.goes_on());
+        for runner in ended.dropped.iter().chain(&ended.survivors) {
+            self.told(&mut entries, runner.of, runner.hypothesis(false));
+        }
+        let all = self.data.points.len();
+        let full = |r: &Runner<'_, '_>| r.fit.as_ref().is_some_and(|fit| fit.evaluation.predictions.len() == all);
+        let mut fitted: Vec<(usize, Hypothesis)> =
+            ended.survivors.iter().map(|runner| (runner.of, runner.hypothesis(full(runner)))).collect();
+        let effort = Effort { points: all, evaluations: CONTINUED };
+        fitted.retain(|(_, h)| h.is_full(all) || self.data.affords(&h.model, effort));
+        fitted.par_iter_mut().filter(|(_, h)| !h.is_full(all)).for_each(|(_, h)| {
+            *h = self.data.fitted(h.clone(), CONTINUED);
+        });
+        self.settle_all(fitted.iter_mut().map(|(_, h)| h).collect());
+        for (of, hypothesis) in &fitted {
+            self.told(&mut entries, *of, hypothesis.clone());
+        }
+        entries.iter().for_each(|entry| known.keep(entry));
+        if pool.len() > 1 {
+            known.parents.extend(parents.iter().map(|from| from.additions.clone()));
+        }
+        fitted.into_iter().map(|(_, hypothesis)| hypothesis).collect()
+    }
+
+    /// Keeps the better fit of the candidate number `of`.
+    fn told(&self, entries: &mut [Entry], of: usize, hypothesis: Hypothesis) {
+        let mut one = Known { entries: vec![entries[of].clone()], parents: Vec::new() };
+        let entry = Entry { hypothesis, ..entries[of].clone() };
+        one.keep(&entry);
+        entries[of] = one.entries.remove(0);
+    }
+
+    /// The best fit of one addition to a hypothesis.
+    pub(super) fn add(&self, from: &Hypothesis, addition: Addition, known: &mut Known) -> Option<Hypothesis> {
+        let found = self.race(&[from], &[addition], 0, known);
+        found.into_iter().min_by(|a, b| self.square(a, 1.0).total_cmp(&self.square(b, 1.0)))
+    }
+
+    /// A hypothesis where its fit is, and with the base where the scenario states it: once something is missing, a calibration
+    /// may have carried it far off, and nothing is left there for an addition to act on.
+    fn places(&self, from: &Hypothesis, points: usize) -> Vec<Parent<'a>> {
+        let fitted = from.fit.values.clone();
+        let mut stated = fitted.clone();
+        stated[..self.data.stated.len()].copy_from_slice(&self.data.stated);
+        let mut places = vec![Parent::new(&self.data, from, fitted.clone(), points)];
+        if stated != fitted && from.additions.is_empty() {
+            places.push(Parent::new(&self.data, from, stated, points));
+        }
+        places
+    }
+
+    fn goes_with(&self, from: &Hypothesis, addition: Addition) -> bool {
+        let all: Vec<Addition> = from.additions.iter().copied().chain([addition]).collect();
+        !from.additions.contains(&addition) && compatible(&self.data.base, &all)
+    }
+
+    /// Follows fits that ended for want of evaluations, in a curved valley say, to their minimum, while they may come level with
+    /// the best of them.
+    fn settle_all(&self, mut all: Vec<&mut Hypothesis>) {
+        let noise = all
+            .iter()
+            .min_by(|a, b| self.square(a, 1.0).total_cmp(&self.square(b, 1.0)))
+            .map_or(1.0, |best| self.noise(best));
+        let best = all.iter().map(|h| self.bic(h, noise)).fold(f64::INFINITY, f64::min);
+        all.par_iter_mut().for_each(|h| {
+            let effort = Effort { points: self.data.points.len(), evaluations: CONTINUED };
+            for left in (0..CONTINUATIONS).rev() {
+                if !h.fit.is_exhausted() || !self.data.affords(&h.model, effort) {
+                    break;
+                }
+                let before = self.bic(h, noise);
+                **h = self.data.fitted((*h).clone(), CONTINUED);
+                let gain = before - self.bic(h, noise);
+                if gain < GAIN || before - f64::from(left) * gain > best + MARGIN {
+                    break;
+                }
+            }
+        });
+    }
+
+    /// The better of two, the first where the data do not decide.
+    fn better(&self, one: Hypothesis, other: Hypothesis) -> Hypothesis {
+        let noise = self.noise(&other);
+        if self.score(&other, noise) < self.score(&one, noise) { other } else { one }
+    }
+
+    /// Whether a hypothesis leaves more than noise.
+    pub(super) fn structured(&self, hypothesis: &Hypothesis) -> bool {
+        self.whiteness(hypothesis).is_none_or(|white| white.structured)
+    }
+
+    /// The best of hypotheses. Of those that the data do not tell apart the simpler: at first a recalibration; once something
+    /// is known to be missing, an effect.
+    fn pick(&self, all: &[Hypothesis], first: bool) -> Option<Hypothesis> {
+        let noise = self.noise(all.iter().min_by(|a, b| self.square(a, 1.0).total_cmp(&self.square(b, 1.0)))?);
+        let bic = |h: &Hypothesis| self.bic(h, noise);
+        let best = all.iter().map(bic).fold(f64::INFINITY, f64::min);
+        let preferred = |h: &Hypothesis| h.additions.last().is_some_and(|a| a.is_effect() != first);
+        let close: Vec<&Hypothesis> = all.iter().filter(|h| bic(h) - best < MARGIN).collect();
+        let simple = close.iter().filter(|h| preferred(h)).min_by(|a, b| bic(a).total_cmp(&bic(b)));
+        simple.or(close.iter().min_by(|a, b| bic(a).total_cmp(&bic(b)))).map(|h| (**h).clone())
+    }
+
+    /// Removes additions that the others make needless; the last may merely have helped an earlier one out of a local minimum.
+    fn eliminate(&self, chosen: Hypothesis) -> Hypothesis {
+        let mut chosen = chosen;
+        let mut index = 0;
+        while chosen.additions.len() > 1 && index < chosen.additions.len() {
+            let mut additions = chosen.additions.clone();
+            additions.remove(index);
+            let mut fewer = self.refit(&chosen, additions);
+            self.settle_all(vec![&mut fewer]);
+            let noise = self.noise(&chosen);
+            if self.score(&fewer, noise) < self.score(&chosen, noise) + MARGIN {
+                chosen = fewer;
+                index = 0;
+            } else {
+                index += 1;
+            }
+        }
+        chosen
+    }
+
+    /// The hypothesis with only these additions, fitted from the values it has.
+    pub(super) fn refit(&self, from: &Hypothesis, additions: Vec<Addition>) -> Hypothesis {
+        self.data.fitted(self.reduced(from, additions), CONTINUED)
+    }
+
+    /// The hypothesis with only these additions, at the values it has.
+    fn reduced(&self, from: &Hypothesis, additions: Vec<Addition>) -> Hypothesis {
+        let fitted = from.fitted();
+        let mut model = extended(&self.data.base, &additions);
+        for (effect, values) in &mut model.effects {
+            if let Some((_, own)) = fitted.effects.iter().find(|(e, _)| e.name() == effect.name()) {
+                values.clone_from(own);
+            }
+        }
+        let mut fit = from.fit.clone();
+        fit.parameters = self.data.movable(&model, &additions);
+        let value = |key: &str| from.fit.parameters.iter().position(|p| p.key == key).map(|i| from.fit.values[i]);
+        fit.values = fit.parameters.iter().filter_map(|p| value(&p.key)).collect();
+        let points = self.data.some(self.data.points.len());
+        let mut problem = crate::fit::Problem::new(model.clone(), points, fit.parameters.clone(), Tolerance::FIT);
+        fit.evaluation = problem.evaluate(&fit.values, true);
+        self.data.count(&model, problem.solved);
+        Hypothesis { additions, model, fit, estimate: None, bic: f64::INFINITY }
+    }
+
+    /// Replaces every addition in turn by another that explains better beside the others, itself at another place included;
+    /// with what does as well in the place of each, itself first.
+    fn exchange(&self, chosen: Hypothesis, known: &mut Known) -> (Hypothesis, Vec<Vec<Hypothesis>>) {
+        let mut chosen = chosen;
+        let mut ties: Vec<Vec<Hypothesis>> = Vec::new();
+        // What is no explanation has none that does as well.
+        if self.structured(&chosen) {
+            return (chosen, ties);
+        }
+        while ties.len() < chosen.additions.len() {
+            let index = ties.len();
+            let addition = chosen.additions[index];
+            let mut additions = chosen.additions.clone();
+            additions.remove(index);
+            if !known.raced(&additions) {
+                let rest = self.refit(&chosen, additions.clone());
+                self.race(&[&rest], &self.pool, 1, known);
+            }
+            let mut rivals = known.beside(&additions);
+            let noise = self.noise(&chosen);
+            let own = self.bic(&chosen, noise);
+            let best = rivals.iter().min_by(|a, b| self.bic(a, noise).total_cmp(&self.bic(b, noise)));
+            if let Some(best) = best.filter(|best| self.bic(best, noise) + MARGIN < own) {
+                chosen = self.eliminate(best.clone());
+                ties.clear();
+                continue;
+            }
+            rivals.retain(|h| h.additions.last() != Some(&addition) && self.bic(h, noise) - own < MARGIN);
+            rivals.sort_by(|a, b| self.bic(a, noise).total_cmp(&self.bic(b, noise)));
+            let mut itself = chosen.clone();
+            itself.additions.remove(index);
+            itself.additions.push(addition);
+            rivals.insert(0, itself);
+            ties.push(rivals);
+        }
+        (chosen, ties)
+    }
+
+    /// Scatter of the residuals of a hypothesis about anything smooth, over the stated noise, where it differs from one by
+    /// more than chance.
+    pub(super) fn noise(&self, hypothesis: &Hypothesis) -> f64 {
+        self.whiteness(hypothesis).map_or(1.0, |white| white.noise())
+    }
+
+    pub(super) fn scatter(&self, hypothesis: &Hypothesis) -> (f64, bool) {
+        self.whiteness(hypothesis).map_or((1.0, false), |white| white.scatter())
+    }
+
+    /// Tests of the residuals; `None` where the fit is to a part of the points.
+    fn whiteness(&self, hypothesis: &Hypothesis) -> Option<Whiteness> {
+        if hypothesis.fit.evaluation.predictions.len() != self.data.points.len() {
+            return None;
+        }
+        let points = compare::compared(&self.table.points, &hypothesis.fit.evaluation.predictions);
+        let (series, parameters) = (self.table.series.len(), hypothesis.fit.parameters.len());
+        Some(compare::whiteness(&points, series, parameters, self.table.amplitude_noise))
+    }
+
+    pub(super) fn readings(&self) -> usize {
+        self.data.readings()
+    }
+
+    /// Schwarz's criterion with residuals in units of `noise` times their stated standard deviations.
+    pub(super) fn bic(&self, hypothesis: &Hypothesis, noise: f64) -> f64 {
+        self.square(hypothesis, noise) + hypothesis.fit.parameters.len() as f64 * (self.readings() as f64).ln()
+    }
+
+    /// Sum of squares of the residuals in units of `noise`, large ones counted less.
+    pub(super) fn square(&self, hypothesis: &Hypothesis, noise: f64) -> f64 {
+        hypothesis.estimate.map_or_else(
+            || robust_chi2(&(&hypothesis.fit.evaluation.residuals / noise), TAIL),
+            |estimate| estimate.square / (noise * noise),
+        )
+    }
+
+    /// The criterion with a charge for having looked at many additions (extended BIC of Chen and Chen 2008).
+    fn score(&self, hypothesis: &Hypothesis, noise: f64) -> f64 {
+        self.bic(hypothesis, noise) + 2.0 * hypothesis.additions.len() as f64 * (self.pool.len().max(1) as f64).ln()
+    }
+}
