@@ -6,7 +6,7 @@
 use divan::Bencher;
 use std::path::Path;
 use stickslip::compare::calibrate;
-use stickslip::discover::{Addition, Options, additions, compatible, discover, extended};
+use stickslip::discover::{Addition, SearchOptions, additions, compatible, discover, extended};
 use stickslip::fit::{Parameter, Problem, Settings, TAIL, minimise, parameter};
 use stickslip::measurement::{self, Table};
 use stickslip::model::Model;
@@ -79,6 +79,6 @@ fn fit(bencher: Bencher, name: &str) {
 #[divan::bench(args = [0, 1, 3], sample_size = 1, sample_count = 2)]
 fn whole_by_effects_allowed(bencher: Bencher, max_effects: usize) {
     let (scenario, table) = practice(1);
-    let options = Options { max_effects, ..Options::default() };
+    let options = SearchOptions { max_effects, ..SearchOptions::default() };
     bencher.bench_local(|| discover(&scenario, &table, &options));
 }

@@ -8,8 +8,8 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor, Normal};
 const COMPONENTS: usize = 5;
 /// Points per component that a curve must have.
 const POINTS_PER_COMPONENT: usize = 3;
-/// Residuals enter the tests up to this many times their typical size. What is beyond while its neighbours are not is an
-/// outlier, which tells nothing of structure nor of the noise of the others, and is left out.
+/// Residuals enter the tests up to this many times their typical size, so that single outliers do not make a structure. What is
+/// beyond while its neighbours are not tells nothing of the noise of the others.
 const CLIP: f64 = 4.0;
 /// Probability below which residuals are called structured.
 pub const SIGNIFICANCE: f64 = 1e-3;
@@ -92,18 +92,16 @@ fn test(curves: &[Vec<f64>], fitted: usize) -> Whiteness {
     let (mut runs, mut expected, mut variance) = (0, 0.0, 0.0);
     let (mut product, mut square, mut energy) = (0.0, 0.0, 0.0);
     let (mut smooth, mut rough, mut smooth_n, mut rough_n) = (0.0, 0.0, 0.0, 0.0);
-    for curve in curves {
+    let (mut beyond, mut beyond_n) = (0.0, 0.0);
+    for curve in curves.iter().filter(|curve| curve.len() > 1) {
         let most = CLIP * typical(curve).max(1.0);
         let far = |i: usize, sign: f64| curve.get(i).is_some_and(|r| r * sign > most);
-        let alone = |i: usize, sign: f64| !far(i.wrapping_sub(1), sign) && !far(i + 1, sign);
-        let kept: Vec<f64> = (0..curve.len())
-            .filter(|&i| curve[i].abs() <= most || !alone(i, curve[i].signum()))
-            .map(|i| curve[i].clamp(-most, most))
-            .collect();
-        if kept.len() < 2 {
-            continue;
-        }
-        let (clipped, curve) = (&kept, &kept);
+        let alone = |i: usize| {
+            let sign = curve[i].signum();
+            far(i, sign) && !far(i.wrapping_sub(1), sign) && !far(i + 1, sign)
+        };
+        let outliers = (0..curve.len()).filter(|&i| alone(i)).count() as f64;
+        let clipped: Vec<f64> = curve.iter().map(|r| r.clamp(-most, most)).collect();
         runs += 1 + clipped.windows(2).filter(|w| (w[0] > 0.0) != (w[1] > 0.0)).count();
         let pairs = (curve.len() - 1) as f64;
         expected += 1.0 + 0.5 * pairs;
@@ -114,11 +112,12 @@ fn test(curves: &[Vec<f64>], fitted: usize) -> Whiteness {
             energy += 0.5 * (pair[0].powi(2) + pair[1].powi(2));
         }
         let components = (curve.len() / POINTS_PER_COMPONENT).min(COMPONENTS);
-        let inside = projected(clipped, components);
+        let inside = projected(&clipped, components);
         smooth += inside;
         smooth_n += components as f64;
         rough += clipped.iter().map(|r| r * r).sum::<f64>() - inside;
         rough_n += (curve.len() - components) as f64;
+        (beyond, beyond_n) = (beyond + outliers * most * most, beyond_n + outliers);
     }
     let tail = |z: f64| Normal::standard().sf(z);
     let runs_p = if variance > 0.0 { tail((expected - runs as f64) / f64::sqrt(variance)) } else { 1.0 };
@@ -138,7 +137,7 @@ fn test(curves: &[Vec<f64>], fitted: usize) -> Whiteness {
         autocorrelation_p,
         smooth_ratio,
         smooth_p,
-        rough_chi2,
+        rough_chi2: if rough_n > beyond_n { (rough - beyond).max(0.0) / (rough_n - beyond_n) } else { rough_chi2 },
         rough_freedom: rough_n,
         structured,
         testable,

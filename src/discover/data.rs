@@ -174,15 +174,15 @@ fn spread_out(points: &[Point]) -> Vec<usize> {
         let mut rank = 0.5;
         // The middle, the quarters, the eighths, ...
         for number in 1_u32.. {
+            if rank > count as f64 {
+                break;
+            }
             let place = (count as f64 * f64::from(number.reverse_bits()) / 2f64.powi(32)) as usize;
             if std::mem::replace(&mut chosen[place], true) {
                 continue;
             }
             keys.push((rank / count as f64, own[place]));
             rank += 1.0;
-            if rank > count as f64 {
-                break;
-            }
         }
     }
     keys.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));

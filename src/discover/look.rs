@@ -34,7 +34,12 @@ impl<'a> Parent<'a> {
         let rows = evaluation.residuals.len();
         let mut span = DMatrix::zeros(rows, 0);
         if evaluation.jacobian.ncols() > 0 {
-            let svd = evaluation.jacobian.clone().svd(true, false);
+            // By natural steps of the parameters: their units are no matter.
+            let mut jacobian = evaluation.jacobian.clone();
+            for (column, (parameter, &value)) in from.fit.parameters.iter().zip(&values).enumerate() {
+                jacobian.column_mut(column).scale_mut(parameter.natural_slope(value));
+            }
+            let svd = jacobian.svd(true, false);
             let largest = svd.singular_values.iter().copied().fold(0.0, f64::max);
             let seen: Vec<usize> =
                 (0..svd.singular_values.len()).filter(|&i| svd.singular_values[i] > SINGULAR * largest).collect();

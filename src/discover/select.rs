@@ -343,8 +343,9 @@ impl<'a> Search<'a> {
             let wanted = r.from.additions.is_empty() || (r.badness(typical) <= most && self.structured(r.from));
             wanted || !costly(r.from, r.addition)
         });
-        // Beside what leaves nothing but noise only what would be decided for is worth a fit.
+        // Beside what leaves nothing but noise only what would be decided for is worth a fit, unless it is asked for.
         if let [only] = parents
+            && pool.len() > 1
             && !self.structured(only)
         {
             let rest = &places[0][0][0];
