@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 use stickslip::compare::{calibrate, problem};
-use stickslip::discover::{Discovery, SearchOptions, Verdict, discover};
+use stickslip::discover::{Discovery, SearchOptions, Verdict, discover, fit_addition};
+use stickslip::fit::{TAIL, robust_chi2};
 use stickslip::measurement::Point;
 use stickslip::solver::cycle::Tolerance;
 use stickslip::{measurement, scenario};
@@ -129,4 +130,76 @@ fn left_out_conditions_are_predicted_as_fits_without_them_predict() {
         let told = end.held_out.expect("several conditions").chi2_per_point;
         assert!((told / expected - 1.0).abs() < 0.02, "{}: {told} for {expected}", end.hypothesis.label());
     }
+}
+
+/// The scenario and the table of a practice measurement.
+fn practice(number: u32) -> (scenario::Scenario, measurement::Table) {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    let places = [format!("scenarios/practice/{number}"), format!("tests/data/practice/{number}")];
+    let path = places.iter().map(|p| folder.join(p).join("scenario.toml")).find(|p| p.is_file()).expect("the table");
+    let scenario = scenario::load(&path).expect("a scenario");
+    let table = measurement::load(&scenario).expect("a table").expect("measurements");
+    (scenario, table)
+}
+
+/// Every tenth reading 8 to 40 standard deviations off, up and down in turn.
+#[test]
+fn a_tenth_of_gross_outliers_changes_no_verdict_and_widens_intervals_little() {
+    for (number, verdict) in [(1, Verdict::EffectMissing), (4, Verdict::NothingMissing), (6, Verdict::Recalibrate)] {
+        let (scenario, mut table) = practice(number);
+        let clean = discover(&scenario, &table, &SearchOptions::default());
+        for (index, point) in table.points.iter_mut().enumerate().filter(|(index, _)| index % 5 == 2) {
+            let sign = if index % 2 == 0 { 1.0 } else { -1.0 };
+            let size = sign * (8.0 + (index % 33) as f64);
+            match (index % 10 == 2, point.phase.as_mut(), point.phase_sd) {
+                (true, Some(phase), Some(sd)) => *phase += size * sd,
+                _ => point.amplitude += size * point.amplitude_sd,
+            }
+        }
+        let d = discover(&scenario, &table, &SearchOptions::default());
+        let (end, before) = (d.explanation(), clean.explanation());
+        assert_eq!((d.verdict, clean.verdict), (verdict, verdict), "{number}");
+        assert_eq!(end.hypothesis.additions, before.hypothesis.additions);
+        for (with, without) in end.comparison.intervals.iter().zip(&before.comparison.intervals) {
+            let widths = (with.high - with.low) / (without.high - without.low);
+            assert!((0.85..1.2).contains(&widths), "{number}: {with:?} {without:?}");
+        }
+    }
+}
+
+/// Readings of practice table 3 bent by something that no effect does: `discover` ends no worse than `add` by hand.
+#[test]
+fn what_is_left_unexplained_is_no_worse_than_what_one_effect_explains() {
+    let (scenario, mut table) = practice(3);
+    for point in &mut table.points {
+        let bend = 1.0 + 0.06 * (0.3 * point.frequency).sin();
+        (point.amplitude, point.amplitude_sd) = (point.amplitude * bend, point.amplitude_sd * bend);
+    }
+    let d = discover(&scenario, &table, &SearchOptions::default());
+    assert_eq!(d.verdict, Verdict::Unexplained);
+    let end = d.explanation();
+    let readings = end.comparison.overall.readings as f64;
+    let criterion = |c: &stickslip::compare::Comparison| {
+        robust_chi2(&c.fit.evaluation.residuals, TAIL) + c.fit.parameters.len() as f64 * readings.ln()
+    };
+    let least = criterion(&end.comparison);
+    for name in ["cubic-stiffness", "contact-renewal", "maxwell-branch", "grosch", "quadratic-damping"] {
+        let effect = stickslip::effects::find(name).expect("an effect");
+        let change = fit_addition(&scenario, &table, effect, 0);
+        assert!(least <= criterion(&change.after) + 0.5, "{name}: {} {least}", criterion(&change.after));
+    }
+}
+
+#[test]
+fn a_search_whose_budget_is_spent_says_so_and_ends() {
+    let (scenario, table) = practice(1);
+    let options = SearchOptions { budget: 20_000, ..SearchOptions::default() };
+    let d = discover(&scenario, &table, &options);
+    assert!(d.spent && d.solved >= 20_000 && d.solved < 60_000, "{}", d.solved);
+    assert!(d.notes.iter().any(|note| note.contains("has spent its budget of 20000")));
+    let again = discover(&scenario, &table, &options);
+    assert_eq!(
+        (again.solved, again.explanation().hypothesis.fit.values.clone()),
+        (d.solved, d.explanation().hypothesis.fit.values.clone())
+    );
 }

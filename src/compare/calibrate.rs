@@ -18,6 +18,8 @@ const FOLLOWED: usize = 2;
 /// Times that a fit which met a bound begins again, and the share of the sum of squares by which that has to lower it.
 const RESTARTS: usize = 8;
 const LOWER: f64 = 1e-3;
+/// A robust fit is made again where what it leaves has become smaller than this share of what it was.
+pub(crate) const TIGHTER: f64 = 0.9;
 /// Evaluations of one fit at most.
 const EVALUATIONS: usize = 60;
 /// A residual this many times the scatter of its neighbours about a line, or the step from one to the next, away from that line
@@ -139,10 +141,16 @@ fn calibrated(model: &Model, keys: &[String], points: &[Point], tolerance: Toler
         .collect();
     let best = followed.into_iter().min_by(|a, b| a.objective.total_cmp(&b.objective));
     let mut fit = best.unwrap_or_else(|| minimise(&mut stated.clone(), &starts[0], &SETTLE));
-    let threshold = TAIL * scale(&fit.evaluation.residuals).max(1.0);
-    if fit.evaluation.residuals.amax() > threshold {
+    let mut threshold = TAIL * scale(&fit.evaluation.residuals).max(1.0);
+    // What is far off has less pull the better the others fit.
+    while fit.evaluation.residuals.amax() > threshold {
         let robust = Settings { evaluations: EVALUATIONS, threshold, converged: CONVERGED };
         fit = minimise(&mut stated.clone(), &fit.values, &robust);
+        let tighter = TAIL * scale(&fit.evaluation.residuals).max(1.0);
+        if tighter > TIGHTER * threshold {
+            break;
+        }
+        threshold = tighter;
     }
     if tolerance.for_search() != tolerance {
         fit.evaluation = problem(model, keys, points, tolerance).evaluate(&fit.values, true);

@@ -13,6 +13,7 @@ mod regions;
 mod whiteness;
 
 pub use budget::ErrorBudget;
+pub(crate) use calibrate::TIGHTER;
 pub use calibrate::{Calibration, calibrate, problem, settings_of};
 pub use curves::{ModelCurve, model_curves};
 pub use fingerprint::{ContactPoint, fingerprint};

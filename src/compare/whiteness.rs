@@ -92,7 +92,7 @@ fn test(curves: &[Vec<f64>], fitted: usize) -> Whiteness {
     let (mut runs, mut expected, mut variance) = (0, 0.0, 0.0);
     let (mut product, mut square, mut energy) = (0.0, 0.0, 0.0);
     let (mut smooth, mut rough, mut smooth_n, mut rough_n) = (0.0, 0.0, 0.0, 0.0);
-    let (mut beyond, mut beyond_n) = (0.0, 0.0);
+    let (mut noise, mut noise_n) = (0.0, 0.0);
     for curve in curves.iter().filter(|curve| curve.len() > 1) {
         let most = CLIP * typical(curve).max(1.0);
         let far = |i: usize, sign: f64| curve.get(i).is_some_and(|r| r * sign > most);
@@ -100,6 +100,8 @@ fn test(curves: &[Vec<f64>], fitted: usize) -> Whiteness {
             let sign = curve[i].signum();
             far(i, sign) && !far(i.wrapping_sub(1), sign) && !far(i + 1, sign)
         };
+        let clean: Vec<f64> =
+            (0..curve.len()).map(|i| if alone(i) { 0.0 } else { curve[i].clamp(-most, most) }).collect();
         let outliers = (0..curve.len()).filter(|&i| alone(i)).count() as f64;
         let clipped: Vec<f64> = curve.iter().map(|r| r.clamp(-most, most)).collect();
         runs += 1 + clipped.windows(2).filter(|w| (w[0] > 0.0) != (w[1] > 0.0)).count();
@@ -117,7 +119,8 @@ fn test(curves: &[Vec<f64>], fitted: usize) -> Whiteness {
         smooth_n += components as f64;
         rough += clipped.iter().map(|r| r * r).sum::<f64>() - inside;
         rough_n += (curve.len() - components) as f64;
-        (beyond, beyond_n) = (beyond + outliers * most * most, beyond_n + outliers);
+        noise += clean.iter().map(|r| r * r).sum::<f64>() - projected(&clean, components);
+        noise_n += curve.len() as f64 - outliers - components as f64;
     }
     let tail = |z: f64| Normal::standard().sf(z);
     let runs_p = if variance > 0.0 { tail((expected - runs as f64) / f64::sqrt(variance)) } else { 1.0 };
@@ -137,7 +140,7 @@ fn test(curves: &[Vec<f64>], fitted: usize) -> Whiteness {
         autocorrelation_p,
         smooth_ratio,
         smooth_p,
-        rough_chi2: if rough_n > beyond_n { (rough - beyond).max(0.0) / (rough_n - beyond_n) } else { rough_chi2 },
+        rough_chi2: if noise_n > 0.0 { noise / noise_n } else { rough_chi2 },
         rough_freedom: rough_n,
         structured,
         testable,

@@ -1,6 +1,7 @@
 //! What a search works on, and the one fit that everything in it is made by.
 
 use super::hypothesis::{Addition, Hypothesis};
+use crate::compare::TIGHTER;
 use crate::fit::{Fit, Parameter, Problem, Settings, TAIL, minimise, parameter, robust_chi2};
 use crate::measurement::Point;
 use crate::model::Model;
@@ -115,7 +116,7 @@ impl<'a> Data<'a> {
             let left = effort.evaluations.saturating_sub(problem.evaluations).max(1);
             let fit = minimise(&mut problem, &values, &Settings { evaluations: left, threshold, converged });
             let tighter = TAIL * typical_of(&fit.evaluation.residuals);
-            let pulled = fit.evaluation.residuals.amax() > tighter && tighter < 0.5 * threshold;
+            let pulled = fit.evaluation.residuals.amax() > tighter && tighter < TIGHTER * threshold;
             if !pulled || problem.evaluations >= effort.evaluations {
                 self.count(model, problem.solved);
                 return Fit { evaluations: problem.evaluations, ..fit };
