@@ -6,7 +6,7 @@ use super::next::Bounds;
 /// both were as likely before (Kass and Raftery 1995).
 pub const MARGIN: f64 = 6.0;
 
-/// The policy of a search, whole. `docs/search.md` tells what each is for and what the search is without it.
+/// The policy of a search, whole. `docs/search.md` tells what each is for.
 #[derive(Debug, Clone)]
 pub struct SearchOptions {
     /// Most additions in one explanation. Each more costs a race.

@@ -305,9 +305,11 @@ impl<'a> Search<'a> {
         let costly = |from: &Hypothesis, addition: Addition| {
             extended(&from.model, &[addition]).has_continuum() && !from.model.has_continuum()
         };
-        let few = points / COSTLY;
-        let places: Vec<[Vec<Parent<'_>>; 2]> =
-            parents.par_iter().map(|from| [self.places(from, points), self.places(from, few)]).collect();
+        let few = work.iter().any(|(number, addition)| costly(parents[*number], *addition)).then_some(points / COSTLY);
+        let places_on = |points: usize| -> Vec<Vec<Parent<'_>>> {
+            parents.par_iter().map(|from| self.places(from, points)).collect()
+        };
+        let places = [places_on(points), few.map_or_else(Vec::new, places_on)];
         // As many starting points for one parent as for several together.
         let starts = (o.starts / parents.len()).max(2);
         let fitted: Vec<(Addition, Model)> = known.entries.iter().filter_map(Entry::single).collect();
@@ -318,7 +320,7 @@ impl<'a> Search<'a> {
                 let known = fitted.iter().find(|(a, _)| a == addition).map(|(_, model)| model);
                 let known = known.filter(|_| !from.additions.is_empty());
                 let count = Count { known, starts, first: turn * o.starts, seed: o.seed };
-                look(&self.data, &places[*number][usize::from(costly(from, *addition))], from, *addition, count)
+                look(&self.data, &places[usize::from(costly(from, *addition))][*number], from, *addition, count)
             })
             .collect();
         let mut field: Vec<Runner<'_, '_>> = Vec::new();
@@ -348,9 +350,9 @@ impl<'a> Search<'a> {
             && pool.len() > 1
             && !self.structured(only)
         {
-            let rest = &places[0][0][0];
-            let scale = self.data.readings() as f64 / rest.rest().len().max(1) as f64;
-            let aim = scale * robust_chi2(&rest.rest(), TAIL);
+            let rest = places[0][0][0].rest();
+            let scale = self.data.readings() as f64 / rest.len().max(1) as f64;
+            let aim = scale * robust_chi2(&rest, TAIL);
             let price = only.fit.parameters.len() as f64 * (self.data.readings() as f64).ln();
             field.retain(|runner| runner.badness(1.0) + MARGIN < aim + price);
         }
