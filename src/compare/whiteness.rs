@@ -90,7 +90,7 @@ pub fn whiteness(points: &[Compared], conditions: usize, fitted: usize, source: 
 
 fn test(curves: &[Vec<f64>], fitted: usize) -> Whiteness {
     let (mut runs, mut expected, mut variance) = (0, 0.0, 0.0);
-    let (mut product, mut square, mut energy) = (0.0, 0.0, 0.0);
+    let (mut product, mut neighbours, mut energy) = (0.0, 0.0, 0.0);
     let (mut smooth, mut rough, mut smooth_n, mut rough_n) = (0.0, 0.0, 0.0, 0.0);
     let (mut noise, mut noise_n) = (0.0, 0.0);
     for curve in curves.iter().filter(|curve| curve.len() > 1) {
@@ -108,9 +108,9 @@ fn test(curves: &[Vec<f64>], fitted: usize) -> Whiteness {
         let pairs = (curve.len() - 1) as f64;
         expected += 1.0 + 0.5 * pairs;
         variance += 0.25 * pairs;
-        for pair in clipped.windows(2) {
+        neighbours += pairs;
+        for pair in clean.windows(2) {
             product += pair[0] * pair[1];
-            square += (pair[0] * pair[1]).powi(2);
             energy += 0.5 * (pair[0].powi(2) + pair[1].powi(2));
         }
         let components = (curve.len() / POINTS_PER_COMPONENT).min(COMPONENTS);
@@ -124,10 +124,13 @@ fn test(curves: &[Vec<f64>], fitted: usize) -> Whiteness {
     }
     let tail = |z: f64| Normal::standard().sf(z);
     let runs_p = if variance > 0.0 { tail((expected - runs as f64) / f64::sqrt(variance)) } else { 1.0 };
-    let autocorrelation_p = if square > 0.0 { tail(product / square.sqrt()) } else { 1.0 };
     let smooth_n: f64 = (smooth_n - fitted as f64).max(1.0);
     let rough_chi2 = if rough_n > 0.0 { rough / rough_n } else { 1.0 };
     let smooth_ratio = smooth / smooth_n / rough_chi2.max(f64::MIN_POSITIVE);
+    let noise_chi2 = if noise_n > 0.0 { noise / noise_n } else { rough_chi2 };
+    // By the noise about anything smooth: a misfit of a few neighbours at a peak is small beside its own square.
+    let by_chance = noise_chi2 * f64::sqrt(neighbours);
+    let autocorrelation_p = if by_chance > 0.0 { tail(product / by_chance) } else { 1.0 };
     let smooth_p = FisherSnedecor::new(smooth_n, rough_n.max(1.0)).map_or(1.0, |f| f.sf(smooth_ratio));
     // Of so many pairs of neighbours the fewest runs, one, have to be impossible by chance.
     let testable = tail(2.0 * variance.sqrt()) < 0.1 * SIGNIFICANCE;
@@ -140,7 +143,7 @@ fn test(curves: &[Vec<f64>], fitted: usize) -> Whiteness {
         autocorrelation_p,
         smooth_ratio,
         smooth_p,
-        rough_chi2: if noise_n > 0.0 { noise / noise_n } else { rough_chi2 },
+        rough_chi2: noise_chi2,
         rough_freedom: rough_n,
         structured,
         testable,

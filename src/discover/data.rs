@@ -69,6 +69,14 @@ impl<'a> Data<'a> {
         chosen.into_iter().map(|index| &self.points[index]).collect()
     }
 
+    /// The residuals of all points that belong to so many of them.
+    pub fn part(&self, residuals: &DVector<f64>, count: usize) -> DVector<f64> {
+        let mut chosen = vec![false; self.points.len()];
+        self.order.iter().take(count).for_each(|&index| chosen[index] = true);
+        let rows = self.points.iter().zip(chosen).flat_map(|(p, chosen)| (0..readings([p])).map(move |_| chosen));
+        DVector::from_vec(residuals.iter().zip(rows).filter(|(_, chosen)| *chosen).map(|(&r, _)| r).collect())
+    }
+
     /// Readings: amplitudes and phases.
     pub fn readings(&self) -> usize {
         readings(self.points)

@@ -84,8 +84,7 @@ pub struct Look {
     pub strongest: Vec<Model>,
 }
 
-/// Looks at `count` starting points of an addition, in turn from the places where its parent may be; the first of the sequence
-/// is number `first`.
+/// Looks at starting points of an addition, in turn from the places where its parent may be.
 pub fn look(data: &Data<'_>, parents: &[Parent<'_>], from: &Hypothesis, addition: Addition, count: Count<'_>) -> Look {
     let mut found = Look { starts: Vec::new(), visibility: 0.0, strongest: Vec::new() };
     for (number, shares) in count.samples(from, addition).into_iter().enumerate() {
@@ -137,10 +136,12 @@ pub fn look(data: &Data<'_>, parents: &[Parent<'_>], from: &Hypothesis, addition
 pub struct Count<'k> {
     /// The model with the addition as it was fitted beside something else.
     pub known: Option<&'k Model>,
-    /// How many.
+    /// How many for each of its parameters.
     pub starts: usize,
-    /// Number of the first in the sequence.
-    pub first: usize,
+    /// Parents that share them.
+    pub shared: usize,
+    /// Which part of the sequence.
+    pub turn: usize,
     /// Seed of the sequence.
     pub seed: u32,
 }
@@ -163,8 +164,7 @@ impl Count<'_> {
         let model = extended(&from.model, &[addition]);
         let own: Vec<Parameter> = addition.keys().iter().filter_map(|key| parameter(&model, key)).collect();
         let signed = own.iter().any(|p| p.signed);
-        // A continuum of sliders costs as much as many others.
-        let count = if model.has_continuum() { (self.starts / 8).max(2) } else { self.starts };
+        let count = (self.starts * own.len() / self.shared).max(2);
         let shares = |number: usize| -> Vec<f64> {
             match own.len() {
                 1 => vec![radical(number + 1)],
@@ -181,7 +181,7 @@ impl Count<'_> {
             Some(Sample::Known(values.clone()))
         });
         let count = if model.has_continuum() && known.is_some() { 0 } else { count };
-        known.into_iter().chain((self.first..self.first + count).map(of)).collect()
+        known.into_iter().chain((self.turn * count..(self.turn + 1) * count).map(of)).collect()
     }
 }
 

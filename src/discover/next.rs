@@ -102,9 +102,11 @@ pub(super) fn would_show(without: &Model, forms: &[Model], table: &Table, bounds
     match form.and_then(|with| shown(&with, &all)) {
         Some((at, sigma)) if sigma > SHOWS => {
             format!(
-                "at most {sigma:.1} standard deviations in one reading, at {}, f = {}",
+                "most at {}, f = {}: {sigma:.*} standard deviations in one reading, before the free parameters take up \
+                 what they can",
                 words(&setting(&at, table, without.has_contact)),
-                units::format(at.frequency, "Hz")
+                units::format(at.frequency, "Hz"),
+                usize::from(sigma < 10.0)
             )
         }
         _ => String::new(),

@@ -13,8 +13,11 @@ pub struct SearchOptions {
     pub max_effects: usize,
     /// Seed of the Sobol sequence of starting points.
     pub seed: u32,
-    /// Starting points of one candidate in a race, over the ranges of its parameters. Cost of the first look in proportion.
+    /// Starting points that are looked at for each parameter of a candidate, over the ranges of all. Cost of the looks in
+    /// proportion.
     pub starts: usize,
+    /// Starting points of one candidate that are fitted at most. Cost of the first round in proportion.
+    pub entrants: usize,
     /// Points of the table on which a race begins, spread over all series; every round takes twice as many.
     pub first_points: usize,
     /// Evaluations of a fit in the first round; every round takes twice as many.
@@ -34,9 +37,10 @@ pub struct SearchOptions {
 
 impl SearchOptions {
     /// What may be set by name, with its meaning.
-    pub const NAMES: [(&str, &str); 8] = [
+    pub const NAMES: [(&str, &str); 9] = [
         ("max_effects", "most additions in one explanation"),
-        ("starts", "starting points of one candidate in a race"),
+        ("starts", "starting points that are looked at for each parameter of a candidate"),
+        ("entrants", "most starting points of one candidate that are fitted"),
         ("first_points", "points of the table in the first round"),
         ("first_evaluations", "evaluations of a fit in the first round"),
         ("kept", "share of the competitors that go on after a round"),
@@ -62,6 +66,7 @@ impl SearchOptions {
             "starts" => self.starts = whole(1)? as usize,
             "first_points" => self.first_points = whole(8)? as usize,
             "first_evaluations" => self.first_evaluations = whole(1)? as usize,
+            "entrants" => self.entrants = whole(1)? as usize,
             "survivors" => self.survivors = whole(1)? as usize,
             "beam" => self.beam = whole(1)? as usize,
             "budget" => self.budget = whole(1)?,
@@ -81,13 +86,14 @@ impl Default for SearchOptions {
         Self {
             max_effects: 3,
             seed: 0,
-            starts: 16,
-            first_points: 64,
+            starts: 12,
+            entrants: 4,
+            first_points: 32,
             first_evaluations: 4,
             kept: 0.25,
             survivors: 6,
             beam: 4,
-            budget: 800_000,
+            budget: 500_000,
             bounds: Bounds::default(),
         }
     }

@@ -22,6 +22,8 @@ pub trait Competitor: Send {
     fn typical(&self) -> f64;
     /// How bad it is, if residuals many times larger than `typical` are outliers; the same units for all after a round.
     fn badness(&self, typical: f64) -> f64;
+    /// Whether what it was worked on decides against it already, seen how far the first of all has come.
+    fn is_beaten(&self, first: &Self) -> bool;
 }
 
 /// The rules of a race.
@@ -59,9 +61,13 @@ impl Race {
                 break;
             }
             self.rank(&mut field);
+            dropped.splice(0..0, halved(&mut field));
+            dropped.splice(0..0, beaten(&mut field));
             let wanted = ((field.len() as f64 * self.kept).ceil() as usize).max(self.survivors).min(field.len());
             dropped.splice(0..0, field.split_off(wanted));
-            round = Round { points: (2 * round.points).min(self.points), evaluations: 2 * round.evaluations };
+            // All points where the round after would leave fewer out than it has.
+            let points = if 4 * round.points > self.points { self.points } else { 2 * round.points };
+            round = Round { points, evaluations: 2 * round.evaluations };
         }
         self.rank(&mut field);
         dropped.splice(0..0, field.split_off(self.survivors.min(field.len())));
@@ -85,6 +91,30 @@ impl Race {
     }
 }
 
+/// Takes out of a ranked field the worse half of those that are of the same.
+fn halved<C: Competitor>(field: &mut Vec<C>) -> Vec<C> {
+    let all: Vec<usize> = field.iter().map(Competitor::of).collect();
+    let mut before: Vec<usize> = Vec::new();
+    let (kept, out) = std::mem::take(field).into_iter().partition(|competitor: &C| {
+        let of = competitor.of();
+        before.push(of);
+        let rank = before.iter().filter(|&&other| other == of).count();
+        2 * rank <= all.iter().filter(|&&other| other == of).count() + 1
+    });
+    *field = kept;
+    out
+}
+
+/// Takes out of a ranked field what needs no more work.
+fn beaten<C: Competitor>(field: &mut Vec<C>) -> Vec<C> {
+    let Some(first) = field.first() else { return Vec::new() };
+    let out: Vec<bool> = field.iter().map(|competitor| competitor.is_beaten(first)).collect();
+    let mut out = out.into_iter();
+    let (out, kept) = std::mem::take(field).into_iter().partition(|_| out.next().unwrap_or(false));
+    *field = kept;
+    out
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -96,6 +126,7 @@ mod tests {
         end: f64,
         start: f64,
         spent: usize,
+        hopeless: bool,
         total: &'a AtomicUsize,
     }
 
@@ -110,6 +141,9 @@ mod tests {
         fn typical(&self) -> f64 {
             1.0
         }
+        fn is_beaten(&self, first: &Self) -> bool {
+            self.hopeless && self.badness(1.0) > first.badness(1.0)
+        }
         fn badness(&self, _: f64) -> f64 {
             self.end + (self.start - self.end) * (-(self.spent as f64) / 8.0).exp()
         }
@@ -118,7 +152,14 @@ mod tests {
     const RULES: Race = Race { first: Round { points: 64, evaluations: 4 }, points: 312, kept: 0.25, survivors: 3 };
 
     fn field(total: &AtomicUsize) -> Vec<Fake<'_>> {
-        let of = |i: usize| Fake { of: i, end: 100.0 + 10.0 * i as f64, start: 5000.0 - i as f64, spent: 0, total };
+        let of = |i: usize| Fake {
+            of: i,
+            end: 100.0 + 10.0 * i as f64,
+            start: 5000.0 - i as f64,
+            spent: 0,
+            hopeless: false,
+            total,
+        };
         (0..200).map(of).collect()
     }
 
@@ -143,9 +184,30 @@ mod tests {
     }
 
     #[test]
+    fn half_of_the_same_and_what_is_beaten_leave_after_a_round() {
+        let total = AtomicUsize::new(0);
+        let mut all: Vec<Fake<'_>> = field(&total).into_iter().take(8).collect();
+        (all[0].of, all[1].of, all[2].of, all[3].of) = (50, 50, 50, 50);
+        all[5].hopeless = true;
+        let rules = Race { survivors: 8, kept: 1.0, ..RULES };
+        let ended = rules.run(all, || true);
+        let of = |group: &[Fake<'_>]| group.iter().map(|c| c.of).collect::<Vec<_>>();
+        assert_eq!(of(&ended.survivors), [50, 4, 6, 7]);
+        assert_eq!(ended.dropped.iter().filter(|c| c.of == 50).count(), 3);
+        assert_eq!(ended.dropped.iter().filter(|c| c.of == 5).count(), 1);
+    }
+
+    #[test]
     fn competitors_that_come_to_the_same_place_are_one() {
         let total = AtomicUsize::new(0);
-        let of = |i: usize| Fake { of: usize::from(i == 3), end: 5.0, start: 6.0 + i as f64, spent: 0, total: &total };
+        let of = |i: usize| Fake {
+            of: usize::from(i == 3),
+            end: 5.0,
+            start: 6.0 + i as f64,
+            spent: 0,
+            hopeless: false,
+            total: &total,
+        };
         let ended = RULES.run((0..8).map(of).collect(), || true);
         assert_eq!(ended.survivors.iter().map(|c| c.of).collect::<Vec<_>>(), [0, 1]);
     }

@@ -16,8 +16,12 @@ use rayon::prelude::*;
 
 /// Evaluations of one continuation of a fit to all points.
 const CONTINUED: usize = 15;
+/// Starting points along each parameter beside what leaves nothing but noise.
+const FEW: usize = 2;
 /// A continuum of sliders is looked at, and raced, on the points divided by this.
-const COSTLY: usize = 4;
+const COSTLY: usize = 2;
+/// A sum of squares as large as of noise, so many standard deviations of its distribution above the mean.
+const NOISE: f64 = 3.0;
 /// Most continuations of a fit that ended for want of evaluations: it goes on while those that are left, each as good as the
 /// last, may bring it level with the best, ...
 const CONTINUATIONS: u32 = 8;
@@ -121,18 +125,53 @@ struct Runner<'s, 'a> {
     values: Vec<f64>,
     residuals: DVector<f64>,
     fit: Option<Fit>,
+    /// What the last round took off its badness.
+    gain: f64,
+    /// It is of use only where it pays: what it adds to leaves nothing but noise.
+    must_pay: bool,
+    /// It is of use only where it comes below this criterion.
+    bar: Option<f64>,
+}
+
+/// Who goes on in a race.
+#[derive(Clone, Copy)]
+enum Field {
+    /// The best of all, from starting points of this part of the sequence.
+    Best(usize),
+    /// Every candidate by itself, unless at its minimum it stays above this criterion.
+    Each(f64),
 }
 
 impl<'s, 'a> Runner<'s, 'a> {
     fn new(search: &'s Search<'a>, (from, of): (&'s Hypothesis, usize), addition: Addition, start: Start) -> Self {
         let Start { model, values, residuals } = start;
         let parameters = search.data.beside(&model, from, addition);
-        Self { search, from, of, addition, model, parameters, values, residuals, fit: None }
+        Self {
+            search,
+            from,
+            of,
+            addition,
+            model,
+            parameters,
+            values,
+            residuals,
+            fit: None,
+            gain: 0.0,
+            must_pay: false,
+            bar: None,
+        }
     }
 
     /// Readings over those that the residuals are of.
     fn scale(&self) -> f64 {
         self.search.data.readings() as f64 / self.residuals.len().max(1) as f64
+    }
+
+    /// The criterion of the hypothesis that it adds to, on the points that it was fitted to.
+    fn aim(&self) -> f64 {
+        let points = self.fit.as_ref().map_or(0, |fit| fit.evaluation.predictions.len());
+        let residuals = self.search.data.part(&self.from.fit.evaluation.residuals, points);
+        self.scale() * robust_chi2(&residuals, TAIL) + self.search.price(self.from.fit.parameters.len())
     }
 
     fn hypothesis(&self, full: bool) -> Hypothesis {
@@ -168,10 +207,12 @@ impl Competitor for Runner<'_, '_> {
         if !self.search.data.affords(&self.model, effort) {
             return;
         }
+        let before = if self.fit.is_some() { self.badness(1.0) } else { f64::INFINITY };
         let fit = self.search.data.fit(&self.model, &self.parameters, &self.values, typical, effort);
         self.values.clone_from(&fit.values);
         self.residuals.clone_from(&fit.evaluation.residuals);
         self.fit = Some(fit);
+        self.gain = (before - self.badness(1.0)).max(0.0);
     }
 
     fn typical(&self) -> f64 {
@@ -179,8 +220,20 @@ impl Competitor for Runner<'_, '_> {
     }
 
     fn badness(&self, typical: f64) -> f64 {
-        let parameters = self.parameters.len() as f64 * (self.search.data.readings() as f64).ln();
-        self.scale() * robust_chi2(&self.residuals, TAIL * typical) + parameters
+        self.scale() * robust_chi2(&self.residuals, TAIL * typical) + self.search.price(self.parameters.len())
+    }
+
+    fn is_beaten(&self, first: &Self) -> bool {
+        let Some(fit) = &self.fit else { return false };
+        if self.must_pay && self.badness(1.0) + MARGIN >= self.aim() {
+            return true;
+        }
+        // What it was fitted to is enough to tell, were it to gain in the next round, with twice the evaluations, twice as much.
+        let gain = if fit.is_exhausted() { 2.0 * self.gain } else { 0.0 };
+        let above = |bar: f64| self.badness(1.0) - gain - bar > MARGIN * self.scale();
+        let count = first.residuals.len() as f64;
+        let noise = robust_chi2(&first.residuals, TAIL) < count + NOISE * (2.0 * count).sqrt();
+        (noise && above(first.badness(1.0))) || self.bar.is_some_and(above)
     }
 }
 
@@ -207,11 +260,7 @@ impl<'a> Search<'a> {
             bic: f64::INFINITY,
         };
         let mut known = Known::default();
-        let mut chosen = self.forward(&start, &mut known);
-        if self.structured(&chosen) {
-            let other = self.one_by_one(&start, &mut known);
-            chosen = self.better(chosen, other);
-        }
+        let chosen = self.forward(&start, &mut known);
         let (mut chosen, mut ties) = self.exchange(chosen, &mut known);
         let explanation = loop {
             let comparison = self.comparison(&chosen, !self.structured(&chosen), self.noise(&chosen));
@@ -241,7 +290,12 @@ impl<'a> Search<'a> {
             if beam.is_empty() || !self.goes_on() {
                 break;
             }
-            let mut full = self.race(&beam.iter().collect::<Vec<_>>(), &self.pool, 0, known);
+            let mut full = self.race(&beam.iter().collect::<Vec<_>>(), &self.pool, Field::Best(0), known);
+            // What leaves structure is held against everything that a user might add by hand, fitted as it would be then.
+            let best = self.pick(&full, true).unwrap_or_else(|| chosen.clone());
+            if self.structured(&best) && self.goes_on() {
+                full.extend(self.race(&[&chosen], &self.pool, Field::Each(self.bic(&best, 1.0)), known));
+            }
             let Some(best) = self.pick(&full, chosen.additions.is_empty()) else { break };
             let noise = self.noise(&best);
             if self.score(&chosen, noise) - self.score(&best, noise) <= MARGIN {
@@ -268,32 +322,13 @@ impl<'a> Search<'a> {
         chosen
     }
 
-    /// Adds to a hypothesis as a user would by hand, one after the other: every candidate by itself, as [`super::fit_addition`]
-    /// fits it, and the best is kept.
-    fn one_by_one(&self, start: &Hypothesis, known: &mut Known) -> Hypothesis {
-        let mut chosen = start.clone();
-        while chosen.additions.len() < self.options.max_effects && self.structured(&chosen) {
-            let mut all = Vec::new();
-            for &addition in &self.pool {
-                if !self.goes_on() {
-                    break;
-                }
-                all.extend(self.add(&chosen, addition, known));
-            }
-            let Some(best) = self.pick(&all, chosen.additions.is_empty()) else { break };
-            let noise = self.noise(&best);
-            if self.score(&chosen, noise) - self.score(&best, noise) <= MARGIN {
-                break;
-            }
-            chosen = best;
-        }
-        self.eliminate(chosen)
-    }
-
-    /// The race of all candidates beside all parents; the hypotheses that came to its end, fitted to all points. Starting points
-    /// are those of the `turn`-th part of the sequence.
-    fn race(&self, parents: &[&Hypothesis], pool: &[Addition], turn: usize, known: &mut Known) -> Vec<Hypothesis> {
+    /// The race of all candidates beside all parents; the hypotheses that came to its end, fitted to all points.
+    fn race(&self, parents: &[&Hypothesis], pool: &[Addition], entered: Field, known: &mut Known) -> Vec<Hypothesis> {
         let o = self.options;
+        let (turn, kept, survivors, bar) = match entered {
+            Field::Best(turn) => (turn, o.kept, o.survivors, None),
+            Field::Each(bar) => (0, 1.0, pool.len() * o.entrants, Some(bar)),
+        };
         let points = o.first_points.min(self.data.points.len());
         let work: Vec<(usize, Addition)> = parents
             .iter()
@@ -310,8 +345,6 @@ impl<'a> Search<'a> {
             parents.par_iter().map(|from| self.places(from, points)).collect()
         };
         let places = [places_on(points), few.map_or_else(Vec::new, places_on)];
-        // As many starting points for one parent as for several together.
-        let starts = (o.starts / parents.len()).max(2);
         let fitted: Vec<(Addition, Model)> = known.entries.iter().filter_map(Entry::single).collect();
         let looks: Vec<Look> = work
             .par_iter()
@@ -319,7 +352,9 @@ impl<'a> Search<'a> {
                 let from = parents[*number];
                 let known = fitted.iter().find(|(a, _)| a == addition).map(|(_, model)| model);
                 let known = known.filter(|_| !from.additions.is_empty());
-                let count = Count { known, starts, first: turn * o.starts, seed: o.seed };
+                // Whether a weak trace of it is there any starting point tells; which basin, only many.
+                let starts = if self.structured(from) { o.starts } else { FEW };
+                let count = Count { known, starts, shared: parents.len(), turn, seed: o.seed };
                 look(&self.data, &places[usize::from(costly(from, *addition))][*number], from, *addition, count)
             })
             .collect();
@@ -333,7 +368,7 @@ impl<'a> Search<'a> {
             // of what candidates are worth.
             let typical = runners.iter().map(Competitor::typical).fold(f64::INFINITY, f64::min);
             runners.sort_by(|a, b| a.badness(typical).total_cmp(&b.badness(typical)));
-            runners.truncate((runners.len() as f64 * o.kept).ceil() as usize);
+            runners.truncate(((runners.len() as f64 * kept).ceil() as usize).min(o.entrants));
             let Some(first) = runners.first() else { continue };
             entries.push(Entry { hypothesis: first.hypothesis(false), visibility, strongest });
             field.extend(runners);
@@ -347,21 +382,23 @@ impl<'a> Search<'a> {
         });
         // Beside what leaves nothing but noise only what would be decided for is worth a fit, unless it is asked for.
         if let [only] = parents
-            && pool.len() > 1
+            && bar.is_none()
             && !self.structured(only)
         {
             let rest = places[0][0][0].rest();
             let scale = self.data.readings() as f64 / rest.len().max(1) as f64;
             let aim = scale * robust_chi2(&rest, TAIL);
-            let price = only.fit.parameters.len() as f64 * (self.data.readings() as f64).ln();
+            let price = self.price(only.fit.parameters.len());
             field.retain(|runner| runner.badness(1.0) + MARGIN < aim + price);
+            field.iter_mut().for_each(|runner| runner.must_pay = true);
         }
         let race = Race {
             first: Round { points, evaluations: o.first_evaluations },
             points: self.data.points.len(),
-            kept: o.kept,
-            survivors: o.survivors,
+            kept,
+            survivors,
         };
+        field.iter_mut().for_each(|runner| runner.bar = bar);
         let ended = race.run(field, || self.goes_on());
         for runner in ended.dropped.iter().chain(&ended.survivors) {
             self.told(&mut entries, runner.of, runner.hypothesis(false));
@@ -375,12 +412,15 @@ impl<'a> Search<'a> {
         fitted.par_iter_mut().filter(|(_, h)| !h.is_full(all)).for_each(|(_, h)| {
             *h = self.data.fitted(h.clone(), CONTINUED);
         });
-        self.settle_all(fitted.iter_mut().map(|(_, h)| h).collect());
+        let best = fitted.iter().map(|(_, h)| h).min_by(|a, b| self.square(a, 1.0).total_cmp(&self.square(b, 1.0)));
+        if let Some(best) = best.cloned() {
+            self.settle_all(fitted.iter_mut().map(|(_, h)| h).collect(), &best);
+        }
         for (of, hypothesis) in &fitted {
             self.told(&mut entries, *of, hypothesis.clone());
         }
         entries.iter().for_each(|entry| known.keep(entry));
-        if pool.len() > 1 {
+        if bar.is_none() {
             known.parents.extend(parents.iter().map(|from| from.additions.clone()));
         }
         fitted.into_iter().map(|(_, hypothesis)| hypothesis).collect()
@@ -396,7 +436,7 @@ impl<'a> Search<'a> {
 
     /// The best fit of one addition to a hypothesis.
     pub(super) fn add(&self, from: &Hypothesis, addition: Addition, known: &mut Known) -> Option<Hypothesis> {
-        let found = self.race(&[from], &[addition], 0, known);
+        let found = self.race(&[from], &[addition], Field::Each(f64::INFINITY), known);
         found.into_iter().min_by(|a, b| self.square(a, 1.0).total_cmp(&self.square(b, 1.0)))
     }
 
@@ -419,33 +459,24 @@ impl<'a> Search<'a> {
     }
 
     /// Follows fits that ended for want of evaluations, in a curved valley say, to their minimum, while they may come level with
-    /// the best of them.
-    fn settle_all(&self, mut all: Vec<&mut Hypothesis>) {
-        let noise = all
-            .iter()
-            .min_by(|a, b| self.square(a, 1.0).total_cmp(&self.square(b, 1.0)))
-            .map_or(1.0, |best| self.noise(best));
-        let best = all.iter().map(|h| self.bic(h, noise)).fold(f64::INFINITY, f64::min);
+    /// the best.
+    fn settle_all(&self, mut all: Vec<&mut Hypothesis>, best: &Hypothesis) {
+        let noise = self.noise(best);
+        let best = self.bic(best, noise);
         all.par_iter_mut().for_each(|h| {
             let effort = Effort { points: self.data.points.len(), evaluations: CONTINUED };
-            for left in (0..CONTINUATIONS).rev() {
+            for _ in 0..CONTINUATIONS {
                 if !h.fit.is_exhausted() || !self.data.affords(&h.model, effort) {
                     break;
                 }
                 let before = self.bic(h, noise);
                 **h = self.data.fitted((*h).clone(), CONTINUED);
                 let gain = before - self.bic(h, noise);
-                if gain < GAIN || before - f64::from(left) * gain > best + MARGIN {
+                if gain < GAIN || before - 2.0 * gain > best + MARGIN {
                     break;
                 }
             }
         });
-    }
-
-    /// The better of two, the first where the data do not decide.
-    fn better(&self, one: Hypothesis, other: Hypothesis) -> Hypothesis {
-        let noise = self.noise(&other);
-        if self.score(&other, noise) < self.score(&one, noise) { other } else { one }
     }
 
     /// Whether a hypothesis leaves more than noise.
@@ -473,7 +504,7 @@ impl<'a> Search<'a> {
             let mut additions = chosen.additions.clone();
             additions.remove(index);
             let mut fewer = self.refit(&chosen, additions);
-            self.settle_all(vec![&mut fewer]);
+            self.settle_all(vec![&mut fewer], &chosen);
             let noise = self.noise(&chosen);
             if self.score(&fewer, noise) < self.score(&chosen, noise) + MARGIN {
                 chosen = fewer;
@@ -526,7 +557,7 @@ impl<'a> Search<'a> {
             additions.remove(index);
             if !known.raced(&additions) {
                 let rest = self.refit(&chosen, additions.clone());
-                self.race(&[&rest], &self.pool, 1, known);
+                self.race(&[&rest], &self.pool, Field::Best(1), known);
             }
             let mut rivals = known.beside(&additions);
             let noise = self.noise(&chosen);
@@ -572,9 +603,14 @@ impl<'a> Search<'a> {
         self.data.readings()
     }
 
+    /// What Schwarz's criterion charges for parameters.
+    fn price(&self, parameters: usize) -> f64 {
+        parameters as f64 * (self.readings() as f64).ln()
+    }
+
     /// Schwarz's criterion with residuals in units of `noise` times their stated standard deviations.
     pub(super) fn bic(&self, hypothesis: &Hypothesis, noise: f64) -> f64 {
-        self.square(hypothesis, noise) + hypothesis.fit.parameters.len() as f64 * (self.readings() as f64).ln()
+        self.square(hypothesis, noise) + self.price(hypothesis.fit.parameters.len())
     }
 
     /// Sum of squares of the residuals in units of `noise`, large ones counted less.

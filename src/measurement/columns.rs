@@ -194,6 +194,10 @@ fn missing(
         };
         help += &format!("; one value for all rows may stand in [sweep]: {}", join(fixed.iter().map(one).collect()));
     }
+    if frame.is_free() && lacking.contains(&DRIVE) {
+        help +=
+            "; of a drive that was held and not measured, its setting will do: drive_v, the same number in every row";
+    }
     let names = join(lacking.iter().map(|column| COLUMNS[*column].to_string()).collect());
     let title = format!("the table has no column for {names}");
     complaints.add(&sheet.row_place(&sheet.header), &title, &label, &help);
