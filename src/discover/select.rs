@@ -127,10 +127,18 @@ struct Runner<'s, 'a> {
     fit: Option<Fit>,
     /// What the last round took off its badness.
     gain: f64,
-    /// It is of use only where it pays: what it adds to leaves nothing but noise.
-    must_pay: bool,
-    /// It is of use only where it comes below this criterion.
-    bar: Option<f64>,
+    /// Above what it is of no use.
+    bar: Bar,
+}
+
+/// Criterion above which a fit is of no use.
+#[derive(Clone, Copy)]
+enum Bar {
+    None,
+    /// That of the hypothesis that it adds to, which leaves nothing but noise, less the margin.
+    Parent,
+    /// This one.
+    At(f64),
 }
 
 /// Who goes on in a race.
@@ -146,20 +154,7 @@ impl<'s, 'a> Runner<'s, 'a> {
     fn new(search: &'s Search<'a>, (from, of): (&'s Hypothesis, usize), addition: Addition, start: Start) -> Self {
         let Start { model, values, residuals } = start;
         let parameters = search.data.beside(&model, from, addition);
-        Self {
-            search,
-            from,
-            of,
-            addition,
-            model,
-            parameters,
-            values,
-            residuals,
-            fit: None,
-            gain: 0.0,
-            must_pay: false,
-            bar: None,
-        }
+        Self { search, from, of, addition, model, parameters, values, residuals, fit: None, gain: 0.0, bar: Bar::None }
     }
 
     /// Readings over those that the residuals are of.
@@ -225,15 +220,17 @@ impl Competitor for Runner<'_, '_> {
 
     fn is_beaten(&self, first: &Self) -> bool {
         let Some(fit) = &self.fit else { return false };
-        if self.must_pay && self.badness(1.0) + MARGIN >= self.aim() {
-            return true;
-        }
         // What it was fitted to is enough to tell, were it to gain in the next round, with twice the evaluations, twice as much.
         let gain = if fit.is_exhausted() { 2.0 * self.gain } else { 0.0 };
         let above = |bar: f64| self.badness(1.0) - gain - bar > MARGIN * self.scale();
         let count = first.residuals.len() as f64;
         let noise = robust_chi2(&first.residuals, TAIL) < count + NOISE * (2.0 * count).sqrt();
-        (noise && above(first.badness(1.0))) || self.bar.is_some_and(above)
+        let barred = match self.bar {
+            Bar::None => false,
+            Bar::Parent => self.badness(1.0) + MARGIN >= self.aim(),
+            Bar::At(bar) => above(bar),
+        };
+        barred || (noise && above(first.badness(1.0)))
     }
 }
 
@@ -325,9 +322,9 @@ impl<'a> Search<'a> {
     /// The race of all candidates beside all parents; the hypotheses that came to its end, fitted to all points.
     fn race(&self, parents: &[&Hypothesis], pool: &[Addition], entered: Field, known: &mut Known) -> Vec<Hypothesis> {
         let o = self.options;
-        let (turn, kept, survivors, bar) = match entered {
-            Field::Best(turn) => (turn, o.kept, o.survivors, None),
-            Field::Each(bar) => (0, 1.0, pool.len() * o.entrants, Some(bar)),
+        let (turn, kept, survivors, mut bar) = match entered {
+            Field::Best(turn) => (turn, o.kept, o.survivors, Bar::None),
+            Field::Each(bar) => (0, 1.0, pool.len() * o.entrants, Bar::At(bar)),
         };
         let points = o.first_points.min(self.data.points.len());
         let work: Vec<(usize, Addition)> = parents
@@ -382,7 +379,7 @@ impl<'a> Search<'a> {
         });
         // Beside what leaves nothing but noise only what would be decided for is worth a fit, unless it is asked for.
         if let [only] = parents
-            && bar.is_none()
+            && matches!(bar, Bar::None)
             && !self.structured(only)
         {
             let rest = places[0][0][0].rest();
@@ -390,7 +387,7 @@ impl<'a> Search<'a> {
             let aim = scale * robust_chi2(&rest, TAIL);
             let price = self.price(only.fit.parameters.len());
             field.retain(|runner| runner.badness(1.0) + MARGIN < aim + price);
-            field.iter_mut().for_each(|runner| runner.must_pay = true);
+            bar = Bar::Parent;
         }
         let race = Race {
             first: Round { points, evaluations: o.first_evaluations },
@@ -420,7 +417,7 @@ impl<'a> Search<'a> {
             self.told(&mut entries, *of, hypothesis.clone());
         }
         entries.iter().for_each(|entry| known.keep(entry));
-        if bar.is_none() {
+        if matches!(entered, Field::Best(_)) {
             known.parents.extend(parents.iter().map(|from| from.additions.clone()));
         }
         fitted.into_iter().map(|(_, hypothesis)| hypothesis).collect()
