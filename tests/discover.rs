@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use stickslip::compare::{calibrate, problem};
 use stickslip::discover::{Discovery, SearchOptions, Verdict, discover, fit_addition};
 use stickslip::fit::{TAIL, robust_chi2};
-use stickslip::measurement::Point;
+use stickslip::measurement::{Noise, Point};
 use stickslip::solver::cycle::Tolerance;
 use stickslip::{measurement, scenario};
 
@@ -163,6 +163,31 @@ fn a_tenth_of_gross_outliers_changes_no_verdict_and_widens_intervals_little() {
         for (with, without) in end.comparison.intervals.iter().zip(&before.comparison.intervals) {
             let widths = (with.high - with.low) / (without.high - without.low);
             assert!((0.85..1.2).contains(&widths), "{number}: {with:?} {without:?}");
+        }
+    }
+}
+
+/// Deviations of amplitudes and phases stated too small or too large, each by its own factor.
+#[test]
+fn misstated_deviations_are_noticed_column_by_column_and_change_no_verdict() {
+    for (number, stated) in [(3, (1.0, 1.0 / 3.0)), (3, (3.0, 1.0)), (4, (0.4, 2.5)), (4, (1.0, 1.0))] {
+        let (scenario, table) = practice(number);
+        let clean = discover(&scenario, &table, &SearchOptions::default());
+        let d = discover(
+            &scenario,
+            &table.rescaled(Noise { amplitude: stated.0, phase: stated.1 }),
+            &SearchOptions::default(),
+        );
+        assert_eq!(d.verdict, clean.verdict, "{number} {stated:?}");
+        assert_eq!(d.explanation().hypothesis.additions, clean.explanation().hypothesis.additions);
+        for (found, stated) in [(d.noise.amplitude, stated.0), (d.noise.phase, stated.1)] {
+            assert!(if stated == 1.0 { found == 1.0 } else { (found * stated - 1.0).abs() < 0.15 }, "{:?}", d.noise);
+        }
+        assert_eq!(d.notes.iter().any(|note| note.contains("times as much as stated")), stated != (1.0, 1.0));
+        let intervals = |d: &stickslip::discover::Discovery| d.explanation().comparison.intervals.clone();
+        for (found, wanted) in intervals(&d).iter().zip(intervals(&clean)) {
+            let widths = (found.high - found.low) / (wanted.high - wanted.low);
+            assert!((0.75..1.35).contains(&widths), "{number} {stated:?}: {found:?} {wanted:?}");
         }
     }
 }

@@ -20,7 +20,7 @@ pub use fingerprint::{ContactPoint, fingerprint};
 pub use json::{ComparisonJson, ForceJson, ParameterJson, SCHEMA, SettingJson, json, of_contact, units_of_force};
 pub use metrics::{ConditionMetrics, Metrics, Peak, peak};
 pub use regions::{Region, regions, words};
-pub use whiteness::{Whiteness, whiteness};
+pub use whiteness::{Whiteness, scatter, whiteness};
 
 use crate::fit::{
     Correlation, Fit, Interval, Prediction, Problem, approximate_intervals, correlations, profiled, read,

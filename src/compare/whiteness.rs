@@ -1,7 +1,7 @@
 //! Whether residuals look like noise: runs of signs, autocorrelation along the frequency, smooth components.
 
 use super::Compared;
-use crate::measurement::NoiseSource;
+use crate::measurement::{Noise, NoiseSource, Table};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, Normal};
 
 /// Smooth components (polynomials of the point's number) that a curve is searched for, at most.
@@ -64,6 +64,25 @@ impl Whiteness {
         let (factor, contradicted) = self.scatter();
         if contradicted { factor } else { 1.0 }
     }
+}
+
+/// Scatter of amplitudes and phases about anything smooth, over their stated standard deviations, each by itself and one where it
+/// does not contradict these; `None` where neither does. More than stated only where nothing but noise is left: a misfit may be
+/// rough too.
+pub fn scatter(points: &[Compared], table: &Table, fitted: usize) -> Option<Noise> {
+    let structured = whiteness(points, table.series.len(), fitted, table.amplitude_noise).structured;
+    let of = |kind: fn(&Compared) -> Option<f64>, source: NoiseSource| {
+        let curve = |number| points.iter().filter(|p| p.condition == number).filter_map(kind).collect();
+        let curves: Vec<Vec<f64>> = (0..table.series.len()).map(curve).collect();
+        let (factor, contradicted) = test(&curves, 0).scatter();
+        let told = contradicted && source != NoiseSource::Estimated && (factor < 1.0 || !structured);
+        if told { factor } else { 1.0 }
+    };
+    let noise = Noise {
+        amplitude: of(|p| Some(p.amplitude_residual), table.amplitude_noise),
+        phase: table.phase_noise.map_or(1.0, |source| of(|p| p.phase_residual, source)),
+    };
+    (noise != Noise::STATED).then_some(noise)
 }
 
 /// Mean square of the residuals beyond which they are more than a noise that was estimated from the scatter of the readings

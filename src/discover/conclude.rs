@@ -1,10 +1,11 @@
 //! What the rounds of a search say together: verdict, ladder, ranking, rivals, and what remains open.
 
 use super::hypothesis::{Addition, Basis, Estimate, Hypothesis, count, extended};
-use super::select::{Entry, Known, Search};
-use super::{Candidate, Discovery, Evidence, MARGIN, Noise, NotTestable, Step, Verdict, held_out, next, verdict};
+use super::select::{Entry, Known, Search, square};
+use super::{Candidate, Discovery, Evidence, MARGIN, NotTestable, Step, Verdict, held_out, next, verdict};
 use crate::compare::{self, Calibration, Comparison};
 use crate::fit::{Interval, TAIL, approximate_intervals};
+use crate::measurement::Noise;
 use rayon::prelude::*;
 
 /// A sum of squares that is larger by this than that of a smaller hypothesis shows a fit that did not come to its end.
@@ -20,9 +21,8 @@ impl Search<'_> {
         explanation: Comparison,
         known: &Known,
         ties: &[Vec<Hypothesis>],
+        noise: Noise,
     ) -> Discovery {
-        let (factor, contradicted) = self.scatter(chosen);
-        let noise = if contradicted { factor } else { 1.0 };
         // The ladder, one addition after the other.
         let rung = |length: usize| match length {
             0 => start.clone(),
@@ -36,13 +36,13 @@ impl Search<'_> {
             hypothesis,
         };
         let compared = |(index, hypothesis): (usize, Hypothesis)| {
-            let comparison = self.comparison(&hypothesis, false, noise);
+            let comparison = self.comparison(&hypothesis, false);
             step(index, hypothesis, comparison)
         };
         let mut steps: Vec<Step> = ladder.into_par_iter().enumerate().map(compared).collect();
         steps.push(step(steps.len(), chosen.clone(), explanation));
         let last = steps.len() - 1;
-        let candidates = self.rank(&steps, known, ties, noise);
+        let candidates = self.rank(&steps, known, ties);
         let end = &steps[last];
         let white = &end.comparison.whiteness;
         let verdict = verdict(&Evidence {
@@ -60,7 +60,7 @@ impl Search<'_> {
         }
         let outliers = end.comparison.outliers.clone();
         let not_testable = self.not_testable(&candidates, known);
-        let next_measurement = self.next(&end.hypothesis, &rivals, &candidates, noise);
+        let next_measurement = self.next(&end.hypothesis, &rivals, &candidates);
         let correlations = end.comparison.correlations.clone();
         let mut notes = Vec::new();
         let spent = !self.goes_on();
@@ -70,9 +70,9 @@ impl Search<'_> {
                 self.options.budget
             ));
         }
-        if contradicted {
+        if let Some(words) = noise.words() {
             notes.push(format!(
-                "the readings scatter {factor:.2} times as much as their stated standard deviations; all tests and intervals use the scatter"
+                "{words}; the search began again with standard deviations so many times as large, and its chi2 is in these"
             ));
         }
         if verdict == Verdict::EffectMissing {
@@ -114,7 +114,7 @@ impl Search<'_> {
             not_testable,
             outliers,
             next_measurement,
-            noise: Noise { factor, contradicted },
+            noise,
             correlations,
             solved: self.data.solved(),
             spent,
@@ -123,14 +123,14 @@ impl Search<'_> {
         }
     }
 
-    pub(super) fn comparison(&self, hypothesis: &Hypothesis, profile: bool, noise: f64) -> Comparison {
+    pub(super) fn comparison(&self, hypothesis: &Hypothesis, profile: bool) -> Comparison {
         let (base, fit) = (hypothesis.model.clone(), hypothesis.fit.clone());
-        let calibration = Calibration { base, fit, threshold: TAIL * noise };
+        let calibration = Calibration { base, fit, threshold: TAIL };
         compare::judge(self.scenario, self.table, &calibration, profile)
     }
 
     /// All hypotheses of the first round and those about the explanation, the best first.
-    fn rank(&self, steps: &[Step], known: &Known, ties: &[Vec<Hypothesis>], noise: f64) -> Vec<Candidate> {
+    fn rank(&self, steps: &[Step], known: &Known, ties: &[Vec<Hypothesis>]) -> Vec<Candidate> {
         let mut all: Vec<(Hypothesis, bool)> = Vec::new();
         let mut add = |hypothesis: &Hypothesis, testable: bool| {
             if !all.iter().any(|(known, _)| known.same_additions(hypothesis)) {
@@ -154,12 +154,12 @@ impl Search<'_> {
             let (smaller, rest) = all.split_at_mut(index);
             let hypothesis = &mut rest[0].0;
             let contained = |h: &Hypothesis| h.basis() == Basis::AllPoints && h.nested_in(hypothesis);
-            let least = smaller.iter().filter(|(h, _)| contained(h)).map(|(h, _)| self.square(h, noise));
+            let least = smaller.iter().filter(|(h, _)| contained(h)).map(|(h, _)| square(h));
             let least = least.fold(f64::INFINITY, f64::min);
-            if least + WORSE < self.square(hypothesis, noise) {
-                hypothesis.estimate = Some(Estimate { square: least * noise * noise, basis: Basis::Contained });
+            if least + WORSE < square(hypothesis) {
+                hypothesis.estimate = Some(Estimate { square: least, basis: Basis::Contained });
             }
-            hypothesis.bic = self.bic(hypothesis, noise);
+            hypothesis.bic = self.bic(hypothesis);
         }
         // What was not fitted to all points is estimated, and never better than what was.
         let full = |h: &Hypothesis| h.basis() == Basis::AllPoints;
@@ -173,14 +173,14 @@ impl Search<'_> {
         let total: f64 = all.iter().map(|(h, _)| (-0.5 * (h.bic - best)).exp()).sum();
         // Estimates are of the sum in which large residuals count less: told as those of the base compare.
         let base = &steps[0].hypothesis;
-        let hardened = base.fit.evaluation.chi2() / self.square(base, 1.0).max(f64::MIN_POSITIVE);
+        let hardened = base.fit.evaluation.chi2() / square(base).max(f64::MIN_POSITIVE);
         all.into_iter()
             .enumerate()
             .map(|(rank, (hypothesis, testable))| {
                 let step = steps.iter().find(|s| s.hypothesis.additions == hypothesis.additions);
                 let intervals: Vec<Interval> = match step {
                     Some(step) => step.comparison.intervals.clone(),
-                    None => approximate_intervals(&hypothesis.fit, noise),
+                    None => approximate_intervals(&hypothesis.fit, 1.0),
                 };
                 let own = hypothesis.fit.evaluation.chi2();
                 let chi2 = match (hypothesis.basis(), hypothesis.estimate) {
@@ -239,7 +239,6 @@ impl Search<'_> {
         chosen: &Hypothesis,
         rivals: &[Hypothesis],
         candidates: &[Candidate],
-        noise: f64,
     ) -> Option<next::NextMeasurement> {
         let mut survivors: Vec<&Hypothesis> = rivals.iter().collect();
         let mut behind = None;
@@ -247,17 +246,17 @@ impl Search<'_> {
             // The explanation and its closest rival with as many additions; calibration alone has one only where the data
             // favour it, if too little to decide.
             let rival = candidates.iter().map(|c| &c.hypothesis).find(|h| {
-                if chosen.additions.is_empty() && h.bic >= self.bic(chosen, noise) {
+                if chosen.additions.is_empty() && h.bic >= self.bic(chosen) {
                     return false;
                 }
                 h.additions != chosen.additions
                     && h.additions.len() == chosen.additions.len().max(1)
                     && h.estimate.is_none()
             })?;
-            behind = Some(self.bic(rival, noise) - self.bic(chosen, noise)).filter(|behind| *behind > MARGIN);
+            behind = Some(self.bic(rival) - self.bic(chosen)).filter(|behind| *behind > MARGIN);
             survivors = vec![chosen, rival];
         }
-        let next = next::next(&survivors, self.table, &self.options.bounds, noise)?;
+        let next = next::next(&survivors, self.table, &self.options.bounds)?;
         Some(next::NextMeasurement { ruled_out_by: behind, ..next })
     }
 }

@@ -3,6 +3,7 @@
 use super::{Basis, Candidate, Discovery, NextMeasurement, NotTestable, Step};
 use crate::compare::{ContactPoint, ForceJson, Outlier, ParameterJson, Region, SettingJson, of_contact};
 use crate::fit::Correlation;
+use crate::measurement::Noise;
 use crate::scenario::Signals;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -31,6 +32,7 @@ pub struct DiscoveryJson {
     next_measurement: Option<NextJson>,
     noise_factor: f64,
     noise_contradicted: bool,
+    noise_factors: Noise,
     correlations: Vec<Correlation>,
     regions: Vec<Region>,
     /// The contact's fingerprint, where something is left unexplained.
@@ -88,6 +90,8 @@ pub fn json(discovery: &Discovery) -> DiscoveryJson {
     let d = discovery;
     let end = d.explanation();
     let scenario = &end.comparison.scenario;
+    let points_of = &end.comparison.table.points;
+    let phases = points_of.iter().filter(|point| point.phase.is_some()).count();
     let unexplained = d.verdict == super::Verdict::Unexplained;
     let (model, points) = (&end.comparison.model, if unexplained { &end.comparison.contact[..] } else { &[] });
     DiscoveryJson {
@@ -107,8 +111,9 @@ pub fn json(discovery: &Discovery) -> DiscoveryJson {
         not_testable_details: d.not_testable.clone(),
         outliers: d.outliers.clone(),
         next_measurement: d.next_measurement.as_ref().map(|next| next_json(next, &end.comparison.table.signals)),
-        noise_factor: d.noise.factor,
-        noise_contradicted: d.noise.contradicted,
+        noise_factor: end.comparison.whiteness.scatter().0 * d.noise.together(points_of.len(), phases),
+        noise_contradicted: d.noise != Noise::STATED,
+        noise_factors: d.noise,
         correlations: d.correlations.clone(),
         regions: end.comparison.regions.clone(),
         contact: of_contact(model, points),

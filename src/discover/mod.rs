@@ -29,6 +29,7 @@ pub use words::{identified, open_ends, sentence};
 
 use crate::compare::{Comparison, Outlier};
 use crate::fit::{Correlation, Interval};
+use crate::measurement::Noise;
 
 /// What the data say.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -110,15 +111,6 @@ pub struct NotTestable {
     pub would_show: String,
 }
 
-/// What is known of the noise.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Noise {
-    /// Scatter of the residuals about anything smooth, over the stated standard deviations.
-    pub factor: f64,
-    /// Whether the stated level is contradicted by that.
-    pub contradicted: bool,
-}
-
 /// Everything that a discovery found.
 #[derive(Debug, Clone)]
 pub struct Discovery {
@@ -136,7 +128,7 @@ pub struct Discovery {
     pub outliers: Vec<Outlier>,
     /// Where the survivors differ most.
     pub next_measurement: Option<NextMeasurement>,
-    /// The noise.
+    /// Standard deviations of the search over those of the table.
     pub noise: Noise,
     /// Estimates that are tied together in the explanation.
     pub correlations: Vec<Correlation>,

@@ -75,14 +75,14 @@ struct Typical {
 
 /// The point within the bounds at which two of the survivors, those that are hardest to tell apart there included, differ
 /// most: the largest distance of the best two.
-pub(super) fn next(survivors: &[&Hypothesis], table: &Table, bounds: &Bounds, noise: f64) -> Option<NextMeasurement> {
+pub(super) fn next(survivors: &[&Hypothesis], table: &Table, bounds: &Bounds) -> Option<NextMeasurement> {
     let [one, other, ..] = survivors else { return None };
     let (at, sigma) = within(&one.fitted(), &other.fitted(), table, bounds)?;
     Some(NextMeasurement {
         setting: setting(&at, table, one.model.has_contact),
         frequency_hz: at.frequency,
         separates: [one.label(), other.label()],
-        sigma: sigma / noise,
+        sigma,
         ruled_out_by: None,
     })
 }

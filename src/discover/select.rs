@@ -5,9 +5,9 @@ use super::hypothesis::{Addition, Basis, Estimate, Hypothesis, additions, compat
 use super::look::{Count, Look, Parent, Start, look};
 use super::race::{Competitor, Race, Round};
 use super::{Discovery, MARGIN, SearchOptions};
-use crate::compare::{self, Calibration, Whiteness};
+use crate::compare::{self, Whiteness};
 use crate::fit::{Fit, Parameter, TAIL, robust_chi2};
-use crate::measurement::Table;
+use crate::measurement::{Noise, Table};
 use crate::model::Model;
 use crate::scenario::Scenario;
 use crate::solver::cycle::Tolerance;
@@ -30,11 +30,31 @@ const GAIN: f64 = 0.1;
 
 /// Finds what is missing in the model of a scenario, given its measurements.
 pub fn discover(scenario: &Scenario, table: &Table, options: &SearchOptions) -> Discovery {
-    let scenario = &table.applied_to(scenario);
+    searched(&table.applied_to(scenario), table, options, Noise::STATED)
+}
+
+/// Where the readings scatter more or less than their standard deviations say, these are scaled and the search begins again.
+fn searched(scenario: &Scenario, table: &Table, options: &SearchOptions, noise: Noise) -> Discovery {
     let model = Model::new(scenario);
     let calibration = compare::calibrate(&model, &scenario.free, &table.points, Tolerance::default(), options.seed);
     let search = Search::new(scenario, table, options, &scenario.free, calibration.base.clone());
-    search.run(calibration)
+    let start = Hypothesis {
+        additions: Vec::new(),
+        model: calibration.base,
+        fit: calibration.fit,
+        estimate: None,
+        bic: f64::INFINITY,
+    };
+    let mut known = Known::default();
+    let chosen = search.forward(&start, &mut known);
+    if noise == Noise::STATED
+        && let Some(noise) = search.scatter(&chosen)
+    {
+        let left = options.budget.saturating_sub(search.data.solved());
+        let options = SearchOptions { budget: left.max(1), ..options.clone() };
+        return searched(scenario, &table.rescaled(noise), &options, noise);
+    }
+    search.run(&start, chosen, known, noise)
 }
 
 /// A search and what it has found so far.
@@ -248,19 +268,11 @@ impl<'a> Search<'a> {
         Self { scenario, table, options, data, pool }
     }
 
-    fn run(&self, calibration: Calibration) -> Discovery {
-        let start = Hypothesis {
-            additions: Vec::new(),
-            model: self.data.base.clone(),
-            fit: calibration.fit,
-            estimate: None,
-            bic: f64::INFINITY,
-        };
-        let mut known = Known::default();
-        let chosen = self.forward(&start, &mut known);
+    /// From the end of the forward selection to what is told.
+    fn run(&self, start: &Hypothesis, chosen: Hypothesis, mut known: Known, noise: Noise) -> Discovery {
         let (mut chosen, mut ties) = self.exchange(chosen, &mut known);
         let explanation = loop {
-            let comparison = self.comparison(&chosen, !self.structured(&chosen), self.noise(&chosen));
+            let comparison = self.comparison(&chosen, !self.structured(&chosen));
             let moved = comparison.fit.values != chosen.fit.values;
             chosen.fit.clone_from(&comparison.fit);
             // Where the profiles moved the fit, an addition may have become needless.
@@ -270,7 +282,7 @@ impl<'a> Search<'a> {
             }
             (chosen, ties) = self.exchange(fewer, &mut known);
         };
-        self.conclude(&start, &chosen, explanation, &known, &ties)
+        self.conclude(start, &chosen, explanation, &known, &ties, noise)
     }
 
     /// Whether there is anything left to spend.
@@ -291,11 +303,10 @@ impl<'a> Search<'a> {
             // What leaves structure is held against everything that a user might add by hand, fitted as it would be then.
             let best = self.pick(&full, true).unwrap_or_else(|| chosen.clone());
             if self.structured(&best) && self.goes_on() {
-                full.extend(self.race(&[&chosen], &self.pool, Field::Each(self.bic(&best, 1.0)), known));
+                full.extend(self.race(&[&chosen], &self.pool, Field::Each(self.bic(&best)), known));
             }
             let Some(best) = self.pick(&full, chosen.additions.is_empty()) else { break };
-            let noise = self.noise(&best);
-            if self.score(&chosen, noise) - self.score(&best, noise) <= MARGIN {
+            if self.score(&chosen) - self.score(&best) <= MARGIN {
                 break;
             }
             chosen = self.eliminate(best);
@@ -306,9 +317,8 @@ impl<'a> Search<'a> {
             if !self.structured(&chosen) {
                 break;
             }
-            let noise = self.noise(&chosen);
             full.push(chosen.clone());
-            full.sort_by(|a, b| self.bic(a, noise).total_cmp(&self.bic(b, noise)));
+            full.sort_by(|a, b| self.bic(a).total_cmp(&self.bic(b)));
             beam.clear();
             for hypothesis in full {
                 if beam.len() < self.options.beam && !beam.iter().any(|h| h.same_additions(&hypothesis)) {
@@ -409,7 +419,7 @@ impl<'a> Search<'a> {
         fitted.par_iter_mut().filter(|(_, h)| !h.is_full(all)).for_each(|(_, h)| {
             *h = self.data.fitted(h.clone(), CONTINUED);
         });
-        let best = fitted.iter().map(|(_, h)| h).min_by(|a, b| self.square(a, 1.0).total_cmp(&self.square(b, 1.0)));
+        let best = fitted.iter().map(|(_, h)| h).min_by(|a, b| square(a).total_cmp(&square(b)));
         if let Some(best) = best.cloned() {
             self.settle_all(fitted.iter_mut().map(|(_, h)| h).collect(), &best);
         }
@@ -434,7 +444,7 @@ impl<'a> Search<'a> {
     /// The best fit of one addition to a hypothesis.
     pub(super) fn add(&self, from: &Hypothesis, addition: Addition, known: &mut Known) -> Option<Hypothesis> {
         let found = self.race(&[from], &[addition], Field::Each(f64::INFINITY), known);
-        found.into_iter().min_by(|a, b| self.square(a, 1.0).total_cmp(&self.square(b, 1.0)))
+        found.into_iter().min_by(|a, b| square(a).total_cmp(&square(b)))
     }
 
     /// A hypothesis where its fit is, and with the base where the scenario states it: once something is missing, a calibration
@@ -458,17 +468,16 @@ impl<'a> Search<'a> {
     /// Follows fits that ended for want of evaluations, in a curved valley say, to their minimum, while they may come level with
     /// the best.
     fn settle_all(&self, mut all: Vec<&mut Hypothesis>, best: &Hypothesis) {
-        let noise = self.noise(best);
-        let best = self.bic(best, noise);
+        let best = self.bic(best);
         all.par_iter_mut().for_each(|h| {
             let effort = Effort { points: self.data.points.len(), evaluations: CONTINUED };
             for _ in 0..CONTINUATIONS {
                 if !h.fit.is_exhausted() || !self.data.affords(&h.model, effort) {
                     break;
                 }
-                let before = self.bic(h, noise);
+                let before = self.bic(h);
                 **h = self.data.fitted((*h).clone(), CONTINUED);
-                let gain = before - self.bic(h, noise);
+                let gain = before - self.bic(h);
                 if gain < GAIN || before - 2.0 * gain > best + MARGIN {
                     break;
                 }
@@ -484,8 +493,7 @@ impl<'a> Search<'a> {
     /// The best of hypotheses. Of those that the data do not tell apart the simpler: at first a recalibration; once something
     /// is known to be missing, an effect.
     fn pick(&self, all: &[Hypothesis], first: bool) -> Option<Hypothesis> {
-        let noise = self.noise(all.iter().min_by(|a, b| self.square(a, 1.0).total_cmp(&self.square(b, 1.0)))?);
-        let bic = |h: &Hypothesis| self.bic(h, noise);
+        let bic = |h: &Hypothesis| self.bic(h);
         let best = all.iter().map(bic).fold(f64::INFINITY, f64::min);
         let preferred = |h: &Hypothesis| h.additions.last().is_some_and(|a| a.is_effect() != first);
         let close: Vec<&Hypothesis> = all.iter().filter(|h| bic(h) - best < MARGIN).collect();
@@ -502,8 +510,7 @@ impl<'a> Search<'a> {
             additions.remove(index);
             let mut fewer = self.refit(&chosen, additions);
             self.settle_all(vec![&mut fewer], &chosen);
-            let noise = self.noise(&chosen);
-            if self.score(&fewer, noise) < self.score(&chosen, noise) + MARGIN {
+            if self.score(&fewer) < self.score(&chosen) + MARGIN {
                 chosen = fewer;
                 index = 0;
             } else {
@@ -557,16 +564,15 @@ impl<'a> Search<'a> {
                 self.race(&[&rest], &self.pool, Field::Best(1), known);
             }
             let mut rivals = known.beside(&additions);
-            let noise = self.noise(&chosen);
-            let own = self.bic(&chosen, noise);
-            let best = rivals.iter().min_by(|a, b| self.bic(a, noise).total_cmp(&self.bic(b, noise)));
-            if let Some(best) = best.filter(|best| self.bic(best, noise) + MARGIN < own) {
+            let own = self.bic(&chosen);
+            let best = rivals.iter().min_by(|a, b| self.bic(a).total_cmp(&self.bic(b)));
+            if let Some(best) = best.filter(|best| self.bic(best) + MARGIN < own) {
                 chosen = self.eliminate(best.clone());
                 ties.clear();
                 continue;
             }
-            rivals.retain(|h| h.additions.last() != Some(&addition) && self.bic(h, noise) - own < MARGIN);
-            rivals.sort_by(|a, b| self.bic(a, noise).total_cmp(&self.bic(b, noise)));
+            rivals.retain(|h| h.additions.last() != Some(&addition) && self.bic(h) - own < MARGIN);
+            rivals.sort_by(|a, b| self.bic(a).total_cmp(&self.bic(b)));
             let mut itself = chosen.clone();
             itself.additions.remove(index);
             itself.additions.push(addition);
@@ -576,14 +582,10 @@ impl<'a> Search<'a> {
         (chosen, ties)
     }
 
-    /// Scatter of the residuals of a hypothesis about anything smooth, over the stated noise, where it differs from one by
-    /// more than chance.
-    pub(super) fn noise(&self, hypothesis: &Hypothesis) -> f64 {
-        self.whiteness(hypothesis).map_or(1.0, |white| white.noise())
-    }
-
-    pub(super) fn scatter(&self, hypothesis: &Hypothesis) -> (f64, bool) {
-        self.whiteness(hypothesis).map_or((1.0, false), |white| white.scatter())
+    /// Scatter of the residuals of a hypothesis about anything smooth over the stated noise, where that contradicts it.
+    fn scatter(&self, hypothesis: &Hypothesis) -> Option<Noise> {
+        let points = compare::compared(&self.table.points, &hypothesis.fit.evaluation.predictions);
+        compare::scatter(&points, self.table, hypothesis.fit.parameters.len())
     }
 
     /// Tests of the residuals; `None` where the fit is to a part of the points.
@@ -605,21 +607,19 @@ impl<'a> Search<'a> {
         parameters as f64 * (self.readings() as f64).ln()
     }
 
-    /// Schwarz's criterion with residuals in units of `noise` times their stated standard deviations.
-    pub(super) fn bic(&self, hypothesis: &Hypothesis, noise: f64) -> f64 {
-        self.square(hypothesis, noise) + self.price(hypothesis.fit.parameters.len())
-    }
-
-    /// Sum of squares of the residuals in units of `noise`, large ones counted less.
-    pub(super) fn square(&self, hypothesis: &Hypothesis, noise: f64) -> f64 {
-        hypothesis.estimate.map_or_else(
-            || robust_chi2(&(&hypothesis.fit.evaluation.residuals / noise), TAIL),
-            |estimate| estimate.square / (noise * noise),
-        )
+    /// Schwarz's criterion.
+    pub(super) fn bic(&self, hypothesis: &Hypothesis) -> f64 {
+        square(hypothesis) + self.price(hypothesis.fit.parameters.len())
     }
 
     /// The criterion with a charge for having looked at many additions (extended BIC of Chen and Chen 2008).
-    fn score(&self, hypothesis: &Hypothesis, noise: f64) -> f64 {
-        self.bic(hypothesis, noise) + 2.0 * hypothesis.additions.len() as f64 * (self.pool.len().max(1) as f64).ln()
+    fn score(&self, hypothesis: &Hypothesis) -> f64 {
+        self.bic(hypothesis) + 2.0 * hypothesis.additions.len() as f64 * (self.pool.len().max(1) as f64).ln()
     }
+}
+
+/// Sum of squares of the residuals, large ones counted less.
+pub(super) fn square(hypothesis: &Hypothesis) -> f64 {
+    let own = || robust_chi2(&hypothesis.fit.evaluation.residuals, TAIL);
+    hypothesis.estimate.map_or_else(own, |estimate| estimate.square)
 }

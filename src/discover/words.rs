@@ -41,10 +41,9 @@ pub fn sentence(d: &Discovery) -> String {
 
 /// What the data are explained within: their noise, or their scatter where that contradicts it; and what stands out.
 fn noise(d: &Discovery) -> String {
-    let noise = if d.noise.contradicted {
-        format!("their scatter, {:.2} times the stated noise", d.noise.factor)
-    } else {
-        "their noise".into()
+    let noise: String = match d.noise.words() {
+        Some(words) => format!("their scatter ({words})"),
+        None => "their noise".into(),
     };
     match d.outliers.len() {
         0 => noise,

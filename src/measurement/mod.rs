@@ -31,6 +31,7 @@ mod workbook;
 
 use std::path::{Path, PathBuf};
 
+pub use noise::Noise;
 pub use scatter::{Scatter, Spread, scatter};
 pub use series::{Direction, Series, by_condition};
 pub use survey::{Column, Survey, survey};
@@ -116,6 +117,16 @@ pub struct Table {
 }
 
 impl Table {
+    /// The table with other standard deviations.
+    pub fn rescaled(&self, noise: Noise) -> Self {
+        let mut table = self.clone();
+        for point in &mut table.points {
+            point.amplitude_sd *= noise.amplitude;
+            point.phase_sd = point.phase_sd.map(|sd| sd * noise.phase);
+        }
+        table
+    }
+
     /// One line for people: `312 points, 13 conditions, 52-98 Hz, amplitude and phase, noise stated 1.0 %`.
     pub fn summary(&self) -> String {
         let mut conditions = 0;

@@ -13,6 +13,40 @@ use crate::statistics::median;
 /// No instrument is believed to be better than this, relative and in rad.
 const FLOOR: f64 = 1e-6;
 
+/// Standard deviations that are gone by, over those of a table: by the scatter of the residuals about anything smooth,
+/// where that contradicts the stated ones.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Noise {
+    /// Of the amplitudes.
+    pub amplitude: f64,
+    /// Of the phases.
+    pub phase: f64,
+}
+
+impl Noise {
+    /// As the table has it.
+    pub const STATED: Self = Self { amplitude: 1.0, phase: 1.0 };
+
+    /// Both in one number, for so many amplitudes and phases.
+    pub fn together(&self, amplitudes: usize, phases: usize) -> f64 {
+        let (amplitudes, phases) = (amplitudes as f64, phases as f64);
+        ((amplitudes * self.amplitude.powi(2) + phases * self.phase.powi(2)) / (amplitudes + phases)).sqrt()
+    }
+
+    /// What the readings say of the stated deviations, where they contradict these.
+    pub fn words(&self) -> Option<String> {
+        let Self { amplitude, phase } = *self;
+        match (amplitude != 1.0, phase != 1.0) {
+            (false, false) => None,
+            (true, false) => Some(format!("the amplitudes scatter {amplitude:.2} times as much as stated")),
+            (false, true) => Some(format!("the phases scatter {phase:.2} times as much as stated")),
+            (true, true) => Some(format!(
+                "the amplitudes scatter {amplitude:.2} times as much as stated, the phases {phase:.2} times"
+            )),
+        }
+    }
+}
+
 /// Repetitions that suffice to tell the noise from them alone.
 const ENOUGH_REPEATS: usize = 5;
 
