@@ -97,7 +97,8 @@ fn course(series: &Series, setting: &Setting) -> String {
         let from = if unit(&low) == unit(&high) { number } else { &low };
         parts.push(format!("{from} to {high}"));
     }
-    if series.direction == Direction::Down {
+    // Unless its name says so.
+    if series.direction == Direction::Down && !series.name.to_lowercase().contains("down") {
         parts.push("down".into());
     }
     parts.join(", ")
