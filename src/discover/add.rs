@@ -2,8 +2,9 @@
 
 use super::MARGIN;
 use super::hypothesis::{Addition, Hypothesis};
+use super::known::Known;
 use super::options::SearchOptions;
-use super::select::{Known, Search};
+use super::select::Search;
 use crate::compare::{self, Comparison, calibrate};
 use crate::effects::Effect;
 use crate::measurement::Table;

@@ -1,7 +1,8 @@
 //! What the rounds of a search say together: verdict, ladder, ranking, rivals, and what remains open.
 
-use super::hypothesis::{Addition, Basis, Estimate, Hypothesis, count, extended};
-use super::select::{Entry, Known, Search, square};
+use super::hypothesis::{Addition, Basis, Estimate, Hypothesis, count, extended, square};
+use super::known::{Entry, Known};
+use super::select::Search;
 use super::{Candidate, Discovery, Evidence, MARGIN, NotTestable, Step, Verdict, held_out, next, verdict};
 use crate::compare::{self, Calibration, Comparison};
 use crate::fit::{Interval, TAIL, approximate_intervals};

@@ -82,6 +82,11 @@ impl<'a> Data<'a> {
         readings(self.points)
     }
 
+    /// What Schwarz's criterion charges for parameters.
+    pub fn price(&self, parameters: usize) -> f64 {
+        parameters as f64 * (self.readings() as f64).ln()
+    }
+
     /// Steady states solved so far, by all threads.
     pub fn solved(&self) -> u64 {
         self.solved.load(Relaxed)
@@ -89,13 +94,13 @@ impl<'a> Data<'a> {
 
     /// Counts steady states of a model.
     pub fn count(&self, model: &Model, solved: usize) {
-        self.solved.fetch_add(solved as u64 * price(model), Relaxed);
+        self.solved.fetch_add(solved as u64 * cost(model), Relaxed);
     }
 
     /// Whether a fit costs no more than its share of the budget: what does is not begun. The same whatever was done before.
     pub fn affords(&self, model: &Model, effort: Effort) -> bool {
         let points = effort.points.min(self.points.len()).min(DENSE * self.series);
-        (points * effort.evaluations) as u64 * price(model) < self.budget / SHARE
+        (points * effort.evaluations) as u64 * cost(model) < self.budget / SHARE
     }
 
     /// Parameters that move where these are added: those of an effect with the signs that the model has, all others about the
@@ -153,7 +158,7 @@ const DENSE: usize = 100;
 
 /// Steady states of a single slider that one of a model costs, as measured: a continuum of sliders has its own solution by
 /// itself, and none beside another law of the contact.
-fn price(model: &Model) -> u64 {
+fn cost(model: &Model) -> u64 {
     match (model.has_continuum(), model.effects.len()) {
         (false, _) => 1,
         (true, 1) => 3,

@@ -1,7 +1,7 @@
 //! What may be wrong with a model: a number of the rig or the instrument, or an effect that is missing; alone or together.
 
 use crate::effects::{self, Effect, REGISTRY, middle};
-use crate::fit::{Fit, Problem, parameter};
+use crate::fit::{Fit, Problem, TAIL, parameter, robust_chi2};
 use crate::measurement::Point;
 use crate::model::Model;
 use crate::scenario::parameters::BASE_KEYS;
@@ -200,4 +200,10 @@ impl Hypothesis {
 /// Number of parameters of a model that `keys` name and a fit can move.
 pub fn count(model: &Model, keys: &[String]) -> usize {
     keys.iter().filter(|key| parameter(model, key).is_some()).count()
+}
+
+/// Sum of squares of the residuals, large ones counted less.
+pub(super) fn square(hypothesis: &Hypothesis) -> f64 {
+    let own = || robust_chi2(&hypothesis.fit.evaluation.residuals, TAIL);
+    hypothesis.estimate.map_or_else(own, |estimate| estimate.square)
 }

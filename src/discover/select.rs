@@ -1,27 +1,24 @@
 //! Forward selection with a beam, exchange and backward elimination, from the calibrated base to the explanation.
 
-use super::data::{Data, Effort, typical_of};
-use super::hypothesis::{Addition, Basis, Estimate, Hypothesis, additions, compatible, extended};
-use super::look::{Count, Look, Parent, Start, look};
+use super::data::{Data, Effort};
+use super::hypothesis::{Addition, Hypothesis, additions, compatible, extended, square};
+use super::known::{Entry, Known};
+use super::look::{Count, Look, Parent, look};
 use super::race::{Competitor, Race, Round};
+use super::runner::{Bar, COSTLY, Runner};
 use super::{Discovery, MARGIN, SearchOptions};
 use crate::compare::{self, Whiteness};
-use crate::fit::{Fit, Parameter, TAIL, robust_chi2};
+use crate::fit::{TAIL, robust_chi2};
 use crate::measurement::{Noise, Table};
 use crate::model::Model;
 use crate::scenario::Scenario;
 use crate::solver::cycle::Tolerance;
-use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 /// Evaluations of one continuation of a fit to all points.
 const CONTINUED: usize = 15;
 /// Starting points along each parameter beside what leaves nothing but noise.
 const FEW: usize = 2;
-/// A continuum of sliders is looked at, and raced, on the points divided by this.
-const COSTLY: usize = 2;
-/// A sum of squares as large as of noise, so many standard deviations of its distribution above the mean.
-const NOISE: f64 = 3.0;
 /// Most continuations of a fit that ended for want of evaluations: it goes on while those that are left, each as good as the
 /// last, may bring it level with the best, ...
 const CONTINUATIONS: u32 = 8;
@@ -67,100 +64,6 @@ pub(super) struct Search<'a> {
     pub pool: Vec<Addition>,
 }
 
-/// A hypothesis with one more addition, and what the look at that saw.
-#[derive(Clone)]
-pub(super) struct Entry {
-    pub hypothesis: Hypothesis,
-    /// As of [`Look`].
-    pub visibility: f64,
-    pub strongest: Vec<Model>,
-}
-
-impl Entry {
-    /// Of a single addition that was fitted: that and the model.
-    fn single(&self) -> Option<(Addition, Model)> {
-        let [addition] = self.hypothesis.additions[..] else { return None };
-        (self.hypothesis.basis() != Basis::Linear).then(|| (addition, self.hypothesis.fitted()))
-    }
-}
-
-/// All hypotheses that were fitted, the best fit of each.
-#[derive(Default)]
-pub(super) struct Known {
-    pub entries: Vec<Entry>,
-    /// What every candidate was raced beside.
-    parents: Vec<Vec<Addition>>,
-}
-
-impl Known {
-    /// Whether all candidates were raced beside these.
-    fn raced(&self, additions: &[Addition]) -> bool {
-        self.parents.iter().any(|known| known.len() == additions.len() && known.iter().all(|a| additions.contains(a)))
-    }
-
-    /// What was fitted to all points with one addition more than these, that last.
-    fn beside(&self, additions: &[Addition]) -> Vec<Hypothesis> {
-        let one_more = |h: &&Hypothesis| {
-            h.estimate.is_none()
-                && h.additions.len() == additions.len() + 1
-                && additions.iter().all(|a| h.additions.contains(a))
-        };
-        let mut found: Vec<Hypothesis> = self.entries.iter().map(|e| &e.hypothesis).filter(one_more).cloned().collect();
-        for hypothesis in &mut found {
-            hypothesis.additions.sort_by_key(|a| !additions.contains(a));
-        }
-        found
-    }
-
-    /// Keeps the better of two fits of the same additions: one to all points before one to some.
-    fn keep(&mut self, entry: &Entry) {
-        let Some(own) = self.entries.iter_mut().find(|e| e.hypothesis.same_additions(&entry.hypothesis)) else {
-            self.entries.push(entry.clone());
-            return;
-        };
-        let square = |h: &Hypothesis| robust_chi2(&h.fit.evaluation.residuals, TAIL);
-        let better = match (&own.hypothesis.estimate, &entry.hypothesis.estimate) {
-            (Some(_), None) => true,
-            (None, Some(_)) => false,
-            (None, None) => square(&entry.hypothesis) < square(&own.hypothesis),
-            (Some(a), Some(b)) => b.square < a.square,
-        };
-        if better {
-            own.hypothesis = entry.hypothesis.clone();
-        }
-        if entry.visibility > own.visibility {
-            (own.visibility, own.strongest) = (entry.visibility, entry.strongest.clone());
-        }
-    }
-}
-
-/// A fit of one more addition from one starting point, on its way.
-struct Runner<'s, 'a> {
-    search: &'s Search<'a>,
-    from: &'s Hypothesis,
-    of: usize,
-    addition: Addition,
-    model: Model,
-    parameters: Vec<Parameter>,
-    values: Vec<f64>,
-    residuals: DVector<f64>,
-    fit: Option<Fit>,
-    /// What the last round took off its badness.
-    gain: f64,
-    /// Above what it is of no use.
-    bar: Bar,
-}
-
-/// Criterion above which a fit is of no use.
-#[derive(Clone, Copy)]
-enum Bar {
-    None,
-    /// That of the hypothesis that it adds to, which leaves nothing but noise, less the margin.
-    Parent,
-    /// This one.
-    At(f64),
-}
-
 /// Who goes on in a race.
 #[derive(Clone, Copy)]
 enum Field {
@@ -168,90 +71,6 @@ enum Field {
     Best(usize),
     /// Every candidate by itself, unless at its minimum it stays above this criterion.
     Each(f64),
-}
-
-impl<'s, 'a> Runner<'s, 'a> {
-    fn new(search: &'s Search<'a>, (from, of): (&'s Hypothesis, usize), addition: Addition, start: Start) -> Self {
-        let Start { model, values, residuals } = start;
-        let parameters = search.data.beside(&model, from, addition);
-        Self { search, from, of, addition, model, parameters, values, residuals, fit: None, gain: 0.0, bar: Bar::None }
-    }
-
-    /// Readings over those that the residuals are of.
-    fn scale(&self) -> f64 {
-        self.search.data.readings() as f64 / self.residuals.len().max(1) as f64
-    }
-
-    /// The criterion of the hypothesis that it adds to, on the points that it was fitted to.
-    fn aim(&self) -> f64 {
-        let points = self.fit.as_ref().map_or(0, |fit| fit.evaluation.predictions.len());
-        let residuals = self.search.data.part(&self.from.fit.evaluation.residuals, points);
-        self.scale() * robust_chi2(&residuals, TAIL) + self.search.price(self.from.fit.parameters.len())
-    }
-
-    fn hypothesis(&self, full: bool) -> Hypothesis {
-        let additions: Vec<Addition> = self.from.additions.iter().copied().chain([self.addition]).collect();
-        let own = self.scale() * robust_chi2(&self.residuals, TAIL);
-        let basis = match &self.fit {
-            Some(fit) => Basis::SomePoints(fit.evaluation.predictions.len()),
-            None => Basis::Linear,
-        };
-        let unfitted = || {
-            let mut fit = self.from.fit.clone();
-            (fit.parameters, fit.values) = (self.parameters.clone(), self.values.clone());
-            fit.evaluation.jacobian = DMatrix::zeros(fit.evaluation.residuals.len(), fit.parameters.len());
-            fit.termination = "not fitted: in a linear estimate it explains too little".into();
-            fit
-        };
-        let fit = self.fit.clone().unwrap_or_else(unfitted);
-        let estimate = (!full).then_some(Estimate { square: own, basis });
-        Hypothesis { additions, model: self.model.clone(), fit, estimate, bic: f64::INFINITY }
-    }
-}
-
-impl Competitor for Runner<'_, '_> {
-    fn of(&self) -> usize {
-        self.of
-    }
-
-    fn advance(&mut self, Round { points, evaluations }: Round) {
-        let typical = if self.fit.is_some() { typical_of(&self.residuals) } else { f64::INFINITY };
-        let all = self.search.data.points.len();
-        let points = if self.model.has_continuum() && points < all { points / COSTLY } else { points };
-        let effort = Effort { points, evaluations };
-        if !self.search.data.affords(&self.model, effort) {
-            return;
-        }
-        let before = if self.fit.is_some() { self.badness(1.0) } else { f64::INFINITY };
-        let fit = self.search.data.fit(&self.model, &self.parameters, &self.values, typical, effort);
-        self.values.clone_from(&fit.values);
-        self.residuals.clone_from(&fit.evaluation.residuals);
-        self.fit = Some(fit);
-        self.gain = (before - self.badness(1.0)).max(0.0);
-    }
-
-    fn typical(&self) -> f64 {
-        typical_of(&self.residuals)
-    }
-
-    fn badness(&self, typical: f64) -> f64 {
-        self.scale() * robust_chi2(&self.residuals, TAIL * typical) + self.search.price(self.parameters.len())
-    }
-
-    fn is_beaten(&self, first: &Self) -> bool {
-        let Some(fit) = &self.fit else { return false };
-        // What it was fitted to is enough to tell, were it to gain in the next round, with twice the evaluations, twice as much.
-        let gain = if fit.is_exhausted() { 2.0 * self.gain } else { 0.0 };
-        let above = |bar: f64| self.badness(1.0) - gain - bar > MARGIN * self.scale();
-        let count = first.residuals.len() as f64;
-        let noise = robust_chi2(&first.residuals, TAIL) < count + NOISE * (2.0 * count).sqrt();
-        let barred = match self.bar {
-            Bar::None => false,
-            Bar::Parent => self.badness(1.0) + MARGIN >= self.aim(),
-            Bar::At(bar) => above(bar),
-        };
-        barred || (noise && above(first.badness(1.0)))
-    }
 }
 
 impl<'a> Search<'a> {
@@ -332,17 +151,58 @@ impl<'a> Search<'a> {
     /// The race of all candidates beside all parents; the hypotheses that came to its end, fitted to all points.
     fn race(&self, parents: &[&Hypothesis], pool: &[Addition], entered: Field, known: &mut Known) -> Vec<Hypothesis> {
         let o = self.options;
-        let (turn, kept, survivors, mut bar) = match entered {
-            Field::Best(turn) => (turn, o.kept, o.survivors, Bar::None),
-            Field::Each(bar) => (0, 1.0, pool.len() * o.entrants, Bar::At(bar)),
+        let all = self.data.points.len();
+        let (field, mut entries) = self.line_up(parents, pool, entered, known);
+        let (kept, survivors) = match entered {
+            Field::Best(_) => (o.kept, o.survivors),
+            Field::Each(_) => (1.0, field.len()),
         };
-        let points = o.first_points.min(self.data.points.len());
-        let work: Vec<(usize, Addition)> = parents
-            .iter()
-            .enumerate()
-            .flat_map(|(number, _)| pool.iter().map(move |addition| (number, *addition)))
+        let first = Round { points: o.first_points.min(all), evaluations: o.first_evaluations };
+        let ended = Race { first, points: all, kept, survivors }.run(field, || self.goes_on());
+        for runner in ended.dropped.iter().chain(&ended.survivors) {
+            entries[runner.of].keep(runner.hypothesis(false));
+        }
+        let full = |r: &Runner<'_, '_>| r.fit.as_ref().is_some_and(|fit| fit.evaluation.predictions.len() == all);
+        let effort = Effort { points: all, evaluations: CONTINUED };
+        let mut fitted: Vec<(usize, Hypothesis)> =
+            ended.survivors.iter().map(|runner| (runner.of, runner.hypothesis(full(runner)))).collect();
+        fitted.retain(|(_, h)| h.is_full(all) || self.data.affords(&h.model, effort));
+        fitted.par_iter_mut().filter(|(_, h)| !h.is_full(all)).for_each(|(_, h)| {
+            *h = self.data.fitted(h.clone(), CONTINUED);
+        });
+        let best = fitted.iter().map(|(_, h)| h).min_by(|a, b| square(a).total_cmp(&square(b)));
+        if let Some(best) = best.cloned() {
+            self.settle_all(fitted.iter_mut().map(|(_, h)| h).collect(), &best);
+        }
+        for (of, hypothesis) in &fitted {
+            entries[*of].keep(hypothesis.clone());
+        }
+        known.keep(entries);
+        if matches!(entered, Field::Best(_)) {
+            known.parents.extend(parents.iter().map(|from| from.additions.clone()));
+        }
+        fitted.into_iter().map(|(_, hypothesis)| hypothesis).collect()
+    }
+
+    /// All candidates beside all parents, each looked at; and the starting points of each that are worth a fit.
+    fn line_up<'s>(
+        &'s self,
+        parents: &[&'s Hypothesis],
+        pool: &[Addition],
+        entered: Field,
+        known: &Known,
+    ) -> (Vec<Runner<'s, 'a>>, Vec<Entry>) {
+        let o = self.options;
+        let (turn, kept, bar) = match entered {
+            Field::Best(turn) => (turn, o.kept, Bar::None),
+            Field::Each(bar) => (0, 1.0, Bar::At(bar)),
+        };
+        let of = |number: usize| pool.iter().map(move |addition| (number, *addition));
+        let work: Vec<(usize, Addition)> = (0..parents.len())
+            .flat_map(of)
             .filter(|(number, addition)| self.goes_with(parents[*number], *addition))
             .collect();
+        let points = o.first_points.min(self.data.points.len());
         // A continuum of sliders costs as much as all others together: it is looked at on fewer points, ...
         let costly = |from: &Hypothesis, addition: Addition| {
             extended(&from.model, &[addition]).has_continuum() && !from.model.has_continuum()
@@ -365,19 +225,20 @@ impl<'a> Search<'a> {
                 look(&self.data, &places[usize::from(costly(from, *addition))][*number], from, *addition, count)
             })
             .collect();
-        let mut field: Vec<Runner<'_, '_>> = Vec::new();
+        let mut field: Vec<Runner<'s, 'a>> = Vec::new();
         let mut entries: Vec<Entry> = Vec::new();
         for (of, ((number, addition), look)) in work.iter().zip(looks).enumerate() {
             let Look { starts, visibility, strongest } = look;
-            let runners = starts.into_iter().map(|start| Runner::new(self, (parents[*number], of), *addition, start));
-            let mut runners: Vec<Runner<'_, '_>> = runners.collect();
+            let runners =
+                starts.into_iter().map(|start| Runner::new(&self.data, (parents[*number], of), *addition, start));
+            let mut runners: Vec<Runner<'s, 'a>> = runners.collect();
             // The starting points of a candidate compete with one another first: a linear estimate tells them apart, but little
             // of what candidates are worth.
             let typical = runners.iter().map(Competitor::typical).fold(f64::INFINITY, f64::min);
             runners.sort_by(|a, b| a.badness(typical).total_cmp(&b.badness(typical)));
             runners.truncate(((runners.len() as f64 * kept).ceil() as usize).min(o.entrants));
-            let Some(first) = runners.first() else { continue };
-            entries.push(Entry { hypothesis: first.hypothesis(false), visibility, strongest });
+            // Every candidate has a starting point.
+            entries.extend(runners.first().map(|r| Entry { hypothesis: r.hypothesis(false), visibility, strongest }));
             field.extend(runners);
         }
         // ... and once something is found competes only if that leaves structure, and it promises most.
@@ -387,58 +248,19 @@ impl<'a> Search<'a> {
             let wanted = r.from.additions.is_empty() || (r.badness(typical) <= most && self.structured(r.from));
             wanted || !costly(r.from, r.addition)
         });
+        field.iter_mut().for_each(|runner| runner.bar = bar);
         // Beside what leaves nothing but noise only what would be decided for is worth a fit, unless it is asked for.
         if let [only] = parents
-            && matches!(bar, Bar::None)
+            && bar == Bar::None
             && !self.structured(only)
         {
             let rest = places[0][0][0].rest();
             let scale = self.data.readings() as f64 / rest.len().max(1) as f64;
-            let aim = scale * robust_chi2(&rest, TAIL);
-            let price = self.price(only.fit.parameters.len());
-            field.retain(|runner| runner.badness(1.0) + MARGIN < aim + price);
-            bar = Bar::Parent;
+            let aim = scale * robust_chi2(&rest, TAIL) + self.data.price(only.fit.parameters.len());
+            field.retain(|runner| runner.badness(1.0) + MARGIN < aim);
+            field.iter_mut().for_each(|runner| runner.bar = Bar::Parent);
         }
-        let race = Race {
-            first: Round { points, evaluations: o.first_evaluations },
-            points: self.data.points.len(),
-            kept,
-            survivors,
-        };
-        field.iter_mut().for_each(|runner| runner.bar = bar);
-        let ended = race.run(field, || self.goes_on());
-        for runner in ended.dropped.iter().chain(&ended.survivors) {
-            self.told(&mut entries, runner.of, runner.hypothesis(false));
-        }
-        let all = self.data.points.len();
-        let full = |r: &Runner<'_, '_>| r.fit.as_ref().is_some_and(|fit| fit.evaluation.predictions.len() == all);
-        let mut fitted: Vec<(usize, Hypothesis)> =
-            ended.survivors.iter().map(|runner| (runner.of, runner.hypothesis(full(runner)))).collect();
-        let effort = Effort { points: all, evaluations: CONTINUED };
-        fitted.retain(|(_, h)| h.is_full(all) || self.data.affords(&h.model, effort));
-        fitted.par_iter_mut().filter(|(_, h)| !h.is_full(all)).for_each(|(_, h)| {
-            *h = self.data.fitted(h.clone(), CONTINUED);
-        });
-        let best = fitted.iter().map(|(_, h)| h).min_by(|a, b| square(a).total_cmp(&square(b)));
-        if let Some(best) = best.cloned() {
-            self.settle_all(fitted.iter_mut().map(|(_, h)| h).collect(), &best);
-        }
-        for (of, hypothesis) in &fitted {
-            self.told(&mut entries, *of, hypothesis.clone());
-        }
-        entries.iter().for_each(|entry| known.keep(entry));
-        if matches!(entered, Field::Best(_)) {
-            known.parents.extend(parents.iter().map(|from| from.additions.clone()));
-        }
-        fitted.into_iter().map(|(_, hypothesis)| hypothesis).collect()
-    }
-
-    /// Keeps the better fit of the candidate number `of`.
-    fn told(&self, entries: &mut [Entry], of: usize, hypothesis: Hypothesis) {
-        let mut one = Known { entries: vec![entries[of].clone()], parents: Vec::new() };
-        let entry = Entry { hypothesis, ..entries[of].clone() };
-        one.keep(&entry);
-        entries[of] = one.entries.remove(0);
+        (field, entries)
     }
 
     /// The best fit of one addition to a hypothesis.
@@ -602,24 +424,13 @@ impl<'a> Search<'a> {
         self.data.readings()
     }
 
-    /// What Schwarz's criterion charges for parameters.
-    fn price(&self, parameters: usize) -> f64 {
-        parameters as f64 * (self.readings() as f64).ln()
-    }
-
     /// Schwarz's criterion.
     pub(super) fn bic(&self, hypothesis: &Hypothesis) -> f64 {
-        square(hypothesis) + self.price(hypothesis.fit.parameters.len())
+        square(hypothesis) + self.data.price(hypothesis.fit.parameters.len())
     }
 
     /// The criterion with a charge for having looked at many additions (extended BIC of Chen and Chen 2008).
     fn score(&self, hypothesis: &Hypothesis) -> f64 {
         self.bic(hypothesis) + 2.0 * hypothesis.additions.len() as f64 * (self.pool.len().max(1) as f64).ln()
     }
-}
-
-/// Sum of squares of the residuals, large ones counted less.
-pub(super) fn square(hypothesis: &Hypothesis) -> f64 {
-    let own = || robust_chi2(&hypothesis.fit.evaluation.residuals, TAIL);
-    hypothesis.estimate.map_or_else(own, |estimate| estimate.square)
 }

@@ -1,0 +1,74 @@
+//! What a search has fitted so far.
+
+use super::hypothesis::{Addition, Basis, Hypothesis, square};
+use crate::model::Model;
+
+/// A hypothesis with one more addition, and what the look at that saw.
+#[derive(Clone)]
+pub(super) struct Entry {
+    pub hypothesis: Hypothesis,
+    /// As of [`Look`].
+    pub visibility: f64,
+    pub strongest: Vec<Model>,
+}
+
+impl Entry {
+    /// Keeps the better of two fits: one to all points before one to some.
+    pub fn keep(&mut self, hypothesis: Hypothesis) {
+        let own = &self.hypothesis;
+        let full = |h: &Hypothesis| h.estimate.is_none();
+        let better = if full(own) == full(&hypothesis) { square(&hypothesis) < square(own) } else { full(&hypothesis) };
+        if better {
+            self.hypothesis = hypothesis;
+        }
+    }
+
+    /// Of a single addition that was fitted: that and the model.
+    pub fn single(&self) -> Option<(Addition, Model)> {
+        let [addition] = self.hypothesis.additions[..] else { return None };
+        (self.hypothesis.basis() != Basis::Linear).then(|| (addition, self.hypothesis.fitted()))
+    }
+}
+
+/// All hypotheses that were fitted, the best fit of each.
+#[derive(Default)]
+pub(super) struct Known {
+    pub entries: Vec<Entry>,
+    /// What every candidate was raced beside.
+    pub parents: Vec<Vec<Addition>>,
+}
+
+impl Known {
+    /// Whether all candidates were raced beside these.
+    pub fn raced(&self, additions: &[Addition]) -> bool {
+        self.parents.iter().any(|known| known.len() == additions.len() && known.iter().all(|a| additions.contains(a)))
+    }
+
+    /// What was fitted to all points with one addition more than these, that last.
+    pub fn beside(&self, additions: &[Addition]) -> Vec<Hypothesis> {
+        let one_more = |h: &&Hypothesis| {
+            h.estimate.is_none()
+                && h.additions.len() == additions.len() + 1
+                && additions.iter().all(|a| h.additions.contains(a))
+        };
+        let mut found: Vec<Hypothesis> = self.entries.iter().map(|e| &e.hypothesis).filter(one_more).cloned().collect();
+        for hypothesis in &mut found {
+            hypothesis.additions.sort_by_key(|a| !additions.contains(a));
+        }
+        found
+    }
+
+    /// Takes over what was found.
+    pub fn keep(&mut self, found: Vec<Entry>) {
+        for entry in found {
+            let Some(own) = self.entries.iter_mut().find(|e| e.hypothesis.same_additions(&entry.hypothesis)) else {
+                self.entries.push(entry);
+                continue;
+            };
+            if entry.visibility > own.visibility {
+                (own.visibility, own.strongest) = (entry.visibility, entry.strongest);
+            }
+            own.keep(entry.hypothesis);
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! One competitor of the race: a fit of one more addition from one starting point.
+
+use super::MARGIN;
+use super::data::{Data, Effort, typical_of};
+use super::hypothesis::{Addition, Basis, Estimate, Hypothesis};
+use super::look::Start;
+use super::race::{Competitor, Round};
+use crate::fit::{Fit, Parameter, TAIL, robust_chi2};
+use crate::model::Model;
+use nalgebra::{DMatrix, DVector};
+
+/// A continuum of sliders is looked at, and raced, on the points divided by this.
+pub(super) const COSTLY: usize = 2;
+/// A sum of squares as large as of noise, so many standard deviations of its distribution above the mean.
+const NOISE: f64 = 3.0;
+
+/// A fit of one more addition from one starting point, on its way.
+pub(super) struct Runner<'s, 'a> {
+    data: &'s Data<'a>,
+    /// What it adds to.
+    pub from: &'s Hypothesis,
+    /// Number of the candidate.
+    pub of: usize,
+    pub addition: Addition,
+    model: Model,
+    parameters: Vec<Parameter>,
+    values: Vec<f64>,
+    residuals: DVector<f64>,
+    /// Its fit so far.
+    pub fit: Option<Fit>,
+    /// What the last round took off its badness.
+    gain: f64,
+    /// Above what it is of no use.
+    pub bar: Bar,
+}
+
+/// Criterion above which a fit is of no use.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Bar {
+    None,
+    /// That of the hypothesis that it adds to, which leaves nothing but noise, less the margin.
+    Parent,
+    /// This one.
+    At(f64),
+}
+
+impl<'s, 'a> Runner<'s, 'a> {
+    /// Before any fit.
+    pub fn new(data: &'s Data<'a>, (from, of): (&'s Hypothesis, usize), addition: Addition, start: Start) -> Self {
+        let Start { model, values, residuals } = start;
+        let parameters = data.beside(&model, from, addition);
+        Self { data, from, of, addition, model, parameters, values, residuals, fit: None, gain: 0.0, bar: Bar::None }
+    }
+
+    /// Readings over those that the residuals are of.
+    fn scale(&self) -> f64 {
+        self.data.readings() as f64 / self.residuals.len().max(1) as f64
+    }
+
+    /// The criterion of the hypothesis that it adds to, on the points that it was fitted to.
+    fn aim(&self) -> f64 {
+        let points = self.fit.as_ref().map_or(0, |fit| fit.evaluation.predictions.len());
+        let residuals = self.data.part(&self.from.fit.evaluation.residuals, points);
+        self.scale() * robust_chi2(&residuals, TAIL) + self.data.price(self.from.fit.parameters.len())
+    }
+
+    /// As it stands; `full` where its fit is to all points.
+    pub fn hypothesis(&self, full: bool) -> Hypothesis {
+        let additions: Vec<Addition> = self.from.additions.iter().copied().chain([self.addition]).collect();
+        let own = self.scale() * robust_chi2(&self.residuals, TAIL);
+        let basis = match &self.fit {
+            Some(fit) => Basis::SomePoints(fit.evaluation.predictions.len()),
+            None => Basis::Linear,
+        };
+        let unfitted = || {
+            let mut fit = self.from.fit.clone();
+            (fit.parameters, fit.values) = (self.parameters.clone(), self.values.clone());
+            fit.evaluation.jacobian = DMatrix::zeros(fit.evaluation.residuals.len(), fit.parameters.len());
+            fit.termination = "not fitted: in a linear estimate it explains too little".into();
+            fit
+        };
+        let fit = self.fit.clone().unwrap_or_else(unfitted);
+        let estimate = (!full).then_some(Estimate { square: own, basis });
+        Hypothesis { additions, model: self.model.clone(), fit, estimate, bic: f64::INFINITY }
+    }
+}
+
+impl Competitor for Runner<'_, '_> {
+    fn of(&self) -> usize {
+        self.of
+    }
+
+    fn advance(&mut self, Round { points, evaluations }: Round) {
+        let typical = if self.fit.is_some() { typical_of(&self.residuals) } else { f64::INFINITY };
+        let all = self.data.points.len();
+        let points = if self.model.has_continuum() && points < all { points / COSTLY } else { points };
+        let effort = Effort { points, evaluations };
+        if !self.data.affords(&self.model, effort) {
+            return;
+        }
+        let before = if self.fit.is_some() { self.badness(1.0) } else { f64::INFINITY };
+        let fit = self.data.fit(&self.model, &self.parameters, &self.values, typical, effort);
+        self.values.clone_from(&fit.values);
+        self.residuals.clone_from(&fit.evaluation.residuals);
+        self.fit = Some(fit);
+        self.gain = (before - self.badness(1.0)).max(0.0);
+    }
+
+    fn typical(&self) -> f64 {
+        typical_of(&self.residuals)
+    }
+
+    fn badness(&self, typical: f64) -> f64 {
+        self.scale() * robust_chi2(&self.residuals, TAIL * typical) + self.data.price(self.parameters.len())
+    }
+
+    fn is_beaten(&self, first: &Self) -> bool {
+        let Some(fit) = &self.fit else { return false };
+        // What it was fitted to is enough to tell, were it to gain in the next round, with twice the evaluations, twice as much.
+        let gain = if fit.is_exhausted() { 2.0 * self.gain } else { 0.0 };
+        let above = |bar: f64| self.badness(1.0) - gain - bar > MARGIN * self.scale();
+        let count = first.residuals.len() as f64;
+        let noise = robust_chi2(&first.residuals, TAIL) < count + NOISE * (2.0 * count).sqrt();
+        let barred = match self.bar {
+            Bar::None => false,
+            Bar::Parent => self.badness(1.0) + MARGIN >= self.aim(),
+            Bar::At(bar) => above(bar),
+        };
+        barred || (noise && above(first.badness(1.0)))
+    }
+}
