@@ -2,9 +2,10 @@
 
    Dimensionless: time t counts 1/w0, u is displacement over a length X0,
 
-       u'' + u'/Q + u + kappa u^3 + d |u'| u' + sum_i k_i clip(u - z_i, -y_i, y_i) = p cos(W t)
+       u'' + u'/Q + u + kappa u^3 + d |u'| u' + sum_i k_i clip(u - z_i, -y_i, y_i) + s(u) = p cos(W t)
 
-   z_i is where slider i holds: it stays while |u - z_i| <= y_i and is dragged along otherwise.
+   z_i is where slider i holds: it stays while |u - z_i| <= y_i and is dragged along otherwise. s(u) is a spring from outside
+   the program's catalogue, law 0 to 3: none; a stop b max(0, u - s) on one side; b (s sinh(u/s) - u); b s tanh(u/s).
 
    Method: the linear damped oscillator is propagated exactly by its matrix exponential; the drive and everything
    nonlinear enter through the classical fourth-order Runge-Kutta rule in the variables that the exponential leaves
@@ -14,7 +15,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-typedef struct { double Q, kappa, d, p, W; int m; const double *k, *y; double *z; } mode;
+typedef struct { double Q, kappa, d, p, W; int m; const double *k, *y; double *z; int law; double b, s; } mode;
 
 static double joint(const mode *o, double u)
 {
@@ -39,10 +40,20 @@ static void drag(const mode *o, double u)
     }
 }
 
+static double spring(const mode *o, double u)
+{
+    switch (o->law) {
+    case 1: return u > o->s ? o->b * (u - o->s) : 0.0;
+    case 2: return o->b * (o->s * sinh(u / o->s) - u);
+    case 3: return o->b * o->s * tanh(u / o->s);
+    default: return 0.0;
+    }
+}
+
 /* drive minus everything that is not the linear oscillator */
 static double rest(const mode *o, double u, double v, double drive)
 {
-    return drive - o->kappa * u * u * u - o->d * fabs(v) * v - joint(o, u);
+    return drive - o->kappa * u * u * u - o->d * fabs(v) * v - joint(o, u) - spring(o, u);
 }
 
 /* exp(A h) of A = [[0, 1], [-1, -1/Q]], Q > 1/2, row by row */
@@ -55,11 +66,11 @@ static void propagator(double Q, double h, double e[4])
     e[3] = x * (c - a / w * s);
 }
 
-/* Runs whole drive periods from phase 0 of the drive. par: Q, kappa, d, p, W. state: u, u', z_1..z_m (replaced by the end state).
+/* Runs whole drive periods from phase 0 of the drive. par: Q, kappa, d, p, W, law, b, s. state: u, u', z_1..z_m (replaced by the end state).
    out, of the last period: 2/N sum u cos, 2/N sum u sin, largest |u|. */
 void run(const double *par, int m, const double *k, const double *y, double *state, long cycles, int steps, double *out)
 {
-    mode o = { par[0], par[1], par[2], par[3], par[4], m, k, y, state + 2 };
+    mode o = { par[0], par[1], par[2], par[3], par[4], m, k, y, state + 2, (int)par[5], par[6], par[7] };
     const double two_pi = 6.283185307179586476925;
     double h = two_pi / o.W / steps, half[4], full[4];
     propagator(o.Q, 0.5 * h, half);
@@ -103,9 +114,75 @@ void run(const double *par, int m, const double *k, const double *y, double *sta
 /* The sliders alone, moved along path: the force after each point of it (for checks against closed forms). */
 void follow(int m, const double *k, const double *y, double *z, long n, const double *path, double *force)
 {
-    mode o = { 1.0, 0.0, 0.0, 0.0, 1.0, m, k, y, z };
+    mode o = { 1.0, 0.0, 0.0, 0.0, 1.0, m, k, y, z, 0, 0.0, 1.0 };
     for (long i = 0; i < n; i++) {
         drag(&o, path[i]);
         force[i] = joint(&o, path[i]);
+    }
+}
+
+/* The linear mode with a second one on it, mass mu times the first, frequency a and quality factor b by itself:
+
+       u'' + u'/Q + u + mu [a^2 (u - q) + a/b (u' - q')] = p cos(W t),   q'' + a/b (q' - u') + a^2 (q - u) = 0
+
+   The same method, each mode by its own exponential, the coupling by the Runge-Kutta rule in both. par: Q, mu, a, b, p, W.
+   state: u, u', q, q'. out as above. */
+static void pair_rest(const double *par, const double *x, double drive, double *r)
+{
+    double mu = par[1], a = par[2], c = par[2] / par[3];
+    r[0] = drive - mu * (a * a * (x[0] - x[2]) + c * (x[1] - x[3]));
+    r[1] = a * a * x[0] + c * x[1];
+}
+
+/* x moved by the exponentials, for a unit of time of the second mode of 1/a */
+static void pair_move(const double *e, const double *g, double a, const double *x, double *y)
+{
+    y[0] = e[0] * x[0] + e[1] * x[1];
+    y[1] = e[2] * x[0] + e[3] * x[1];
+    y[2] = g[0] * x[2] + g[1] / a * x[3];
+    y[3] = g[2] * a * x[2] + g[3] * x[3];
+}
+
+void run_pair(const double *par, double *x, long cycles, int steps, double *out)
+{
+    const double two_pi = 6.283185307179586476925;
+    double a = par[2], p = par[4], h = two_pi / par[5] / steps, e[2][4], g[2][4];
+    for (int i = 0; i < 2; i++) {
+        propagator(par[0], (i + 1) * 0.5 * h, e[i]);
+        propagator(par[3], (i + 1) * 0.5 * h * a, g[i]);
+    }
+    for (long c = 0; c < cycles; c++) {
+        double sc = 0.0, ss = 0.0, top = 0.0;
+        for (int j = 0; j < steps; j++) {
+            double t = two_pi * j / steps, dt = two_pi / steps, r[4][2], y[4], z[4], at_half[4], at_full[4];
+            sc += x[0] * cos(t);
+            ss += x[0] * sin(t);
+            if (fabs(x[0]) > top) top = fabs(x[0]);
+            pair_move(e[0], g[0], a, x, at_half);
+            pair_move(e[1], g[1], a, x, at_full);
+            pair_rest(par, x, p * cos(t), r[0]);
+            double kick[4] = { 0.0, r[0][0], 0.0, r[0][1] };
+            pair_move(e[0], g[0], a, kick, y);
+            for (int i = 0; i < 4; i++) z[i] = at_half[i] + 0.5 * h * y[i];
+            pair_rest(par, z, p * cos(t + 0.5 * dt), r[1]);
+            for (int i = 0; i < 4; i++) z[i] = at_half[i];
+            z[1] += 0.5 * h * r[1][0];
+            z[3] += 0.5 * h * r[1][1];
+            pair_rest(par, z, p * cos(t + 0.5 * dt), r[2]);
+            double late[4] = { 0.0, r[2][0], 0.0, r[2][1] };
+            pair_move(e[0], g[0], a, late, y);
+            for (int i = 0; i < 4; i++) z[i] = at_full[i] + h * y[i];
+            pair_rest(par, z, p * cos(t + dt), r[3]);
+            double middle[4] = { 0.0, r[1][0] + r[2][0], 0.0, r[1][1] + r[2][1] };
+            pair_move(e[1], g[1], a, kick, y);
+            for (int i = 0; i < 4; i++) z[i] = at_full[i] + h / 6.0 * y[i];
+            pair_move(e[0], g[0], a, middle, y);
+            for (int i = 0; i < 4; i++) x[i] = z[i] + h / 3.0 * y[i];
+            x[1] += h / 6.0 * r[3][0];
+            x[3] += h / 6.0 * r[3][1];
+        }
+        out[0] = 2.0 * sc / steps;
+        out[1] = 2.0 * ss / steps;
+        out[2] = top;
     }
 }

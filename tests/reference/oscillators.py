@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Measured tables of bare oscillators with one planted effect, integrated in time by a separate program.
+"""Measured tables of bare oscillators with planted effects, integrated in time by a separate program.
 
     python3 tests/reference/oscillators.py --out DIR --seed 1 --count 64
+    python3 tests/reference/oscillators.py --out DIR --seed 1 --count 80 --kind random
     python3 tests/reference/oscillators.py --check
 
 The rig is one mode (SI units; an angle and a torque take the place of displacement and force in some tables):
@@ -14,12 +15,13 @@ The rig is one mode (SI units; an angle and a torque take the place of displacem
     quadratic-damping  D_2 |x'| x'
     friction-joint     slip elements in parallel from the mass to ground whose monotonic force is
                        F_s [1 - (1 - x/x_m)^n],  x_m = n F_s/k_t;  n = 1 is one Jenkins element
+    (outside)          what the program's catalogue does not hold; see OUTSIDE
     base drive         f = -M y''; the table states the amplitude of y'' and x is relative to the base.
                        Phases are relative to y'', so the force's sign adds pi.
 
 It is solved in the units that the oscillator itself gives, u = x/X with X about the largest motion, t in 1/(2 pi f0):
 
-    u'' + u'/Q + u + kappa u^3 + d |u'| u' + sum_i k_i clip(u - z_i, -y_i, y_i) = p cos(W t),   W = w/(2 pi f0)
+    u'' + u'/Q + u + kappa u^3 + d |u'| u' + sum_i k_i clip(u - z_i, -y_i, y_i) + s(u) = p cos(W t),   W = w/(2 pi f0)
     kappa = K_3 X^2/K,   d = D_2 X/M,   p = f/(K X)
 
 by integration in time (oscillators.c) up to the periodic state, which is verified over a further period. The reading is
@@ -32,6 +34,7 @@ import cmath
 import ctypes
 import json
 import math
+import multiprocessing
 import os
 import random
 import subprocess
@@ -39,8 +42,23 @@ import sys
 import tempfile
 import time
 
+import laws
+
 GRAVITY = 9.80665  # m/s^2
 EFFECTS = ["none", "cubic-stiffness", "quadratic-damping", "friction-joint"]
+PAIRS = [(EFFECTS[1], EFFECTS[2]), (EFFECTS[1], EFFECTS[3]), (EFFECTS[2], EFFECTS[3])]
+OUTSIDE = {
+    "one-sided-stop": "a spring in reach beyond a gap on one side: b max(0, u - s)",
+    "exponential-spring": "a spring that stiffens exponentially: b (s sinh(u/s) - u)",
+    "saturating-spring": "a spring beside the other whose force saturates, without loss: b s tanh(u/s)",
+    "tuned-mass": "a second, linear mode on the first, inside the band",
+    "reading-compression": "a reading that falls short of large motions: |A| / sqrt(1 + (|A|/a_s)^2)",
+}
+KIN = {  # laws of the catalogue that may say nearly the same: not called false, and not held against a draw
+    "one-sided-stop": ["clearance", "drift"], "exponential-spring": ["quintic-stiffness", "clearance", "drift"],
+    "saturating-spring": ["drift"], "tuned-mass": [], "reading-compression": ["drift"],
+}
+LAWS = {"one-sided-stop": 1, "exponential-spring": 2, "saturating-spring": 3}
 PERIODIC = 1e-7  # change of the state over one period, relative to its amplitude, that passes for periodic
 
 
@@ -69,15 +87,18 @@ def array(values):
 
 
 class Mode:
-    """A dimensionless mode. `elements` lists (k_i, y_i): stiffness and the stretch at which the element slips."""
+    """A dimensionless mode. `elements` lists (k_i, y_i): stiffness and the stretch at which the element slips.
 
-    def __init__(self, Q, kappa=0.0, d=0.0, elements=()):
-        self.Q, self.kappa, self.d = Q, kappa, d
+    `spring` is (law, b, s) of oscillators.c. `several`: more than one state may be stable at one frequency."""
+
+    def __init__(self, Q, kappa=0.0, d=0.0, elements=(), spring=(0, 0.0, 1.0), several=None):
+        self.Q, self.kappa, self.d, self.spring = Q, kappa, d, spring
+        self.several = kappa != 0.0 or spring[0] != 0 if several is None else several
         elements = list(elements)
         elements += [(0.0, 1e9)] * (-len(elements) % 4)  # the C code takes four at a time
         self.elements = elements
         self.k, self.y = array([k for k, _ in elements]), array([y for _, y in elements])
-        self.steps = 384 if elements else 128
+        self.steps = 768 if spring[0] == 1 else 384 if elements or spring[0] else 128
 
     def at_rest(self):
         return [0.0] * (2 + len(self.elements))
@@ -86,10 +107,10 @@ class Mode:
         """State after whole periods from phase 0 of the drive; complex amplitude and largest |u| of the last period."""
         buffer, out = array(state), (DOUBLE * 3)()
         LIBRARY.run(
-            array([self.Q, self.kappa, self.d, p, W]), len(self.elements), self.k, self.y, buffer,
+            array([self.Q, self.kappa, self.d, p, W, *self.spring]), len(self.elements), self.k, self.y, buffer,
             ctypes.c_long(int(cycles)), steps or self.steps, out,
         )
-        if not out[2] < math.inf:
+        if not 0.0 < out[2] < math.inf:
             raise Rejected("escaped")
         return list(buffer)[: len(state)], complex(out[0], -out[1]), out[2]
 
@@ -103,7 +124,7 @@ class Mode:
                 psi = math.acos(1.0 - 2.0 * y / a)
                 stiffness += k / math.pi * (psi - 0.5 * math.sin(2.0 * psi))
                 loss += 4.0 * k * y * (a - y) / (math.pi * a * a)
-        return stiffness, loss
+        return stiffness + spring_harmonic(self.spring, a), loss
 
     def peak(self, p):
         """Amplitude, frequency and half-width at the resonance under the drive p, one harmonic."""
@@ -118,6 +139,26 @@ class Mode:
         if 1.0 + stiffness < 0.3:
             raise Rejected("softens too far")
         return low, math.sqrt(1.0 + stiffness), 0.5 * (1.0 / self.Q + loss)
+
+
+def spring_harmonic(spring, a):
+    """First harmonic of the force of a spring of oscillators.c over the amplitude a, about u = 0."""
+    law, b, s = spring
+    if law == 1:
+        return b * 0.5 * laws.gap_share(s / a) if a > 0.0 else 0.0
+    if law == 2:  # 2 I_1(z)/z - 1 by its series
+        term, total, quarter = 1.0, 0.0, 0.25 * (a / s) ** 2
+        for k in range(1, 60):
+            term *= quarter / (k * (k + 1))
+            total += term
+        return b * total
+    if law == 3:
+        if a < 1e-6 * s:
+            return b
+        count = 256
+        mean = sum(math.tanh(a / s * c) * c for c in (math.cos(0.5 * math.pi * (i + 0.5) / count) for i in range(count))) / count
+        return b * s * 2.0 * mean / a
+    return 0.0
 
 
 def joint_elements(k_t, x_m, n, reach, count=128):
@@ -143,7 +184,7 @@ def steady(mode, W, p, state, steps=None, transient=True):
     First the motion runs freely. Then the map over one period is found from three runs that differ in u and u' (each after
     one period in which the sliders forget the difference) and its fixed point is taken. With a cubic stiffness, where
     more than one state may be stable, the fixed point is believed only if it lies next to where the free motion had arrived."""
-    several = mode.kappa != 0.0
+    several = mode.several
     cycles = (2.0 if several else 0.1) * mode.Q + 10
     multiplier = 0.0
     if transient:
@@ -151,7 +192,7 @@ def steady(mode, W, p, state, steps=None, transient=True):
     for attempt in range(200):
         first = mode.run(state, W, p, 1, steps)[0]
         after, amplitude, top = mode.run(first, W, p, 1, steps)
-        if several and mode.kappa < 0.0 and top > 0.85 / math.sqrt(-mode.kappa):
+        if mode.kappa < 0.0 and top > 0.85 / math.sqrt(-mode.kappa):
             raise Rejected("beyond the barrier")
         residual = max(abs(b - a) for a, b in zip(first, after)) / top
         if residual < max(1e-8 / mode.Q, 2e-13) and multiplier < 1.0:
@@ -193,9 +234,11 @@ def sweep(mode, points, steps=None):
     """Complex amplitudes at (W, p) one after the other, each from where the motion before it ended, the first from rest.
 
     With a cubic stiffness the frequency glides from one point to the next."""
+    if isinstance(mode, TwoModes):
+        return mode.sweep(points, steps)
     state, before, amplitudes, worst = mode.at_rest(), points[0], [], 0.0
     for W, p in points:
-        if mode.kappa != 0.0:
+        if mode.several:
             for i in range(1, 9):
                 glide = [b + (a - b) * i / 8 for a, b in zip((W, p), before)]
                 state = mode.run(state, *glide, 0.25 * mode.Q + 1, steps)[0]
@@ -205,6 +248,39 @@ def sweep(mode, points, steps=None):
         worst, before = max(worst, residual), (W, p)
         amplitudes.append(amplitude)
     return amplitudes, worst
+
+
+class TwoModes(Mode):
+    """The linear mode with a second one on it: mass mu, frequency a and quality factor b by itself, relative to the first."""
+
+    def __init__(self, Q, mu, a, b):
+        super().__init__(Q)
+        self.mu, self.a, self.b = mu, a, b
+
+    def one_period(self, state, W, p, steps):
+        buffer, out = array(state), (DOUBLE * 3)()
+        LIBRARY.run_pair(array([self.Q, self.mu, self.a, self.b, p, W]), buffer, ctypes.c_long(1), steps, out)
+        return list(buffer), complex(out[0], -out[1]), out[2]
+
+    def sweep(self, points, steps=None):
+        """The map over one period is affine, so that five runs give its fixed point."""
+        steps, amplitudes, worst = steps or self.steps, [], 0.0
+        for W, p in points:
+            start = self.one_period([0.0] * 4, W, p, steps)[0]
+            columns = [self.one_period([float(i == j) for i in range(4)], W, 0.0, steps)[0] for j in range(4)]
+            matrix = [[float(i == j) - columns[j][i] for j in range(4)] for i in range(4)]
+            state = solve(matrix, start)
+            after, amplitude, top = self.one_period(state, W, p, steps)
+            residual = max(abs(x - y) for x, y in zip(after, state)) / top
+            if residual > min(PERIODIC, 1e-5 / self.Q):
+                raise Rejected(f"not periodic: {residual:.1e} at W = {W:.6f}")
+            worst = max(worst, residual)
+            amplitudes.append(amplitude)
+        return amplitudes, worst
+
+    def closed(self, W, p):
+        share = self.a**2 + 1j * W * self.a / self.b
+        return p / (1.0 - W * W + 1j * W / self.Q + self.mu * share * (1.0 - share / (share - W * W)))
 
 
 # ---------------------------------------------------------------------------------------------------- linear fit
@@ -226,8 +302,9 @@ def solve(matrix, right):
     return x
 
 
-def linear_miss(points, amplitudes, Q, noise, with_phase):
+def linear_miss(points, amplitudes, Q, noise, with_phase, noise_phase=None):
     """How far a linear oscillator (f0, Q, gain free, all series at once) misses: (largest, rms) in noise standard deviations."""
+    noise_phase = noise if noise_phase is None else noise_phase
 
     def residuals(v):
         out = []
@@ -235,7 +312,7 @@ def linear_miss(points, amplitudes, Q, noise, with_phase):
             r = W / math.exp(v[0])
             model = math.exp(v[2]) * p / (1.0 - r * r + 1j * r / math.exp(v[1]))
             ratio = cmath.log(a / model)
-            out += [ratio.real / noise] + ([ratio.imag / noise] if with_phase else [])
+            out += [ratio.real / noise] + ([ratio.imag / noise_phase] if with_phase else [])
         return out
 
     def cost(r):
@@ -307,6 +384,72 @@ def draw_mode(rng, effect):
     return mode, 1.0 / Q + mode.harmonic(1.0)[1], {"k_t": k_t, "x_m": x_m, "n": n}
 
 
+def draw_conditions(rng):
+    """How a table of the random kind is measured. Drawn once per table: what is rejected later does not change it."""
+    noise = significant(log_uniform(rng, 0.001, 0.05), 2)
+    other = significant(log_uniform(rng, 0.001, 0.05), 2)
+    return {
+        "noise": noise,
+        "noise_phase": other if rng.random() < 0.5 else noise,
+        "with_phase": rng.random() < 0.85,
+        "sd_stated": rng.random() < 0.5,
+        "outliers": rng.uniform(0.01, 0.1) if rng.random() < 1.0 / 3.0 else 0.0,
+        "sensor_volts": rng.random() < 0.4,  # beside those whose drive is in volts too: half of all
+    }
+
+
+def draw_random_mode(rng, effects, outside, conditions):
+    """A mode with up to two effects or with a cause from outside, as strong as the noise asks for: (mode, drive, planted)."""
+    smaller = min(conditions["noise"], conditions["noise_phase"] if conditions["with_phase"] else 1.0)
+    scale = smaller / 0.01
+    Q = significant(log_uniform(rng, 3.0, 1e4), 4)
+    if outside:
+        return draw_outside(rng, outside, scale, Q)
+    pair = len(effects) == 2
+    scale *= 1.5 if pair else 1.0
+    kappa = d = ratio = k_t = 0.0
+    elements, joint, several = [], {}, None
+    if "friction-joint" in effects:
+        k_t = min(log_uniform(rng, 0.5, 6.0) * scale, 12.0) / Q
+        k_t = min(k_t, 1.0)
+        n = 1.0 if rng.random() < 0.5 else significant(rng.uniform(1.5, 4.0), 3)
+        x_m = 1.0 / (log_uniform(rng, 1.3, 8.0) if n == 1.0 else log_uniform(rng, 0.15, 1.5))
+        elements, joint = joint_elements(k_t, x_m, n, reach=1.3), {"k_t": k_t, "x_m": x_m, "n": n}
+    if "quadratic-damping" in effects:
+        ratio = min(log_uniform(rng, 0.2, 4.0) * scale, 8.0)
+        d = ratio / Q * 3.0 * math.pi / 8.0
+    loss = (1.0 + ratio) / Q + Mode(Q, elements=elements).harmonic(1.0)[1]
+    if "cubic-stiffness" in effects:
+        strength = min(log_uniform(rng, 0.7, 8.0) * scale, 10.0)
+        if elements:  # one state only: what several would cost with that many sliders is out of reach
+            strength, several = min(strength, 2.0), False
+        softening = rng.random() < 0.5
+        kappa = min(strength * 0.5 * loss / 0.75, 0.2 if softening else 0.5) * (-1.0 if softening else 1.0)
+    return Mode(Q, kappa=kappa, d=d, elements=elements, several=several), loss, joint
+
+
+def draw_outside(rng, outside, scale, Q):
+    if outside == "tuned-mass":
+        a = 1.0 + rng.uniform(-1.5, 1.5) / Q * 0.5
+        mu = min((log_uniform(rng, 0.3, 1.6) / Q) ** 2, 0.3) * min(max(scale, 0.2), 2.0)
+        b = Q * log_uniform(rng, 0.5, 6.0)
+        return TwoModes(Q, mu, a, b), 1.0 / Q, {"mass_ratio": mu, "frequency_ratio": a, "Q": b}
+    if outside == "reading-compression":
+        short = min(log_uniform(rng, 0.1, 0.5) * scale, 0.6)
+        return Mode(Q), 1.0 / Q, {"a_s": 1.0 / math.sqrt((1.0 - short) ** -2 - 1.0)}
+    Q = significant(log_uniform(rng, 3.0, 1e3), 4)  # the free runs of stiffer steps would take minutes
+    strength = min(log_uniform(rng, 1.0, 10.0) * scale, 12.0)
+    s = {
+        "one-sided-stop": rng.uniform(0.2, 0.85), "exponential-spring": 1.0 / log_uniform(rng, 3.0, 8.0),
+        "saturating-spring": 1.0 / log_uniform(rng, 5.0, 40.0),
+    }[outside]
+    law = LAWS[outside]
+    b = strength * 0.5 / Q / (1.0 if law == 3 else spring_harmonic((law, 1.0, s), 1.0))
+    if spring_harmonic((law, b, s), 1.0) > 1.0 or b > 20.0:
+        raise Rejected("too stiff")
+    return Mode(Q, spring=(law, b, s), several=strength > 2.0), 1.0 / Q, {"b": b, "s": s}
+
+
 def draw_levels(rng):
     """Three or four drive levels relative to the largest, as round numbers with round ratios."""
     count = rng.choice((3, 3, 4))
@@ -327,7 +470,7 @@ def draw_grids(rng, mode, drives):
     ends = []
     for _, W, half in peaks:
         low, high = W - margin * half, W + margin * half
-        if mode.kappa:  # the bent resonance reaches from the unbent to the bent frequency
+        if mode.kappa or mode.spring[0]:  # the bent resonance reaches from the unbent to the bent frequency
             low, high = min(low, 1.0 - 2.5 * half), max(high, 1.0 + 2.5 * half)
         ends.append((max(low, 0.35), high))
     low, high = min(e[0] for e in ends), max(e[1] for e in ends)
@@ -370,12 +513,59 @@ def draw_size(rng):
     return mass, f0, length, motion
 
 
-def draw_table(rng, effect):
-    """One table: (rows of physical values, style, truth). Raises Rejected where the draw is of no use."""
-    mode, p_top, joint = draw_mode(rng, effect)
+def predicted(mode, points):
+    """One harmonic in place of the integration, only to drop hopeless draws early; None where it could not tell."""
+    top = max(p for _, p in points)
+    bend = 2.0 * abs(0.75 * mode.kappa + spring_harmonic(mode.spring, 1.0)) / (top or 1.0)
+    if isinstance(mode, TwoModes):
+        return [mode.closed(W, p) for W, p in points]
+    return None if bend > 2.5 else [one_harmonic(mode, p, W, 45) for W, p in points]
+
+
+def judge(points, amplitudes, numbers, mode, effects, outside, conditions):
+    """Compares with the catalogue's laws in one harmonic. Raises Rejected unless each effect of a pair is needed, and unless
+    a cause from outside lies beyond every law and the pairs of laws.PAIRED with any other. What came near, for the answers."""
+    fit = laws.Fit(
+        points, amplitudes, numbers, mode.Q, conditions["noise"], conditions["noise_phase"] if conditions["with_phase"] else None
+    )
+    if not effects and not outside:
+        return {}
+    kin = KIN.get(outside, [])
+    if len(effects) == 2:
+        needed = [laws.alone(fit, [e])[e] for e in effects]
+        if min(needed) < 4.0:
+            raise Rejected(f"one effect alone misses by {min(needed):.1f}")
+    elif outside:
+        for law in laws.ALONE:
+            if law not in kin and min(laws.alone(fit, [law]).values(), default=math.inf) < 5.0:
+                raise Rejected(f"{law} comes near")
+    near = {law: round(miss, 1) for law, miss in laws.alone(fit).items()}
+    told = {"one_law_misses_sd": near}
+    if outside:
+        miss, pair = laws.in_pairs(fit, kin)
+        if miss < 4.0:
+            raise Rejected(f"{' and '.join(pair)} come near")
+        told["best_pair"] = {"laws": pair, "largest_sd": round(miss, 1)}
+    return told
+
+
+def draw_table(rng, effects, outside=None, conditions=None):
+    """One table: (rows of physical values, style, truth). Raises Rejected where the draw is of no use.
+
+    Without conditions it is one of the single kind."""
+    effect = effects[0] if effects else "none"
+    if conditions is None:
+        mode, p_top, joint = draw_mode(rng, effect)
+    else:
+        mode, p_top, joint = draw_random_mode(rng, effects, outside, conditions)
     levels = draw_levels(rng)
-    noise = significant(log_uniform(rng, 0.005, 0.03), 2)
-    with_phase = rng.random() < 0.9
+    if conditions is None:
+        noise = noise_phase = significant(log_uniform(rng, 0.005, 0.03), 2)
+        with_phase = rng.random() < 0.9
+    else:
+        noise, noise_phase, with_phase = (conditions[key] for key in ("noise", "noise_phase", "with_phase"))
+    planted = bool(effects) or outside is not None
+    most = 250.0 if outside else 80.0 if len(effects) == 2 else 50.0
     drives = [p_top * level / levels[-1] for level in levels]
     grids = draw_grids(rng, mode, drives)
     mass, f0, length, motion = draw_size(rng)
@@ -404,8 +594,14 @@ def draw_table(rng, effect):
             points.append((W, row))
         series.append([index, "up", points])
 
+    if conditions is not None and planted and outside != "reading-compression":
+        along = [point for _, _, points in series for point in points]
+        guess = predicted(mode, along)
+        if guess is not None and not 3.5 < linear_miss(along, guess, mode.Q, noise, with_phase, noise_phase)[0] < 1.5 * most:
+            raise Rejected("one harmonic foretells too little or too much")
+
     folds = False
-    if mode.kappa:
+    if mode.several:
         top = series[-1][2]
         up, down = sweep(mode, top)[0], sweep(mode, top[::-1])[0][::-1]
         folds = any(abs(a - b) > 0.05 * abs(a) for a, b in zip(up, down))
@@ -431,12 +627,18 @@ def draw_table(rng, effect):
         points += along
         amplitudes += found
         worst = max(worst, residual)
-    miss, miss_rms = linear_miss(points, amplitudes, mode.Q, noise, with_phase)
-    if effect == "none":
+    if outside == "reading-compression":
+        amplitudes = [a / math.sqrt(1.0 + (abs(a) / joint["a_s"]) ** 2) for a in amplitudes]
+    miss, miss_rms = linear_miss(points, amplitudes, mode.Q, noise, with_phase, noise_phase)
+    if not planted:
         if miss > 0.01:
             raise AssertionError(f"a linear oscillator that a linear fit misses by {miss}")
-    elif miss < 5.0 or (miss > 50.0 and not folds):
+    elif miss < 5.0 or (miss > most and not folds):
         raise Rejected(f"the linear fit misses by {miss:.1f}")
+    told = {}
+    if conditions is not None:
+        numbers = [number for number, (_, _, along) in enumerate(series) for _ in along]
+        told = judge(points, amplitudes, numbers, mode, effects, outside, conditions)
 
     # physical units
     X = motion
@@ -448,11 +650,11 @@ def draw_table(rng, effect):
         "reading": {"x": "displacement", "v": "velocity", "a": "acceleration"}[reading],
         "largest_motion": max(abs(a) for a in amplitudes) * X,
     }
-    if effect == "cubic-stiffness":
+    if "cubic-stiffness" in effects:
         truth["K_3"] = mode.kappa * K / X**2
-    elif effect == "quadratic-damping":
+    if "quadratic-damping" in effects:
         truth["D_2"] = mode.d * mass / X
-    elif effect == "friction-joint":
+    if "friction-joint" in effects:
         truth["k_t"], truth["n"] = joint["k_t"] * K, joint["n"]
         truth["F_s"] = joint["k_t"] * joint["x_m"] / joint["n"] * force
     per_drive = -1.0 / mass if kind == "base" else 1.0  # stated drive per force
@@ -462,9 +664,13 @@ def draw_table(rng, effect):
         per_drive = significant(log_uniform(rng, 0.005, 10.0) / (p_top * force), 4)
         per_motion = significant(log_uniform(rng, 0.01, 5.0) / largest, 4)
         truth["sensitivity_v_per_reading"], truth["drive_n_per_v"] = per_motion, 1.0 / per_drive
+    sensor_volts = kind == "volts"
+    if conditions is not None and conditions["sensor_volts"] and not sensor_volts:
+        sensor_volts, per_motion = True, significant(log_uniform(rng, 0.01, 5.0) / largest, 4)
+        truth["sensitivity_v_per_reading"] = per_motion
     prefix = "angle " if kind == "torque" else ""
     drive_unit = prefixed(rng, UNITS[kind], p_top * force * per_drive)
-    reading_unit = prefixed(rng, UNITS["volts" if kind == "volts" else prefix + reading], largest * per_motion)
+    reading_unit = prefixed(rng, UNITS["volts" if sensor_volts else prefix + reading], largest * per_motion)
     drive_name = {"force": "force", "torque": "torque", "base": "drive", "volts": "drive"}[kind]
     hertz = ("khz", "kHz", 1e3) if f0 > 5e3 and rng.random() < 0.4 else ("hz", "Hz", 1.0)
     angle = ("deg", "deg", math.pi / 180.0) if rng.random() < 0.3 else ("rad", "rad", 1.0)
@@ -483,16 +689,28 @@ def draw_table(rng, effect):
             a = amplitudes[at] * X * (1j * W * w0) ** "xva".index(reading) * per_motion * (1.0 if per_drive > 0 else -1.0)
             at += 1
             amplitude = abs(a) * (1.0 + noise * rng.gauss(0.0, 1.0))
-            phase = cmath.phase(a * cmath.exp(1j * noise * rng.gauss(0.0, 1.0)))
+            phase = cmath.phase(a * cmath.exp(1j * noise_phase * rng.gauss(0.0, 1.0)))
             rows.append({
                 "series": label, "sweep": direction, "frequency": W * f0 / hertz[2],
                 "drive": p * force * abs(per_drive) / drive_unit[2], "amplitude": amplitude / reading_unit[2],
                 "phase": phase / angle[2],
             })
+    states_sd = conditions is not None and conditions["sd_stated"]
+    if conditions is not None:
+        percent = rng.random() < 0.5
+        for row in rows:  # before any outlier; a share of the reading, or of its noise-free value would be as good
+            row["amplitude_sd"] = 100.0 * noise if percent else noise * row["amplitude"]
+            row["phase_sd"] = noise_phase / angle[2]
+        sd_unit = ("percent", "%", None) if percent else reading_unit
+        truth["outliers"] = throw_outliers(rng, rows, conditions, angle[2])
+        truth.update(noise_phase=noise_phase, sd_stated=states_sd)
     columns = [("series", "series", None)] if has_series else []
     columns += [("sweep", "sweep", None)] if has_sweep else []
     columns += [("frequency", "frequency", hertz), ("drive", drive_name, drive_unit), ("amplitude", "amplitude", reading_unit)]
     columns += [("phase", "phase", angle)] if with_phase else []
+    if states_sd:
+        columns += [("amplitude_sd", "amplitude_sd", sd_unit)]
+        columns += [("phase_sd", "phase_sd", angle)] if with_phase else []
     style = {"columns": columns, "separator": ",", "comma": False, "bom": False, "brackets": None, "end": "\n"}
     style["digits"] = rng.choice((7, 7, 7, 5))
     look = rng.random()
@@ -510,11 +728,28 @@ def draw_table(rng, effect):
         drive_varies=varies, linear_miss_sd={"largest": round(miss, 2), "rms": round(miss_rms, 2)},
         dimensionless={
             "largest": max(abs(a) for a in amplitudes), "kappa": mode.kappa, "d": mode.d,
-            **({f"joint_{k}": v for k, v in joint.items()}),
+            **({f"{'outside' if outside else 'joint'}_{k}": v for k, v in joint.items()}),
         },
         residual=float(f"{worst:.1e}"),
+        **told,
     )
     return rows, style, truth
+
+
+def throw_outliers(rng, rows, conditions, per_angle):
+    """Moves the amplitude or the phase of some rows by 10 to 40 standard deviations: how many.
+
+    Downward an amplitude goes by 0.8 of itself at most; where that is less, it goes upward."""
+    count = round(conditions["outliers"] * len(rows))
+    for index in rng.sample(range(len(rows)), count):
+        row, far, sign = rows[index], rng.uniform(10.0, 40.0), rng.choice((-1.0, 1.0))
+        if conditions["with_phase"] and rng.random() < 0.5:
+            moved = row["phase"] * per_angle + sign * far * conditions["noise_phase"]
+            row["phase"] = cmath.phase(cmath.exp(1j * moved)) / per_angle
+        else:
+            change = far * conditions["noise"]
+            row["amplitude"] *= 1.0 + (change if change > 0.8 else sign * change)
+    return count
 
 
 # ---------------------------------------------------------------------------------------------------- writing
@@ -545,32 +780,73 @@ def write_table(path, rows, style):
         file.write(style["end"].join(lines) + style["end"])
 
 
-def generate(folder, seed, count, only=None):
-    """Every block of four tables holds each effect once, in an order drawn; table i does not depend on `count`."""
+def single_order(seed, count):
+    """[(effects, outside)]: every block of four tables holds each effect once, in an order drawn."""
+    order, found = random.Random(f"{seed}/order"), []
+    while len(found) < count:
+        found += [([] if e == "none" else [e], None) for e in order.sample(EFFECTS, 4)]
+    return found[:count]
+
+
+def random_order(seed, count):
+    """[(effects, outside)]: every block of ten holds two tables with nothing, four with one effect, two with a pair and two
+    with a cause from outside, in an order drawn; effects, pairs and causes go round in an order drawn once."""
+    order, found = random.Random(f"{seed}/random/order"), []
+    rounds = [order.sample(list(what), len(what)) for what in (EFFECTS[1:], PAIRS, OUTSIDE)]
+    used = [0, 0, 0]
+
+    def following(i):
+        used[i] += 1
+        return rounds[i][(used[i] - 1) % len(rounds[i])]
+
+    while len(found) < count:
+        block = [([], None)] * 2 + [([following(0)], None) for _ in range(4)]
+        block += [(list(following(1)), None) for _ in range(2)] + [([], following(2)) for _ in range(2)]
+        found += order.sample(block, 10)
+    return found[:count]
+
+
+def make(task):
+    """One table from its seed alone, so that tables may be made side by side: what `generate` writes and says."""
+    seed, index, kind, effects, outside = task
+    start, rejected = time.time(), 0
+    if kind == "single":
+        rng, conditions = random.Random(f"{seed}/{index}"), None
+    else:
+        rng = random.Random(f"{seed}/random/{index}")
+        conditions = draw_conditions(rng)
+    while True:
+        try:
+            return (*draw_table(rng, effects, outside, conditions), rejected, time.time() - start)
+        except Rejected:
+            rejected += 1
+            if conditions and rejected % 60 == 0:
+                conditions = draw_conditions(rng)  # nothing visible and distinct can be drawn under these
+
+
+def generate(folder, seed, count, only=None, kind="single", jobs=1):
+    """Table i does not depend on `count` or `jobs`."""
     answers, began = {}, time.time()
     os.makedirs(folder, exist_ok=True)
-    order = random.Random(f"{seed}/order")
-    effects = []
-    while len(effects) < count:
-        effects += order.sample(EFFECTS, 4)
-    for index in range(count):
-        name, effect = f"osc-{seed}-{index + 1:03d}", effects[index]
-        if only and name not in only:
-            continue
-        rng, rejected, start = random.Random(f"{seed}/{index}"), 0, time.time()
-        while True:
-            try:
-                rows, style, truth = draw_table(rng, effect)
-                break
-            except Rejected:
-                rejected += 1
+    prefix = {"single": "osc", "random": "rnd"}[kind]
+    tasks = []
+    for index, (effects, outside) in enumerate({"single": single_order, "random": random_order}[kind](seed, count)):
+        name = f"{prefix}-{seed}-{index + 1:03d}"
+        if not only or name in only:
+            tasks.append((name, (seed, index, kind, effects, outside)))
+    pool = multiprocessing.Pool(jobs) if jobs > 1 else None
+    made = (pool.imap if pool else map)(make, [task for _, task in tasks])
+    for (name, (_, _, _, effects, outside)), (rows, style, truth, rejected, seconds) in zip(tasks, made):
         os.makedirs(os.path.join(folder, name), exist_ok=True)
         write_table(os.path.join(folder, name, "table.csv"), rows, style)
-        answers[name] = {"effects": [] if effect == "none" else [effect], "truth": truth}
+        answers[name] = {"effects": effects, **({"outside": outside} if kind == "random" else {}), "truth": truth}
+        what = outside or "+".join(effects) or "none"
+        if outside:
+            answers[name]["kin"] = KIN[outside]
         print(
-            f"{name}  {effect:18s} Q {truth['Q']:8g}  f0 {truth['f0']:10g} Hz  rows {len(rows):3d}  "
+            f"{name}  {what:{18 if kind == 'single' else 34}s} Q {truth['Q']:8g}  f0 {truth['f0']:10g} Hz  rows {len(rows):3d}  "
             f"miss {truth['linear_miss_sd']['largest']:6.1f} sd  folds {truth['folds']!s:5s}  residual {truth['residual']:.0e}  "
-            f"rejected {rejected:3d}  {time.time() - start:5.1f} s", file=sys.stderr, flush=True,
+            f"rejected {rejected:3d}  {seconds:5.1f} s", file=sys.stderr, flush=True,
         )
         with open(os.path.join(folder, "answers.json"), "w", encoding="utf-8") as file:
             json.dump(answers, file, indent=1)
@@ -606,10 +882,10 @@ def roots_duffing(Q, kappa, p, W):
     return found
 
 
-def one_harmonic(mode, p, W):
+def one_harmonic(mode, p, W, halvings=200):
     """Amplitude where the effect is a stiffness and a loss that depend on amplitude alone (no folds), by bisection."""
     low, high = 0.0, p * mode.Q * 2.0
-    for _ in range(200):
+    for _ in range(halvings):
         a = 0.5 * (low + high)
         stiffness, loss = mode.harmonic(a)
         loss *= W * W if mode.d else 1.0
@@ -712,8 +988,81 @@ def check():
                 plain = mode.run(mode.at_rest(), W, p, 30 * Q)[1]
                 report(f"{what}: 30 Q periods from rest instead of the fixed point, W = {W:.3f}",
                        abs(steady(mode, W, p, mode.at_rest())[1] / plain - 1.0), 1e-6)
+    check_outside(report, grid, difference)
     print(f"{len(failures)} failed")
     return not failures
+
+
+def check_outside(report, grid, difference):
+    """The springs, the second mode, two effects at once, and laws.py."""
+    for W1, b in ((1.0, 0.5), (1.0, 3.0)):  # a stop without a gap: half a period each at W1 and at sqrt(1 + b)
+        W2 = math.sqrt(1.0 + b)
+        mode = Mode(1e12, spring=(1, b, 0.0))
+        W = 2.0 * W1 * W2 / (W1 + W2)
+        state = mode.run([1.0, 0.0], W, 0.0, 20)[0]
+        report(f"stop without a gap, b = {b:g}: back after 20 free periods at 2 w1 w2/(w1 + w2)",
+               max(abs(state[0] - 1.0), abs(state[1])), 2e-3)
+        fine = mode.run([1.0, 0.0], W, 0.0, 20, 4 * mode.steps)[0]
+        report("  the same with a quarter of the time step", max(abs(fine[0] - 1.0), abs(fine[1])), 1e-4)
+    Q = 5e4
+    for what, spring in (
+        ("one-sided stop", (1, 6.0 / Q, 0.4)), ("exponential spring", (2, 0.2 / Q, 0.2)), ("saturating spring", (3, 1.0 / Q, 0.05)),
+    ):
+        mode = Mode(Q, spring=spring, several=False)
+        points = [(W, 1.0 / Q) for W in grid(Q, 6.0)]
+        points = [(W, p) for W, p in points if W < 1.0 or what != "exponential spring"]
+        found = sweep(mode, points)[0]
+        report(f"{what}: one harmonic as Q grows", difference(found, [one_harmonic(mode, p, W) for W, p in points]), 1e-4)
+    for what, spring, W in (("one-sided stop", (1, 0.6, 0.4), 1.1), ("exponential spring", (2, 0.02, 0.2), 1.1), ("saturating spring", (3, 0.3, 0.05), 1.1)):
+        mode, p = Mode(20.0, spring=spring), 0.05
+        points = [(1.0 + 0.01 * i, p) for i in range(-10, 11)]
+        coarse, fine = sweep(mode, points)[0], sweep(mode, points, 2 * mode.steps)[0]
+        report(f"{what}: half the time step", difference(coarse, fine), 1e-4)
+    soft = Mode(100.0, spring=(2, 6.0, 100.0), several=False)
+    cubic = Mode(100.0, kappa=1e-4, several=False)  # b/(6 s^2)
+    points = [(W, 0.05) for W in grid(100.0)]
+    report("exponential spring within a twentieth of its length: cubic with b/(6 s^2)",
+           difference(sweep(soft, points)[0], sweep(cubic, points, soft.steps)[0]), 1e-4)
+
+    for Q, mu, a, b in ((4.0, 0.1, 1.1, 6.0), (100.0, 1e-4, 0.997, 80.0), (1e4, 1e-8, 1.00003, 3e4)):
+        mode = TwoModes(Q, mu, a, b)
+        points = [(W, 1.0 / Q) for W in grid(Q)]
+        exact = [mode.closed(W, p) for W, p in points]
+        alone = [p / (1.0 - W * W + 1j * W / Q) for W, p in points]
+        report(f"second mode, closed form, Q = {Q:g} (it changes the curve by up to {difference(alone, exact):.0%})",
+               difference(sweep(mode, points)[0], exact), 1e-6)
+        if Q < 1e3:
+            W, p = points[3]
+            state = [0.0] * 4
+            for _ in range(int(30 * max(Q, b))):
+                state, amplitude, _ = mode.one_period(state, W, p, mode.steps)
+            report("  from rest, 30 Q periods", abs(amplitude / mode.closed(W, p) - 1.0), 1e-6)
+
+    Q = 5e4
+    several = [
+        ("cubic and quadratic", Mode(Q, kappa=1.0 / Q, d=1.0 / Q)), ("cubic and Jenkins", Mode(Q, kappa=-1.0 / Q, elements=[(2.0 / Q, 0.3)], several=False)),
+        ("quadratic and Jenkins", Mode(Q, d=1.0 / Q, elements=[(2.0 / Q, 0.3)])),
+    ]
+    for what, mode in several:
+        points = [(W, 2.0 / Q) for W in grid(Q, 8.0)]
+        found = sweep(mode, points)[0]
+        report(f"{what}: one harmonic as Q grows", difference(found, [one_harmonic(mode, p, W) for W, p in points]), 1e-4)
+
+    for n, ratio in ((1.0, 2.0), (2.0, 0.7), (4.0, 3.0)):
+        mode = Mode(1.0, elements=joint_elements(1.0, 1.0 / ratio, n, reach=1.0))
+        found = laws.Interpolated(n)(ratio)
+        report(f"laws.py: stiffness and loss of a joint by Masing's rule against its elements, n = {n:g}",
+               abs(found - complex(*mode.harmonic(1.0))), 2e-3)
+    drives = (0.25 / 200.0, 0.5 / 200.0, 1.0 / 200.0)
+    for what, mode, law in (
+        ("cubic", Mode(200.0, kappa=2e-3), "cubic-stiffness"), ("quadratic", Mode(200.0, d=4e-3), "quadratic-damping"),
+        ("joint", Mode(200.0, elements=joint_elements(0.01, 0.8, 2.0, 1.3)), "friction-joint"),
+    ):
+        points = [(W, p) for p in drives for W in grid(200.0, 6.0, 21)]
+        fit = laws.Fit(points, sweep(mode, points)[0], [p for _, p in points], 200.0, 0.01, 0.01)
+        told = laws.alone(fit, laws.ALONE[:3])
+        report(f"laws.py: what the planted law leaves, {what} (the others: {', '.join(f'{m:.0f}' for k, m in told.items() if k != law)})",
+               told[law], 0.3)
 
 
 def main():
@@ -721,6 +1070,8 @@ def main():
     parser.add_argument("--out", metavar="DIR", help="folder for NAME/table.csv and answers.json")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=64)
+    parser.add_argument("--kind", choices=("single", "random"), default="single", help="what is drawn [default: single]")
+    parser.add_argument("--jobs", type=int, default=1, help="tables at a time")
     parser.add_argument("--only", metavar="NAME", nargs="+", help="generate these tables only")
     parser.add_argument("--check", action="store_true", help="compare with closed forms and exit")
     options = parser.parse_args()
@@ -728,7 +1079,7 @@ def main():
         sys.exit(0 if check() else 1)
     if not options.out:
         parser.error("--out DIR is needed")
-    generate(options.out, options.seed, options.count, options.only)
+    generate(options.out, options.seed, options.count, options.only, options.kind, options.jobs)
 
 
 if __name__ == "__main__":
