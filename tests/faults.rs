@@ -441,7 +441,7 @@ fn a_disk_that_fills_or_a_folder_that_cannot_be_written_to_leaves_no_half_of_a_f
         let output = output(dir, &["run", "small.toml", "--out", to]);
         assert!([Some(2), Some(3)].contains(&output.status.code()), "{to}: {}", told(&output));
     }
-    fails(&output(dir, &["compare", "measured.toml", "--json", "/proc/c.json"]), 3, "/proc/c.json");
+    fails(&output(dir, &["compare", "measured.toml", "--json", "/proc/c.json"]), 3, "cannot write in `/proc`");
     fails(&output(dir, &["report", "small.toml", "--history", "/proc/runs"]), 3, "/proc/runs");
 }
 
@@ -450,7 +450,7 @@ fn few_files_and_little_memory_are_told_or_suffice() {
     let dir = tempfile::tempdir().unwrap();
     let dir = dir.path();
     prepare(dir);
-    for limit in ["-n 3", "-n 5", "-n 6", "-n 8", "-n 10", "-n 12", "-n 16", "-v 60000", "-v 120000", "-v 400000"] {
+    for limit in ["-n 5", "-n 6", "-n 8", "-n 10", "-n 12", "-n 16", "-v 60000", "-v 120000", "-v 400000"] {
         for command in
             ["run small.toml", "report small.toml measured.toml --history runs", "compare measured.toml --json c.json"]
         {
