@@ -408,7 +408,7 @@ fn an_interrupt_ends_every_command_at_once_with_its_status() {
     ];
     for command in commands {
         let run = stickslip(dir, command).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-        std::thread::sleep(std::time::Duration::from_millis(250));
+        std::thread::sleep(std::time::Duration::from_millis(100));
         let id = run.id().to_string();
         let pressed = std::time::Instant::now();
         assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
@@ -416,7 +416,9 @@ fn an_interrupt_ends_every_command_at_once_with_its_status() {
         let took = pressed.elapsed();
         fails(&output, 3, "error: interrupted");
         assert!(took.as_secs_f64() < 1.0, "{command:?} went on for {took:?}");
-        assert_eq!(output.stdout, b"", "{command:?}");
+        // Either nothing was said yet, or all of it.
+        let whole = output.stdout.is_empty() || serde_json::from_slice::<serde_json::Value>(&output.stdout).is_ok();
+        assert!(whole, "{command:?}: {}", String::from_utf8_lossy(&output.stdout));
         all_whole(dir);
     }
     assert!(!dir.join("d.json").exists() && std::fs::read(dir.join("whole.toml")).unwrap() == before);
