@@ -1,5 +1,7 @@
 //! Hashes what the program is made of, so that results of one build are never taken for those of another.
 
+#![allow(clippy::print_stdout)]
+
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::path::{Path, PathBuf};
 

@@ -125,7 +125,7 @@ fn sweep_on_threads(bencher: Bencher, threads: usize) {
     let scenario = regime_map();
     let points = sweep::conditions(&scenario).len() * scenario.sweep.as_ref().map_or(0, |s| s.frequency.len());
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-    bencher.counter(ItemsCount::new(points)).bench_local(|| {
-        pool.install(|| sweep::run(&scenario, &sweep::Options::default()).expect("nothing interrupts"))
-    });
+    bencher
+        .counter(ItemsCount::new(points))
+        .bench_local(|| pool.install(|| sweep::run(&scenario, &sweep::Options::default())));
 }

@@ -1,6 +1,7 @@
 //! Prints as JSON the time and the error of one steady state, for `benches/peers`: the base law at the points that the
 //! peers solve (times are the smallest of several batch means), and with `--effects` every effect against the reference
 //! table (the effects in turn, the fastest of many rounds for each row). Times in seconds.
+#![allow(clippy::print_stdout)]
 
 #[path = "../tests/common/mod.rs"]
 mod common;

@@ -54,6 +54,7 @@ impl Cache {
     /// [`crate::error::Error::Io`] where nothing can be written there.
     pub fn open(folder: &Path) -> Result<Self> {
         files::prepare(folder)?;
+        files::tidy(folder);
         let cache = Self { folder: Some(folder.to_path_buf()) };
         cache.tidy();
         Ok(cache)

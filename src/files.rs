@@ -2,8 +2,13 @@
 
 use std::io::Write as _;
 use std::path::Path;
+use tempfile::{NamedTempFile, PersistError};
 
 use crate::error::{Error, Result};
+use crate::{interrupt, results};
+
+/// How names of files that are not yet whole begin and end.
+const UNFINISHED: (&str, &str) = (".stickslip-", ".tmp");
 
 /// Creates a folder for results and tries to write there, before the work that fills it.
 ///
@@ -19,13 +24,23 @@ pub fn prepare(folder: &Path) -> Result<()> {
     Ok(())
 }
 
+/// Removes files that a killed run left half written; one that is being written is locked, and stays.
+pub fn tidy(folder: &Path) {
+    let ours = |name: &str| name.starts_with(UNFINISHED.0) && name.ends_with(UNFINISHED.1);
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        let left = entry.file_name().to_str().is_some_and(ours) && entry.file_type().is_ok_and(|kind| kind.is_file());
+        if left && std::fs::File::open(entry.path()).is_ok_and(|file| file.try_lock().is_ok()) {
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
+}
+
 /// Writes a file that must not exist yet, with the folders above it.
 ///
 /// # Errors
 /// [`Error::Io`] where the operating system refuses, also where the file has appeared meanwhile.
 pub fn create(path: &Path, bytes: &[u8]) -> Result<()> {
-    stage(path, bytes)?.persist_noclobber(path).map_err(|error| Error::io("write", path)(error.error))?;
-    Ok(())
+    put(path, bytes, |file| file.persist_noclobber(path))
 }
 
 /// Writes a file, replacing an earlier one.
@@ -33,8 +48,34 @@ pub fn create(path: &Path, bytes: &[u8]) -> Result<()> {
 /// # Errors
 /// [`Error::Io`] where the operating system refuses.
 pub fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
-    stage(path, bytes)?.persist(path).map_err(|error| Error::io("write", path)(error.error))?;
-    Ok(())
+    put(path, bytes, |file| file.persist(path))
+}
+
+/// Writes a file that is asked for by its name, in place of one that is empty or that `ours` knows as the program's own.
+///
+/// # Errors
+/// [`Error::Input`] where another file is in its place; [`Error::Io`] where the operating system refuses.
+pub fn replace_own(path: &Path, bytes: &[u8], ours: impl Fn(&str) -> bool) -> Result<()> {
+    free(path, ours)?;
+    replace(path, bytes)
+}
+
+/// Complains where [`replace_own`] would.
+///
+/// # Errors
+/// [`Error::Input`] naming the file.
+pub fn free(path: &Path, ours: impl Fn(&str) -> bool) -> Result<()> {
+    let Ok(metadata) = path.symlink_metadata() else { return Ok(()) };
+    let why = if metadata.is_dir() {
+        "is a folder"
+    } else if !metadata.is_file() {
+        "is not an ordinary file and is not overwritten"
+    } else if results::beginning(path).is_some_and(|text| text.is_empty() || ours(&text)) {
+        return Ok(());
+    } else {
+        "was not written by this command and is not overwritten"
+    };
+    Err(Error::Input(format!("error: {} {why}\n  = help: name another file, or move this one away", path.display())))
 }
 
 /// Writes a file anew, where it is that links lead to it and with the permissions that it has.
@@ -43,19 +84,37 @@ pub fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
 /// [`Error::Io`] where the operating system refuses.
 pub fn update(path: &Path, bytes: &[u8]) -> Result<()> {
     let Ok(path) = path.canonicalize() else { return replace(path, bytes) };
-    let file = stage(&path, bytes)?;
     let permissions = std::fs::metadata(&path).map_err(Error::io("read", &path))?.permissions();
-    file.as_file().set_permissions(permissions).map_err(Error::io("write", &path))?;
-    file.persist(&path).map_err(|error| Error::io("write", &path)(error.error))?;
-    Ok(())
+    put(&path, bytes, |file| {
+        if let Err(error) = file.as_file().set_permissions(permissions) {
+            return Err(PersistError { error, file });
+        }
+        file.persist(&path)
+    })
 }
 
-fn stage(path: &Path, bytes: &[u8]) -> Result<tempfile::NamedTempFile> {
+/// Writes beside the place of a file, and moves that there.
+fn put(
+    path: &Path,
+    bytes: &[u8],
+    place: impl FnOnce(NamedTempFile) -> std::result::Result<std::fs::File, PersistError>,
+) -> Result<()> {
+    interrupt::whole(|| {
+        let file = stage(path, bytes)?;
+        place(file).map_err(|error| Error::io("write", path)(error.error))?;
+        Ok(())
+    })
+}
+
+fn stage(path: &Path, bytes: &[u8]) -> Result<NamedTempFile> {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder).map_err(Error::io("create the folder", folder))?;
-    let mut file = tempfile::Builder::new().tempfile_in(folder).map_err(Error::io("write in", folder))?;
-    file.write_all(bytes).map_err(Error::io("write", path))?;
-    readable(file.as_file()).map_err(Error::io("write", path))?;
+    let builder = || tempfile::Builder::new().prefix(UNFINISHED.0).suffix(UNFINISHED.1).tempfile_in(folder);
+    let mut file = builder().map_err(Error::io("write in", folder))?;
+    // Some network drives have no locks.
+    let _ = file.as_file().lock_shared();
+    let write = file.write_all(bytes).and_then(|()| readable(file.as_file())).and_then(|()| file.as_file().sync_all());
+    write.map_err(Error::io("write", path))?;
     Ok(file)
 }
 

@@ -2,7 +2,8 @@
 //!
 //! Data flows one way, in the order of the modules below: a scenario file becomes a validated [`scenario::Scenario`],
 //! that a [`model`], the model [steady states](solver::SteadyState), those a sweep [`sweep::Outcome`], figures and a report.
-//! Imports only go up this list ([`error`], [`statistics`], [`units`] and the finding of roots apart); `cli` assembles the steps.
+//! Imports only go up this list (apart from [`error`], [`statistics`], [`units`], the finding of roots, and what every write
+//! goes through: [`files`], [`results`], [`terminal`], [`interrupt`]); `cli` assembles the steps.
 //!
 //! * [`scenario`] - raw serde TOML to validated scenario in SI: what was written and what is meant are two types.
 //! * [`measurement`] - tables of measured steady states with their uncertainties, from files that are only read.
@@ -33,15 +34,18 @@ pub mod files;
 pub mod fit;
 pub mod gate;
 pub mod history;
+pub mod interrupt;
 pub mod measurement;
 pub mod model;
 pub mod question;
 pub mod report;
+pub mod results;
 mod roots;
 pub mod scenario;
 pub mod solver;
 pub mod statistics;
 pub mod sweep;
+pub mod terminal;
 pub mod trial;
 pub mod units;
 pub mod verification;

@@ -6,7 +6,7 @@ fn main() -> ExitCode {
     match stickslip::cli::run(stickslip::cli::Cli::of_process()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("{error}");
+            stickslip::terminal::tell(&error.to_string());
             ExitCode::from(error.exit_code())
         }
     }

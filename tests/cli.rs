@@ -35,7 +35,7 @@ fn small(dir: &Path) {
     std::fs::write(dir.join("small.toml"), SMALL).unwrap();
 }
 
-/// Every file below a folder with its bytes.
+/// Every result below a folder with its bytes.
 fn contents(root: &Path) -> Vec<(String, Vec<u8>)> {
     let mut out = Vec::new();
     let mut folders = vec![root.to_path_buf()];
@@ -44,7 +44,7 @@ fn contents(root: &Path) -> Vec<(String, Vec<u8>)> {
             let path = entry.unwrap().path();
             if path.is_dir() {
                 folders.push(path);
-            } else {
+            } else if path.file_name().is_some_and(|name| name != stickslip::results::LIST) {
                 let name = path.strip_prefix(root).unwrap().display().to_string();
                 out.push((name, std::fs::read(&path).unwrap()));
             }

@@ -98,7 +98,7 @@ fn a_hardening_arm_has_two_states_between_its_folds_and_both_are_found() {
         formulation: vec![Series],
         euler_steps: vec![1000],
     });
-    let outcome = stickslip::sweep::run(&scenario, &stickslip::sweep::Options::default()).unwrap();
+    let outcome = stickslip::sweep::run(&scenario, &stickslip::sweep::Options::default());
     let curve = &outcome.curves[0];
     let two: Vec<usize> = (0..curve.frequency.len()).filter(|&i| curve.down[i].is_some()).collect();
     assert!(two.len() > 3, "{two:?}");

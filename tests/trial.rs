@@ -49,6 +49,7 @@ fn options(causes: &[&str], out: PathBuf) -> Options {
         phase: true,
         search: discover::SearchOptions { max_effects: 1, ..discover::SearchOptions::default() },
         out,
+        inputs: Vec::new(),
     }
 }
 
@@ -195,12 +196,11 @@ fn trials_are_sealed_scored_kept_and_resumed() {
     let folder = tempfile::tempdir().unwrap();
     let bench = small(folder.path());
     let mut options = options(&["none", "quadratic-damping"], folder.path().join("out"));
-    let go_on = || Ok(());
     let fresh = std::cell::RefCell::new(Vec::new());
     let run = |options: &Options| {
         fresh.borrow_mut().clear();
         let done = |_: &trial::Record, new: bool| fresh.borrow_mut().push(new);
-        trial::run(&bench, options, &go_on, &done).unwrap()
+        trial::run(&bench, options, &done).unwrap()
     };
     // Interrupted after the first.
     let all = std::mem::take(&mut options.causes);
@@ -233,9 +233,12 @@ fn trials_are_sealed_scored_kept_and_resumed() {
     assert_eq!(blake3::hash(&sealed).to_hex().to_string(), damping.sealed);
 
     // An answer that was changed is not opened.
-    let seal = trial::seal(&options.out, &damping.answer).unwrap();
+    let results = stickslip::results::Results::open(&options.out, []).unwrap();
+    let seal = trial::seal(&results, &damping.answer).unwrap();
+    drop(results);
     std::fs::write(answers.join(format!("{id}.json")), b"{}").unwrap();
     assert!(trial::open(&seal).unwrap_err().to_string().contains("changed after it had been sealed"));
+    std::fs::write(answers.join(format!("{id}.json")), &sealed).unwrap();
 
     // Scores.
     assert_eq!(none.score.as_ref().unwrap().false_alarm.map(|alarm| !alarm), none.score.as_ref().map(|s| s.verdict));
@@ -307,7 +310,9 @@ fn effects_that_the_calibration_hides_are_found() {
     // The calibrated base of the first is far off; the fit that begins at that of the second ends at a roller without mass.
     for seed in [0, 4] {
         let options = Options { seed, ..options(&["roller-compliance"], folder.path().into()) };
-        let record = trial::single(&trial::practice(), &options, &options.causes[0], seed, 0.01, "").unwrap();
+        let results = stickslip::results::Results::open(folder.path(), []).unwrap();
+        let one = (&options.causes[0], seed, 0.01);
+        let record = trial::single(&trial::practice(), &options, &results, one, "").unwrap();
         let (score, found) = (record.score.unwrap(), record.found.unwrap());
         assert_eq!(score.exact, Some(true), "{seed}: {}", found.label());
         assert!(found.steps[0].chi2_per_point > 2.0 && score.final_error < 1.1, "{seed}: {:?}", found.steps);

@@ -3,8 +3,8 @@
 use super::baseline::{self, Baseline};
 use super::{Global, again, say, simulate};
 use crate::error::{Error, Result};
-use crate::files;
 use crate::report::Passed;
+use crate::results::Results;
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -38,13 +38,13 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     }
     if target.exists() {
         let earlier = Baseline::load(folder)?;
-        baseline::words(&earlier.numbers(&now.view)).iter().for_each(|line| say(global, line));
+        baseline::words(&earlier.numbers(&now.view)).iter().try_for_each(|line| say(global, line))?;
     } else {
-        say(global, &format!("{} holds no baseline yet", folder.display()));
+        say(global, &format!("{} holds no baseline yet", folder.display()))?;
     }
     let failed = now.view.gates.iter().filter(|gate| gate.verdict == Passed::No).count();
     if failed > 0 {
-        say(global, &format!("note: {failed} of {} gates failed in this run", now.view.gates.len()));
+        say(global, &format!("note: {failed} of {} gates failed in this run", now.view.gates.len()))?;
     }
     let json = if report.is_dir() { report.join("report.json") } else { report.clone() };
     let text = again::text(&json)?;
@@ -60,16 +60,15 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     let files: Vec<(String, String)> = drawings.chain(curves).collect();
     let count = files.len() + 1;
     if *dry_run {
-        say(global, &format!("dry run: {count} files would be written below {}", folder.display()));
+        say(global, &format!("dry run: {count} files would be written below {}", folder.display()))?;
         return Ok(());
     }
-    files::prepare(folder)?;
+    let results = Results::open(folder, [json.as_path()])?;
     for (name, text) in &files {
-        simulate::go_on()?;
-        files::replace(&folder.join(name), text.as_bytes())?;
+        results.write(name, text.as_bytes())?;
     }
     // Last, so that a baseline whose report names a figure has it.
-    files::replace(&target, text.as_bytes())?;
-    say(global, &format!("accepted: {count} files below {}", folder.display()));
+    results.write("report.json", text.as_bytes())?;
+    say(global, &format!("accepted: {count} files below {}", folder.display()))?;
     Ok(())
 }

@@ -6,12 +6,11 @@ use crate::compare::{Compared, Comparison, Metrics, words as condition};
 use crate::discover::{Change, fit_addition, fit_removal};
 use crate::effects::{self, Effect, REGISTRY};
 use crate::error::{Error, Result};
-use crate::files;
 use crate::scenario::Scenario;
 use crate::scenario::diagnostic::{nearest, quote, whole_file};
 use crate::scenario::edit::Editable;
 use crate::scenario::parameters::BASE_KEYS;
-use std::io::Write as _;
+use crate::{files, terminal};
 use std::path::Path;
 
 /// Conditions and regions shown on the terminal.
@@ -45,9 +44,9 @@ pub fn execute(job: &Job<'_>, global: &Global) -> Result<()> {
     extension::trial(job, effect, &scenario, &file, &target)?;
     if !global.quiet {
         let points = table.points.len();
-        eprintln!(
+        terminal::tell(&format!(
             "fitting to {points} points: seconds, or minutes where the model has no steady state at many of them"
-        );
+        ));
     }
     let change = if job.remove {
         fit_removal(&scenario, &table, effect.name(), job.seed)
@@ -56,18 +55,15 @@ pub fn execute(job: &Job<'_>, global: &Global) -> Result<()> {
     };
     let text = extension::fitted(job, effect, &scenario, &change, &file, &target)?;
     for line in words(job, &change) {
-        say(global, &line);
+        say(global, &line)?;
     }
     if job.dry_run {
-        let diff = difference(file.text(), &text, job.path, &target.path);
-        // A reader that has gone is no error of the command.
-        let _ = std::io::stdout().lock().write_all(diff.as_bytes());
-        return Ok(());
+        return terminal::print(&difference(file.text(), &text, job.path, &target.path));
     }
     target.unchanged(job.path, file.text())?;
     files::update(&target.path, format!("{}{text}", target.mark).as_bytes())?;
-    say(global, &format!("wrote {}", target.path.display()));
-    say(global, &format!("next: stickslip discover {}", target.path.display()));
+    say(global, &format!("wrote {}", target.path.display()))?;
+    say(global, &format!("next: stickslip discover {}", target.path.display()))?;
     Ok(())
 }
 

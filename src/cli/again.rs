@@ -3,8 +3,9 @@
 use super::report::{Arguments, page};
 use super::{Global, gates, say};
 use crate::error::{Error, Result};
+use crate::gate;
 use crate::report::{self, Passed, ReportView};
-use crate::{files, gate};
+use crate::results::Results;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
@@ -17,7 +18,8 @@ pub fn execute(from: &Path, arguments: &Arguments, global: &Global) -> Result<()
     let mut view = load(&from)?;
     let folder = from.parent().unwrap_or(Path::new("")).to_path_buf();
     let out = arguments.out.clone().unwrap_or_else(|| folder.clone());
-    arguments.extras.refuse(std::iter::once(from.as_path()))?;
+    let out = if out.as_os_str().is_empty() { PathBuf::from(".") } else { out };
+    arguments.extras.free(&out)?;
     for figure in report::figures(&mut view) {
         for file in &figure.files {
             let place = match file.kind.as_str() {
@@ -33,12 +35,12 @@ pub fn execute(from: &Path, arguments: &Arguments, global: &Global) -> Result<()
         picture.svg = text(&folder.join(&picture.before))?;
     }
     let page = page(&view)?;
-    let target = if out.as_os_str().is_empty() { PathBuf::from("report.html") } else { out.join("report.html") };
-    files::replace(&target, page.as_bytes())?;
+    let target = out.join("report.html");
+    Results::open(&out, [from.as_path()])?.write("report.html", page.as_bytes())?;
     let extras = arguments.extras.write(&view)?;
-    say(global, &view.summary.sentence);
+    say(global, &view.summary.sentence)?;
     for path in std::iter::once(target.as_path()).chain(extras) {
-        say(global, &format!("wrote {}", path.display()));
+        say(global, &format!("wrote {}", path.display()))?;
     }
     gates::passed(&judged(&view))
 }

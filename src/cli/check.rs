@@ -1,11 +1,11 @@
 //! `stickslip check`: read and validate scenarios and their tables of measurements, nothing else.
 
-use std::io::Write as _;
 use std::path::PathBuf;
 
 use crate::error::{Error, Result};
 use crate::measurement::{self, Table};
 use crate::scenario::Scenario;
+use crate::terminal;
 
 use super::compare::uncalibrated;
 use super::ledger::Ledger;
@@ -40,9 +40,5 @@ fn print(scenario: &Scenario, table: Option<&Table>) -> Result<()> {
     for note in table.iter().flat_map(|table| &table.notes).cloned().chain(told) {
         text += &format!("    note: {note}\n");
     }
-    match std::io::stdout().lock().write_all(text.as_bytes()) {
-        // A reader such as `head` that has seen enough is no failure.
-        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
-        outcome => outcome.map_err(Error::io("write to", "standard output")),
-    }
+    terminal::print(&text)
 }

@@ -1,12 +1,12 @@
 //! `stickslip compare`: the model against measurements, and where it fails.
 
+use super::drawn::Drawn;
 use super::folder::Folder;
 use super::gates::{self, GateLimits};
 use super::{Global, Json, Stamped, say, simulate};
 use crate::compare::{self, Comparison, Options, Outlier, outlier_words};
 use crate::error::{Error, Result};
 use crate::figures::style::{budget_percent, count};
-use crate::files;
 use crate::fit::{Identified, Interval, Parameter};
 use crate::gate;
 use crate::measurement::{self, Table};
@@ -25,7 +25,7 @@ pub struct Job<'a> {
     /// Where the JSON goes, if anywhere.
     pub json: Option<&'a Json>,
     /// Folder of the figures, if they are wanted.
-    pub out: Option<&'a Folder>,
+    pub out: Option<(&'a Path, &'a Drawn)>,
     /// Seed of the fit.
     pub seed: u32,
     /// Gates in place of the scenario's own.
@@ -37,31 +37,34 @@ pub fn execute(job: &Job<'_>, global: &Global) -> Result<()> {
     let Job { path, json, out, seed, limits } = *job;
     let (mut scenario, table) = with_measurements(path)?;
     limits.apply(&mut scenario.gate);
-    if let Some(out) = out {
-        files::prepare(out.path())?;
+    if let Some(json) = json {
+        json.free(compare::SCHEMA, out.map(|(out, _)| out))?;
     }
+    let inputs = || [path, table.file.as_path()];
+    let out = out.map(|(out, drawn)| Folder::open(out, drawn, inputs())).transpose()?;
+    let out = out.as_ref();
     let comparison = compare::compare(&scenario, &table, &Options { seed });
     let judged = gate::of_comparison(&scenario.gate, &comparison);
     if let Some(json) = json {
-        json.write(&Stamped::new(&compare::json(&comparison), &judged), &[path, &table.file])?;
+        json.write(&Stamped::new(&compare::json(&comparison), &judged), compare::SCHEMA)?;
     }
     let drawn = out.map(|out| simulate::comparison(&comparison, out)).transpose()?;
     if !json.is_some_and(Json::to_standard_output) {
         for line in words(&comparison) {
-            say(global, &line);
+            say(global, &line)?;
         }
         let names = drawn.iter().flatten().flat_map(|figure| &figure.files);
         for (name, out) in names.zip(std::iter::repeat(out)) {
-            say(global, &format!("  {}", out.map_or_else(|| name.into(), |out| out.path().join(name)).display()));
+            say(global, &format!("  {}", out.map_or_else(|| name.into(), |out| out.path().join(name)).display()))?;
         }
-        gates::told(&judged, global);
-        gates::claims_elsewhere(&scenario.gate, global);
+        gates::told(&judged, global)?;
+        gates::claims_elsewhere(&scenario.gate, global)?;
         let open = scenario.gate.needs_discovery();
         if !open.is_empty() {
             say(
                 global,
                 &format!("not judged here: {} of [gate]; `stickslip discover` and `report` do", open.join(" and ")),
-            );
+            )?;
         }
     }
     gates::passed(&judged)

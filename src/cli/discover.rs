@@ -34,19 +34,22 @@ pub fn execute(
     let (mut scenario, table) = with_measurements(path)?;
     limits.apply(&mut scenario.gate);
     verdict.apply(&mut scenario.gate);
+    if let Some(json) = json {
+        json.free(discover::SCHEMA, None)?;
+    }
     let options = SearchOptions { bounds: bounds.of(&scenario, &table)?, ..options.clone() };
     let discovery = discover::discover(&scenario, &table, &options);
     let mut judged = gate::of_comparison(&scenario.gate, &discovery.steps[0].comparison);
     judged.extend(gate::of_discovery(&scenario.gate, &discovery));
     if let Some(json) = json {
-        json.write(&Stamped::new(&discover::json(&discovery), &judged), &[path, &table.file])?;
+        json.write(&Stamped::new(&discover::json(&discovery), &judged), discover::SCHEMA)?;
     }
     if !json.is_some_and(Json::to_standard_output) {
         for line in words(&discovery) {
-            say(global, &line);
+            say(global, &line)?;
         }
-        gates::told(&judged, global);
-        gates::claims_elsewhere(&scenario.gate, global);
+        gates::told(&judged, global)?;
+        gates::claims_elsewhere(&scenario.gate, global)?;
     }
     gates::passed(&judged)
 }

@@ -1,12 +1,11 @@
 //! `stickslip effects`: the catalogue, written from the registry.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 
 use crate::effects::{Effect, ParameterInfo, REGISTRY, find, fits_rig, typical};
 use crate::error::{Error, Result};
 use crate::scenario::Coordinate;
-use crate::units;
+use crate::{terminal, units};
 
 /// Widest line of the output.
 const WIDTH: usize = 100;
@@ -17,11 +16,7 @@ pub fn execute(name: Option<&str>) -> Result<()> {
         None => table(),
         Some(name) => page(find(name).ok_or_else(|| unknown(name))?),
     };
-    match std::io::stdout().lock().write_all(text.as_bytes()) {
-        // A reader such as `head` that has seen enough is no failure.
-        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
-        outcome => outcome.map_err(Error::io("write to", "standard output")),
-    }
+    terminal::print(&text)
 }
 
 fn unknown(name: &str) -> Error {

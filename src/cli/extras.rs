@@ -1,5 +1,6 @@
 //! Files of a report for pipelines: JUnit XML and a Markdown summary.
 
+use super::folder::Folder;
 use crate::error::{Error, Result};
 use crate::files;
 use crate::report::{self, ReportView};
@@ -18,40 +19,60 @@ pub struct Extras {
 }
 
 impl Extras {
-    /// Complains where one of them would take the place of something else.
+    /// Complains where one of them would take the place of another file, or of a result in the folder `results`.
     ///
     /// # Errors
     /// [`Error::Input`] where it would.
-    pub fn refuse<'a>(&self, inputs: impl Iterator<Item = &'a Path> + Clone) -> Result<()> {
-        let given = [("--junit", &self.junit), ("--markdown", &self.markdown)];
-        for (option, path) in given.iter().filter_map(|(option, path)| Some((option, path.as_ref()?))) {
-            let same = |input: &Path| matches!((input.canonicalize(), path.canonicalize()), (Ok(a), Ok(b)) if a == b);
-            let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
-            let input = path.exists() && ["toml", "csv"].contains(&extension);
-            if input || inputs.clone().any(same) || path.is_dir() {
-                let why = if path.is_dir() { "is a folder" } else { "is an input and is not overwritten" };
-                return Err(Error::Input(format!(
-                    "error: {} {why}\n  = help: give {option} another file",
-                    path.display()
-                )));
-            }
+    pub fn free(&self, results: &Path) -> Result<()> {
+        for Extra { option, path, ours, .. } in self.given() {
+            Folder::apart(results, option, path)?;
+            files::free(path, ours)?;
         }
-        if self.junit.is_some() && self.junit == self.markdown {
-            return Err(Error::Input(
+        let same = |a: &Path, b: &Path| std::path::absolute(a).ok() == std::path::absolute(b).ok();
+        match (&self.junit, &self.markdown) {
+            (Some(junit), Some(markdown)) if same(junit, markdown) => Err(Error::Input(
                 "error: --junit and --markdown name the same file\n  = help: give each its own file".into(),
-            ));
+            )),
+            _ => Ok(()),
         }
-        Ok(())
     }
 
     /// Writes what was asked for; the paths written.
     pub fn write(&self, view: &ReportView) -> Result<Vec<&Path>> {
-        let texts = [(&self.junit, report::junit as fn(&ReportView) -> String), (&self.markdown, report::markdown)];
         let mut written = Vec::new();
-        for (path, text) in texts.iter().filter_map(|(path, text)| Some((path.as_deref()?, text))) {
-            files::replace(path, text(view).as_bytes())?;
+        for Extra { path, text, ours, .. } in self.given() {
+            files::replace_own(path, text(view).as_bytes(), ours)?;
             written.push(path);
         }
         Ok(written)
     }
+
+    fn given(&self) -> impl Iterator<Item = Extra<'_>> {
+        let junit = self.junit.as_deref().map(|path| Extra {
+            option: "--junit",
+            path,
+            text: report::junit,
+            ours: |text| {
+                let suites = ["gates", "measurements", "claims", "verification"];
+                let suite = |name| text.contains(&format!("\n  <testsuite name=\"{name}\" tests="));
+                text.starts_with("<?xml") && text.contains("\n<testsuites name=") && suites.into_iter().any(suite)
+            },
+        });
+        let markdown = self.markdown.as_deref().map(|path| Extra {
+            option: "--markdown",
+            path,
+            text: report::markdown,
+            ours: |text| text.starts_with("# ") && text.contains(", comparison version "),
+        });
+        junit.into_iter().chain(markdown)
+    }
+}
+
+/// One of them.
+struct Extra<'a> {
+    option: &'static str,
+    path: &'a Path,
+    text: fn(&ReportView) -> String,
+    /// Whether a text is one that the program wrote there.
+    ours: fn(&str) -> bool,
 }

@@ -1,8 +1,8 @@
 //! The folder of results: what was written there is remembered, so that a cache can keep it.
 
 use super::drawn::Drawn;
-use crate::error::Result;
-use crate::files;
+use crate::error::{Error, Result};
+use crate::results::Results;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde::{Deserialize, Serialize};
@@ -10,10 +10,13 @@ use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Mutex;
 
+/// Names in the folder of a report that are no scenario's.
+pub const RESERVED: [&str; 3] = ["report.html", "report.json", crate::results::LIST];
+
 /// A folder that files are written below.
 #[derive(Debug)]
 pub struct Folder {
-    path: PathBuf,
+    results: Results,
     drawn: Drawn,
     written: Mutex<BTreeMap<String, Content>>,
 }
@@ -46,14 +49,29 @@ impl Content {
 }
 
 impl Folder {
-    /// The folder at a path, in which nothing has been written yet.
-    pub fn new(path: &Path) -> Self {
-        Self::of(path, &Drawn::default())
+    /// The folder at a path, where no file takes the place of one of the `inputs`, with what is wanted of every figure.
+    ///
+    /// # Errors
+    /// Those of [`Results::open`].
+    pub fn open<'a>(path: &Path, drawn: &Drawn, inputs: impl IntoIterator<Item = &'a Path>) -> Result<Self> {
+        Ok(Self { results: Results::open(path, inputs)?, drawn: drawn.clone(), written: Mutex::default() })
     }
 
-    /// The same, with what is wanted of every figure.
-    pub fn of(path: &Path, drawn: &Drawn) -> Self {
-        Self { path: path.to_path_buf(), drawn: drawn.clone(), written: Mutex::default() }
+    /// Complains where a file that is asked for by an option lies where results go: it may lie in the folder under a name of
+    /// its own, not deeper.
+    ///
+    /// # Errors
+    /// [`Error::Input`] naming the option.
+    pub fn apart(path: &Path, option: &str, file: &Path) -> Result<()> {
+        let (folder, place) = (resolved(path), resolved(file));
+        let Ok(below) = place.strip_prefix(&folder) else { return Ok(()) };
+        if below.components().count() != 1 || RESERVED.iter().any(|name| below == Path::new(name)) {
+            return Err(Error::Input(format!(
+                "error: {option} names {}, where results of this run go\n  = help: give {option} another file",
+                file.display()
+            )));
+        }
+        Ok(())
     }
 
     /// What is wanted of every figure.
@@ -63,7 +81,7 @@ impl Folder {
 
     /// Where it is.
     pub fn path(&self) -> &Path {
-        &self.path
+        self.results.path()
     }
 
     /// Writes the file `name` below the folder.
@@ -71,7 +89,7 @@ impl Folder {
     /// # Errors
     /// [`crate::error::Error::Io`] where the operating system refuses.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<()> {
-        files::replace(&self.path.join(name), bytes)?;
+        self.results.write(name, bytes)?;
         if let Ok(mut written) = self.written.lock() {
             written.insert(name.into(), Content::of(bytes));
         }
@@ -89,7 +107,7 @@ impl Folder {
             Content::Base64(text) => STANDARD.decode(text).ok(),
         };
         match bytes.filter(|_| inside && !name.is_empty()) {
-            Some(bytes) => files::replace(&self.path.join(name), &bytes).map(|()| true),
+            Some(bytes) => self.results.write(name, &bytes).map(|()| true),
             None => Ok(false),
         }
     }
@@ -98,4 +116,13 @@ impl Folder {
     pub fn written(&self, name: &str) -> Option<Content> {
         self.written.lock().ok()?.get(name).cloned()
     }
+}
+
+/// The path without links, of which the end need not exist yet.
+fn resolved(path: &Path) -> PathBuf {
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.into());
+    let found = path.ancestors().find_map(|above| Some((above, above.canonicalize().ok()?)));
+    let whole = found.and_then(|(above, real)| Some(real.join(path.strip_prefix(above).ok()?)));
+    // Joining nothing leaves a slash at the end.
+    whole.map_or(path, |whole| whole.components().collect())
 }

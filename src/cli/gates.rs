@@ -66,18 +66,26 @@ pub fn apply(limits: &GateLimits, verdict: &Verdicts, scenarios: &mut [Scenario]
 }
 
 /// Says how many gates hold.
-pub fn told(judged: &[Judged], global: &Global) {
+///
+/// # Errors
+/// [`Error::Io`] where that cannot be said.
+pub fn told(judged: &[Judged], global: &Global) -> Result<()> {
     if !judged.is_empty() {
         let held = judged.iter().filter(|gate| gate.holds).count();
-        say(global, &format!("gates: {held} of {} passed", judged.len()));
+        say(global, &format!("gates: {held} of {} passed", judged.len()))?;
     }
+    Ok(())
 }
 
 /// Says that claims are for the report.
-pub fn claims_elsewhere(gate: &Gate, global: &Global) {
+///
+/// # Errors
+/// [`Error::Io`] where that cannot be said.
+pub fn claims_elsewhere(gate: &Gate, global: &Global) -> Result<()> {
     if !gate.claims.is_empty() {
-        say(global, "not judged here: claims of [gate]; `stickslip report` does");
+        say(global, "not judged here: claims of [gate]; `stickslip report` does")?;
     }
+    Ok(())
 }
 
 /// An error with every gate that failed.

@@ -1,11 +1,10 @@
 //! `stickslip init`: write the embedded scenarios and a commented template; never overwrite.
 
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
-use crate::files;
 use crate::scenario::{EMBEDDED_FILES, TEMPLATE};
+use crate::{files, terminal};
 
 /// Writes `scenarios/…` and `my-rig.toml` below `dir`. Where any of them exists nothing is written.
 pub fn execute(dir: &Path) -> Result<()> {
@@ -14,14 +13,8 @@ pub fn execute(dir: &Path) -> Result<()> {
     for (path, text) in &files {
         files::create(path, text.as_bytes())?;
     }
-    let _ = writeln!(
-        std::io::stdout().lock(),
-        "wrote {} files below {}\nnext: stickslip check {}",
-        files.len(),
-        dir.display(),
-        dir.join("my-rig.toml").display()
-    );
-    Ok(())
+    let (count, here, next) = (files.len(), dir.display(), dir.join("my-rig.toml"));
+    terminal::print(&format!("wrote {count} files below {here}\nnext: stickslip check {}\n", next.display()))
 }
 
 fn targets(dir: &Path) -> Vec<(PathBuf, &'static str)> {

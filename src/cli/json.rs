@@ -1,11 +1,11 @@
 //! Where the JSON of a command goes.
 
+use super::folder::Folder;
 use crate::compare::COMPARATOR;
 use crate::error::{Error, Result};
-use crate::files;
 use crate::gate::Judged;
+use crate::{files, results, terminal};
 use serde::Serialize;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// A result with what judged it.
@@ -42,22 +42,56 @@ impl Json {
         self.0.as_os_str() == "-"
     }
 
-    /// Writes a value; `inputs` are files that must not be replaced.
-    pub fn write(&self, value: &impl Serialize, inputs: &[&Path]) -> Result<()> {
-        let mut text = serde_json::to_string_pretty(value).map_err(|why| Error::Unfinished(why.to_string()))?;
-        text.push('\n');
+    /// Complains where the file is another than one of this `schema`, or lies where results of the run go.
+    ///
+    /// # Errors
+    /// [`Error::Input`] naming it.
+    pub fn free(&self, schema: &str, results: Option<&Path>) -> Result<()> {
         if self.to_standard_output() {
-            // A reader that has gone is no error of the command.
-            let _ = std::io::stdout().lock().write_all(text.as_bytes());
             return Ok(());
         }
-        let same = |input: &&Path| matches!((input.canonicalize(), self.0.canonicalize()), (Ok(a), Ok(b)) if a == b);
-        if let Some(input) = inputs.iter().copied().find(same) {
-            return Err(Error::Input(format!(
-                "error: {} is an input and is not overwritten\n  = help: give --json another file",
-                input.display()
-            )));
+        results.map_or(Ok(()), |results| Folder::apart(results, "--json", &self.0))?;
+        files::free(&self.0, |text| ours(text, schema))
+    }
+
+    /// Writes a value of a `schema`.
+    pub fn write(&self, value: &impl Serialize, schema: &str) -> Result<()> {
+        let text = serde_json::to_string_pretty(value).map_err(|why| Error::Unfinished(why.to_string()))?;
+        let text = escaped(&text) + "\n";
+        if self.to_standard_output() {
+            return terminal::print(&text);
         }
-        files::replace(&self.0, text.as_bytes())
+        files::replace_own(&self.0, text.as_bytes(), |text| ours(text, schema))
+    }
+}
+
+/// Whether this is the beginning of a JSON of a schema, of whatever version.
+fn ours(text: &str, schema: &str) -> bool {
+    let kind = schema.trim_start_matches("stickslip.").split('/').next().unwrap_or_default();
+    results::schema(text, kind)
+}
+
+/// JSON in which what a terminal would obey is escaped; such a character stands within strings only.
+fn escaped(json: &str) -> String {
+    let mut text = String::with_capacity(json.len());
+    for c in json.chars() {
+        match c {
+            c if terminal::obeyed(c) => text.push_str(&format!("\\u{:04x}", u32::from(c))),
+            c => text.push(c),
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_terminal_would_obey_comes_back_from_its_escapes() {
+        let text = serde_json::to_string("a\u{9b}2J\u{1b}\u{202e}µ\u{7f}").unwrap();
+        let plain = escaped(&text);
+        assert!(!plain.chars().any(terminal::obeyed) && plain.contains("\\u009b2J"), "{plain}");
+        assert_eq!(serde_json::from_str::<String>(&plain).unwrap(), serde_json::from_str::<String>(&text).unwrap());
     }
 }

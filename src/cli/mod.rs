@@ -31,8 +31,8 @@ mod target;
 pub mod trial;
 
 use crate::error::{Error, Result};
+use crate::{interrupt, terminal};
 use clap::{Args, Parser, Subcommand};
-use folder::Folder;
 use json::{Json, Stamped};
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -47,8 +47,10 @@ pub struct Cli {
     global: Global,
 }
 
+/// Most threads that are started.
+const MOST_THREADS: u16 = 1024;
 const EXIT_STATUS: &str = "Without a command: report. Exit status: 0 done; 1 done and a gate failed; \
-    2 bad usage or input; 3 could not finish.";
+    2 bad usage or input; 3 could not finish, or interrupted.";
 
 /// SearchOptions of every command.
 #[derive(Debug, Clone, Copy, Args)]
@@ -57,7 +59,7 @@ pub struct Global {
     #[arg(long, short, global = true)]
     pub quiet: bool,
     /// Number of threads [default: one per core]
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=i64::from(MOST_THREADS)))]
     pub threads: Option<u16>,
 }
 
@@ -179,8 +181,29 @@ enum Command {
 impl Cli {
     /// The command line of this process; ends the process with help or an error where that is what it asks for.
     pub fn of_process() -> Self {
-        Self::parse_from(with_command(std::env::args_os().collect()))
+        let arguments = with_command(std::env::args_os().collect());
+        let why = match Self::try_parse_from(&arguments) {
+            Ok(cli) => return cli,
+            Err(why) => why,
+        };
+        // What is wrong may be quoted; clap's colours are kept where nothing in it could be taken for one.
+        let plain = arguments.iter().all(|word| !word.to_string_lossy().chars().any(terminal::obeyed));
+        std::process::exit(told(&why, plain))
     }
+}
+
+/// Says what there is to say in place of a command, help or an error; the exit status.
+fn told(why: &clap::Error, plain: bool) -> i32 {
+    if why.use_stderr() {
+        match plain {
+            true => why.print().unwrap_or_default(),
+            false => terminal::tell(why.render().to_string().trim_end()),
+        }
+    } else if let Err(error) = terminal::written(why.print()) {
+        terminal::tell(&error.to_string());
+        return error.exit_code().into();
+    }
+    why.exit_code()
 }
 
 /// The arguments with the word `report` where they name no command: options of every command may stand before it.
@@ -208,17 +231,14 @@ fn with_command(mut arguments: Vec<OsString>) -> Vec<OsString> {
 /// Whatever the command reports; [`Error::exit_code`] is the exit status.
 pub fn run(cli: Cli) -> Result<()> {
     let global = cli.global;
-    if let Some(threads) = global.threads {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
-        pool.build_global().map_err(|why| Error::Unfinished(format!("the threads could not be started: {why}")))?;
-    }
+    interrupt::watch();
+    start_threads(&global)?;
     match cli.command {
         Command::Report(arguments) => report::execute(&arguments, &global),
-        Command::Run { scenario, out, drawn } => run::execute(&scenario, &Folder::of(&out, &drawn), &global),
+        Command::Run { scenario, out, drawn } => run::execute(&scenario, (&out, &drawn), &global),
         Command::Compare { scenario, json, out, drawn, seed, gates } => {
             let json = json.map(Json::from);
-            let out = out.map(|out| Folder::of(&out, &drawn));
-            let (json, out) = (json.as_ref(), out.as_ref());
+            let (json, out) = (json.as_ref(), out.as_deref().map(|out| (out, &drawn)));
             compare::execute(&compare::Job { path: &scenario, json, out, seed, limits: &gates }, &global)
         }
         Command::New { table, output } => new::execute(&table, output.as_deref(), &global),
@@ -241,12 +261,30 @@ pub fn run(cli: Cli) -> Result<()> {
     }
 }
 
-/// Prints a line on standard output, unless the reader has gone.
-fn say(global: &Global, line: &str) {
-    use std::io::Write as _;
-    if !global.quiet {
-        let _ = writeln!(std::io::stdout().lock(), "{line}");
-    }
+/// Starts as many threads as `--threads` says, or RAYON_NUM_THREADS, or as there are cores.
+fn start_threads(global: &Global) -> Result<()> {
+    let of_environment = std::env::var("RAYON_NUM_THREADS").ok().filter(|text| !text.is_empty() && text != "0");
+    let number = match (global.threads, of_environment) {
+        (Some(number), _) => number,
+        (None, Some(text)) => {
+            text.parse().ok().filter(|number| (1..=MOST_THREADS).contains(number)).ok_or_else(|| {
+                let help = format!("a number from 1 to {MOST_THREADS}, or unset it");
+                Error::Input(format!("error: RAYON_NUM_THREADS is `{text}`\n  = help: {help}"))
+            })?
+        }
+        (None, None) => {
+            std::thread::available_parallelism().map_or(1, |number| number.get().min(MOST_THREADS.into()) as u16)
+        }
+    };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(number.into());
+    pool.build_global().map_err(|why| {
+        Error::Unfinished(format!("{number} threads could not be started: {why}\n  = help: fewer, with --threads"))
+    })
+}
+
+/// Prints a line on standard output, where lines are wanted.
+fn say(global: &Global, line: &str) -> Result<()> {
+    if global.quiet { Ok(()) } else { terminal::print(&format!("{line}\n")) }
 }
 
 #[cfg(test)]

@@ -35,13 +35,13 @@ pub fn execute(table: &Path, output: Option<&Path>, global: &Global) -> Result<(
     let (text, chosen) = draft.best_scenario(&target)?;
     files::create(&target, text.as_bytes())?;
     for line in draft.description() {
-        say(global, &line);
+        say(global, &line)?;
     }
     if let Some(chosen) = chosen {
-        say(global, &format!("  note: {chosen}"));
+        say(global, &format!("  note: {chosen}"))?;
     }
-    say(global, &format!("wrote {}", target.display()));
-    say(global, &format!("next: stickslip discover {}", target.display()));
+    say(global, &format!("wrote {}", target.display()))?;
+    say(global, &format!("next: stickslip discover {}", target.display()))?;
     Ok(())
 }
 

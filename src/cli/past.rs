@@ -4,7 +4,7 @@ use super::folder::Folder;
 use super::simulate;
 use crate::error::{Error, Result};
 use crate::figures;
-use crate::history::{self, Record, Series};
+use crate::history::{self, Record, Records, Series};
 use crate::report::{self, Change, FigureView, ReportView, Trend};
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ const SECTION: &str = "history";
 /// The runs before this one.
 pub struct Past {
     path: PathBuf,
-    records: Vec<Record>,
+    records: Records,
 }
 
 impl Past {
@@ -34,12 +34,12 @@ impl Past {
         Ok(Self { records: history::read(&path)?, path })
     }
 
-    /// The report with all runs, this one included, and the record of this one; figures go below `out`.
+    /// The report with the latest runs, this one included, and the record of this one; figures go below `out`.
     ///
     /// # Errors
     /// [`Error::Io`] where they cannot be written.
     pub fn with(mut self, view: ReportView, record: Record, out: &Folder) -> Result<ReportView> {
-        self.records.push(record);
+        self.records.latest.push(record);
         let trend = Trend::of(&self.records);
         let values = draw(&trend.values, "trend", "Errors and peaks by run", out)?;
         let times = draw(&trend.times, "times", "Wall times by run", out)?;

@@ -2,6 +2,7 @@
 
 use super::again;
 use super::baseline::{self, Baseline};
+use super::drawn::Drawn;
 use super::extras::Extras;
 use super::folder::Folder;
 use super::gates::{self, GateLimits, Verdicts};
@@ -15,7 +16,7 @@ use crate::error::{Error, Result};
 use crate::gate::{self, Judged};
 use crate::report::{self, CheckView, EffectView, FigureView, Provenance, ReportView, format};
 use crate::scenario::{self, Scenario};
-use crate::{figures, files, trial, verification};
+use crate::{figures, trial, verification};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -80,13 +81,12 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     }
     let tables = scenarios.iter().map(compare::table).collect::<Result<Vec<_>>>()?;
     let ledger = Ledger::find(&scenarios)?;
-    let inputs = scenarios.iter().map(|s| s.path.as_path()).chain(tables.iter().flatten().map(|t| t.file.as_path()));
-    extras.refuse(inputs)?;
+    extras.free(out)?;
     let baseline = baseline.as_deref().map(Baseline::load).transpose()?;
     let past = history.as_deref().map(Past::load).transpose()?;
-    files::prepare(out)?;
+    let inputs = scenarios.iter().zip(&tables).flat_map(|(scenario, table)| select::inputs(scenario, table.as_ref()));
+    let results = Folder::open(out, &Drawn::default(), inputs)?;
     let cache = cache.open()?;
-    let results = Folder::new(out);
     let mut clock = Clock::start();
     let work: Vec<_> = scenarios.iter().zip(&tables).collect();
     let (sections, mut kept) = sections::make(&work, &cache, &results, &mut clock, global.quiet)?;
@@ -140,23 +140,23 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     }
     let page = page(&view)?;
     let json = report::json(&view).map_err(|why| Error::Unfinished(why.to_string()))?;
-    files::replace(&out.join("report.json"), json.as_bytes())?;
-    files::replace(&out.join("report.html"), page.as_bytes())?;
+    results.write("report.json", json.as_bytes())?;
+    results.write("report.html", page.as_bytes())?;
     if let Some(file) = file {
         crate::history::append(&file, &record)?;
     }
     let extras = extras.write(&view)?;
-    say(global, &view.summary.sentence);
+    say(global, &view.summary.sentence)?;
     if let Some(folder) = cache.folder() {
-        say(global, &format!("  {kept} of {parts} parts as an earlier run left them in {}", folder.display()));
+        say(global, &format!("  {kept} of {parts} parts as an earlier run left them in {}", folder.display()))?;
     }
-    view.baseline.iter().flat_map(baseline::words).for_each(|line| say(global, &line));
-    past::words(&view).iter().for_each(|line| say(global, line));
+    view.baseline.iter().flat_map(baseline::words).try_for_each(|line| say(global, &line))?;
+    past::words(&view).iter().try_for_each(|line| say(global, line))?;
     for (part, seconds) in &provenance.timings {
-        say(global, &format!("  {part}: {seconds:.2} s"));
+        say(global, &format!("  {part}: {seconds:.2} s"))?;
     }
-    say(global, &format!("wrote {} and {}", out.join("report.html").display(), out.join("report.json").display()));
-    extras.iter().for_each(|path| say(global, &format!("wrote {}", path.display())));
+    say(global, &format!("wrote {} and {}", out.join("report.html").display(), out.join("report.json").display()))?;
+    extras.iter().try_for_each(|path| say(global, &format!("wrote {}", path.display())))?;
     gates::passed(&judged)
 }
 

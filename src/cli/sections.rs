@@ -67,7 +67,7 @@ pub fn make(
 
 fn compute(work: &Work<'_>, out: &Folder, clock: &mut Clock, quiet: bool) -> Result<Vec<Section>> {
     let swept = work.iter().map(|(scenario, table)| compare::swept(scenario, table.as_ref()));
-    let outcomes = swept.map(|scenario| simulate::outcome(&scenario, quiet)).collect::<Result<Vec<_>>>()?;
+    let outcomes = swept.map(|scenario| simulate::outcome(&scenario, quiet)).collect::<Vec<_>>();
     clock.lap("sweeps");
     // Towards its end each of these keeps few threads busy.
     let (figures, compared) = rayon::join(|| simulate::figures(&outcomes, out), || compared(work, out));
@@ -101,7 +101,6 @@ type Discover = (Discovery, Vec<FigureInput>);
 fn compared(work: &Work<'_>, out: &Folder) -> Result<Vec<Option<Compare>>> {
     let one = |(scenario, table): &(&Scenario, &Option<Table>)| {
         let Some(table) = table else { return Ok(None) };
-        simulate::go_on()?;
         let comparison = compare::compare(scenario, table);
         let figures = simulate::comparison(&comparison, out)?;
         Ok(Some((comparison, figures)))
@@ -113,7 +112,6 @@ fn compared(work: &Work<'_>, out: &Folder) -> Result<Vec<Option<Compare>>> {
 fn discovered(work: &Work<'_>, out: &Folder) -> Result<Vec<Option<Discover>>> {
     let one = |(scenario, table): &(&Scenario, &Option<Table>)| {
         let Some(table) = table else { return Ok(None) };
-        simulate::go_on()?;
         let discovery = discover::discover(scenario, table, &discover::SearchOptions::default());
         let figures = simulate::discovery(&discovery, out)?;
         Ok(Some((discovery, figures)))

@@ -13,41 +13,16 @@ use crate::solver::SteadyState;
 use crate::sweep::{self, Condition, Outcome};
 use crate::trial::{Series, Summary};
 use rayon::prelude::*;
-use std::sync::OnceLock;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Pixels of a PNG per logical pixel of its figure.
 const PNG_SCALE: f32 = 2.0;
 /// Figures of a scenario that names none, as far as it has what they show.
 const DEFAULT_FIGURES: [&str; 2] = ["resonance", "velocity-amplitude"];
 
-/// Set by Ctrl-C; nothing is written after that.
-fn cancelled() -> &'static AtomicBool {
-    static CANCELLED: AtomicBool = AtomicBool::new(false);
-    static HANDLER: OnceLock<()> = OnceLock::new();
-    HANDLER.get_or_init(|| {
-        // A second Ctrl-C ends the program at once: everything written is whole at any time.
-        let handler = || {
-            if CANCELLED.swap(true, Ordering::SeqCst) {
-                std::process::exit(3);
-            }
-        };
-        // Without a handler Ctrl-C ends the program at once, which is safe as well.
-        let _ = ctrlc::set_handler(handler);
-    });
-    &CANCELLED
-}
-
-/// Fails where the user has asked to stop.
-pub fn go_on() -> Result<()> {
-    if cancelled().load(Ordering::SeqCst) { Err(Error::Interrupted) } else { Ok(()) }
-}
-
 /// Solves every point of a scenario.
-pub fn outcome(scenario: &Scenario, quiet: bool) -> Result<Outcome> {
+pub fn outcome(scenario: &Scenario, quiet: bool) -> Outcome {
     let orbits = chosen(scenario).iter().any(|figure| figure.needs_orbits());
-    let options = sweep::Options { orbits, progress: !quiet, cancel: Some(cancelled()) };
-    sweep::run(scenario, &options).map_err(|sweep::Interrupted| Error::Interrupted)
+    sweep::run(scenario, &sweep::Options { orbits, progress: !quiet })
 }
 
 fn chosen(scenario: &Scenario) -> Vec<&'static dyn Figure> {
@@ -66,7 +41,6 @@ pub fn figures(outcomes: &[Outcome], out: &Folder) -> Result<Vec<Vec<FigureInput
     let drawn: Vec<Option<FigureInput>> = jobs
         .par_iter()
         .map(|(outcome, figure)| {
-            go_on()?;
             match figure.draw(outcome) {
                 Ok(drawing) => write(drawing, &outcome.scenario.id, out).map(Some),
                 // A default figure that the sweep cannot fill is left out; one that was asked for is an error.
@@ -81,10 +55,10 @@ pub fn figures(outcomes: &[Outcome], out: &Folder) -> Result<Vec<Vec<FigureInput
             }
         })
         .collect::<Result<_>>()?;
-    outcomes.par_iter().filter(|outcome| !outcome.curves.is_empty()).try_for_each(|outcome| {
-        go_on()?;
-        out.write(&curves_name(&outcome.scenario.id), curves(outcome).as_bytes())
-    })?;
+    outcomes
+        .par_iter()
+        .filter(|outcome| !outcome.curves.is_empty())
+        .try_for_each(|outcome| out.write(&curves_name(&outcome.scenario.id), curves(outcome).as_bytes()))?;
     let mut drawn = drawn.into_iter();
     Ok(outcomes.iter().map(|o| drawn.by_ref().take(chosen(&o.scenario).len()).flatten().collect()).collect())
 }
@@ -93,7 +67,6 @@ pub fn figures(outcomes: &[Outcome], out: &Folder) -> Result<Vec<Vec<FigureInput
 pub fn atlas(scenario: &Scenario, out: &Folder) -> Result<Vec<EffectView>> {
     let entries = atlas::run(scenario);
     let drawn = entries.par_iter().map(|entry| {
-        go_on()?;
         let drawing = figures::atlas::draw(entry).map_err(|why| Error::Unfinished(why.to_string()))?;
         Ok(report::effect_view(entry.effect, &write(drawing, "atlas", out)?))
     });
@@ -107,9 +80,7 @@ fn drawn<T: Sync + 'static>(
     id: &str,
     out: &Folder,
 ) -> Result<Vec<FigureInput>> {
-    go_on()?;
     let drawings = figures::drawings(registry, subject).map_err(|why| Error::Unfinished(why.to_string()))?;
-    go_on()?;
     drawings.into_par_iter().map(|drawing| write(drawing, id, out)).collect()
 }
 

@@ -1,16 +1,14 @@
 //! `stickslip trial`: causes planted, hidden, searched for, and the searches scored.
 
+use super::drawn::Drawn;
 use super::folder::Folder;
-use super::simulate::{self, go_on};
-use super::{Global, Json, say};
+use super::{Global, Json, say, simulate};
 use crate::discover::SearchOptions;
 use crate::error::{Error, Result};
-use crate::files;
 use crate::trial::{self, Bench, Options, Record, Summary};
-use crate::{scenario, units};
+use crate::{scenario, terminal, units};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::io::IsTerminal as _;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -78,7 +76,7 @@ pub(super) fn searched(settings: &[String], max_effects: u8, seed: u32) -> Resul
 pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     let a = arguments;
     let (causes, fewer) = trial::numbered_causes(&a.effects)?;
-    let options = Options {
+    let mut options = Options {
         causes,
         fewer,
         seed: a.seed,
@@ -88,45 +86,63 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
         phase: !a.no_phase,
         search: searched(&a.search, a.max_effects, 0)?,
         out: a.out.clone(),
+        inputs: a.conditions.iter().cloned().collect(),
     };
     let bench = match &a.conditions {
-        Some(path) => Bench::of(&scenario::load(path)?)?,
+        Some(path) => {
+            let scenario = scenario::load(path)?;
+            options.inputs.extend(scenario.measurement.iter().map(|measurement| measurement.file.clone()));
+            Bench::of(&scenario)?
+        }
         None => trial::practice(),
     };
     let before = a.agree.as_deref().map(trial::load).transpose()?;
-    files::prepare(&options.out)?;
+    let json = a.json.clone().map(Json::from);
+    if let Some(json) = &json {
+        json.free(trial::SCHEMA, Some(&options.out))?;
+        same(a)?;
+    }
     let draws: u32 = options.causes.iter().map(|cause| options.draws_of(cause)).sum();
     let bar = bar(global, options.noise.len() * draws as usize);
     let done = |record: &Record, fresh: bool| {
-        bar.set_message(record.id.clone());
+        bar.set_message(terminal::clean(&record.id).into_owned());
         bar.inc(1);
         if !fresh {
             // Kept results take no time: they would spoil the estimate of what remains.
             bar.reset_eta();
         }
     };
-    let records = trial::run(&bench, &options, &go_on, &done)?;
+    let records = trial::run(&bench, &options, &done)?;
     bar.finish_and_clear();
     let summary = trial::summarise(records, &options, bench.operations.len());
-    let json = a.json.clone().map(Json::from);
     if let Some(json) = &json {
-        let inputs: Vec<_> = a.conditions.iter().map(PathBuf::as_path).collect();
         if a.scores_alone {
-            json.write(&summary.clone().scores_alone(), &inputs)?;
+            json.write(&summary.clone().scores_alone(), trial::SCHEMA)?;
         } else {
-            json.write(&summary, &inputs)?;
+            json.write(&summary, trial::SCHEMA)?;
         }
     }
-    let drawn = simulate::trial(&summary, &Folder::new(&options.out))?;
+    let drawn = simulate::trial(&summary, &Folder::open(&options.out, &Drawn::default(), [])?)?;
     if !json.as_ref().is_some_and(Json::to_standard_output) {
         for line in words(&summary) {
-            say(global, &line);
+            say(global, &line)?;
         }
         for name in drawn.iter().flat_map(|figure| &figure.files) {
-            say(global, &format!("  {}", options.out.join(name).display()));
+            say(global, &format!("  {}", options.out.join(name).display()))?;
         }
     }
     before.map_or(Ok(()), |before| agree(&summary, &before, global))
+}
+
+/// Complains where the result would replace that of the earlier run.
+fn same(a: &Arguments) -> Result<()> {
+    let of = |path: &Option<PathBuf>| path.as_ref().and_then(|path| path.canonicalize().ok());
+    match of(&a.json) {
+        Some(path) if Some(&path) == of(&a.agree).as_ref() => {
+            Err(Error::Input("error: --json and --agree name the same file\n  = help: give --json another file".into()))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Whether the trials name what those of an earlier run named.
@@ -140,7 +156,7 @@ fn agree(summary: &Summary, before: &Summary, global: &Global) -> Result<()> {
         ));
     }
     if differ.is_empty() {
-        say(global, &format!("{} trials name what they named before", both.len()));
+        say(global, &format!("{} trials name what they named before", both.len()))?;
         return Ok(());
     }
     let title = format!("error: {} of {} trials name another thing than before", differ.len(), both.len());
@@ -160,7 +176,7 @@ fn share(option: &str, text: &str, least: f64) -> Result<f64> {
 }
 
 fn bar(global: &Global, trials: usize) -> ProgressBar {
-    if global.quiet || !std::io::stderr().is_terminal() {
+    if global.quiet || !terminal::shows_progress() {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::new(trials as u64);

@@ -28,6 +28,7 @@ pub fn draw(series: &[Series], name: &str, title: &str) -> Result<Drawing, Figur
     }
     let shown = chosen(series);
     let first = runs.saturating_sub(RUNS);
+    let before = series.first().map_or(0, |one| one.before);
     let alt = format!("Small panels of {} against the number of the run.", count(shown.len(), "value"));
     let left_out = match series.len() - shown.len() {
         0 => String::new(),
@@ -57,7 +58,7 @@ pub fn draw(series: &[Series], name: &str, title: &str) -> Result<Drawing, Figur
                 let at = if anchor == Anchor::Start { left } else { left + width };
                 canvas.text(
                     (at, top + HEIGHT + 18.0),
-                    &format!("run {place}"),
+                    &format!("run {}", before + place),
                     Type { size: 12.5, ..Type::at(anchor) },
                 );
             }
@@ -81,7 +82,7 @@ pub fn draw(series: &[Series], name: &str, title: &str) -> Result<Drawing, Figur
     let mut table = Table::new(&["value", "unit", "run", "number"]);
     for one in series {
         for (place, value) in one.values.iter().enumerate().skip(first) {
-            table.row([one.name.clone(), one.kind.unit().into(), (place + 1).to_string(), cell(*value)]);
+            table.row([one.name.clone(), one.kind.unit().into(), (before + place + 1).to_string(), cell(*value)]);
         }
     }
     let reading = [

@@ -74,6 +74,15 @@ pub struct Record {
     pub seconds: BTreeMap<String, f64>,
 }
 
+/// The latest runs of a history.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Records {
+    /// How many runs there were before these.
+    pub before: usize,
+    /// The records, the oldest first.
+    pub latest: Vec<Record>,
+}
+
 /// A value over the runs; not a number where a run does not have it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
@@ -81,6 +90,8 @@ pub struct Series {
     pub name: String,
     /// What it is about.
     pub kind: Kind,
+    /// How many runs there were before the first value.
+    pub before: usize,
     /// One value per run.
     pub values: Vec<f64>,
     /// Where it moved.
@@ -88,7 +99,8 @@ pub struct Series {
 }
 
 /// Every value that the latest record has, over all of them.
-pub fn series(records: &[Record], times: bool) -> Vec<Series> {
+pub fn series(records: &Records, times: bool) -> Vec<Series> {
+    let Records { before, latest: records } = records;
     type Field = fn(&Record) -> &BTreeMap<String, f64>;
     let all: [(Kind, Field); 4] = [
         (Kind::Misfit, |record| &record.misfits),
@@ -104,7 +116,7 @@ pub fn series(records: &[Record], times: bool) -> Vec<Series> {
     let one = |kind: Kind, field: Field, name: String| {
         let values: Vec<f64> = records.iter().map(|r| field(r).get(&name).copied().unwrap_or(f64::NAN)).collect();
         let steps = steps(&values, kind.scatter());
-        Series { name, kind, values, steps }
+        Series { name, kind, before: *before, values, steps }
     };
     wanted.flat_map(|&(kind, field)| names(field).into_iter().map(move |name| one(kind, field, name))).collect()
 }

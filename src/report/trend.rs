@@ -6,7 +6,7 @@ use super::scenario::{FigureInput, figure};
 use super::verdict::Change;
 use super::view::{FigureView, Quantity, ReportView};
 use crate::figures::style::significant;
-use crate::history::{Kind, Record, Series, Step};
+use crate::history::{Kind, Record, Records, Series, Step};
 
 /// What a history comes to, before it is drawn.
 #[derive(Debug, Clone, Default)]
@@ -18,8 +18,8 @@ pub struct Trend {
 }
 
 impl Trend {
-    /// The series of all records, the last of which is this run.
-    pub fn of(records: &[Record]) -> Self {
+    /// The series of the records, the last of which is this run.
+    pub fn of(records: &Records) -> Self {
         Self { values: crate::history::series(records, false), times: crate::history::series(records, true) }
     }
 }
@@ -34,7 +34,7 @@ impl ReportView {
     pub fn with_history(
         mut self,
         path: &str,
-        records: &[Record],
+        Records { before, latest: records }: &Records,
         trend: &Trend,
         (figures, times): (Vec<FigureView>, Option<FigureView>),
     ) -> Self {
@@ -55,6 +55,9 @@ impl ReportView {
             }
         };
         let mut notes = Vec::new();
+        if *before > 0 {
+            notes.push(format!("The {before} runs before these are left out."));
+        }
         let this = records.last();
         let others = |differs: &dyn Fn(&Record, &Record) -> bool| {
             this.map_or(0, |this| records.iter().filter(|record| differs(record, this)).count())
@@ -72,7 +75,8 @@ impl ReportView {
         self.provenance.slower = changes(&trend.times, records);
         self.provenance.times = times;
         let sentence = format!("{moved}.");
-        self.history = Some(HistoryView { path: path.into(), runs: records.len(), sentence, notes, steps, figures });
+        self.history =
+            Some(HistoryView { path: path.into(), runs: before + records.len(), sentence, notes, steps, figures });
         self
     }
 }
@@ -106,5 +110,13 @@ fn change(series: &Series, step: &Step, records: &[Record]) -> StepChangeView {
     let time = records.get(step.at).map(|record| record.time.clone()).unwrap_or_default();
     let by = if step.before == 0.0 { String::new() } else { signed((step.after - step.before) / step.before.abs()) };
     let (before, after) = (show(step.before), show(step.after));
-    StepChangeView { verdict, what: format!("{}: {what}", series.name), run: step.at + 1, time, before, after, by }
+    StepChangeView {
+        verdict,
+        what: format!("{}: {what}", series.name),
+        run: series.before + step.at + 1,
+        time,
+        before,
+        after,
+        by,
+    }
 }

@@ -2,7 +2,7 @@
 
 mod run;
 
-pub use run::{Interrupted, Options, at_condition, conditions, curve, driven_curve, limiting_oscillator, run};
+pub use run::{Options, at_condition, conditions, curve, driven_curve, limiting_oscillator, run};
 
 use crate::scenario::{Formulation, Scenario};
 use crate::solver::{Orbit, SteadyState};

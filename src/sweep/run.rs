@@ -7,10 +7,9 @@ use crate::scenario::{Formulation, Scenario};
 use crate::solver::analytic::Oscillator;
 use crate::solver::cycle::Tolerance;
 use crate::solver::{LANES, Orbit, Status, SteadyState, Warm, orbit, solve, solve_paper, solve_steady};
+use crate::terminal;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
-use std::io::IsTerminal;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// Points solved one after the other, each starting from its neighbour; the unit of parallel work.
@@ -24,18 +23,12 @@ const LIMIT_POINTS: usize = 401;
 
 /// How to run a sweep.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Options<'a> {
+pub struct Options {
     /// Keep one period of every point.
     pub orbits: bool,
     /// Show progress on standard error if that is a terminal.
     pub progress: bool,
-    /// Set from outside to stop early.
-    pub cancel: Option<&'a AtomicBool>,
 }
-
-/// The run was stopped from outside before it was complete.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Interrupted;
 
 /// Conditions of a scenario's sweep, in the order of the axes.
 pub fn conditions(scenario: &Scenario) -> Vec<Condition> {
@@ -60,7 +53,7 @@ pub fn conditions(scenario: &Scenario) -> Vec<Condition> {
 }
 
 /// Solves every point of the scenario's sweep. The result does not depend on the number of threads.
-pub fn run(scenario: &Scenario, options: &Options) -> Result<Outcome, Interrupted> {
+pub fn run(scenario: &Scenario, options: &Options) -> Outcome {
     let began = Instant::now();
     let model = Model::new(scenario);
     let conditions = conditions(scenario);
@@ -74,7 +67,7 @@ pub fn run(scenario: &Scenario, options: &Options) -> Result<Outcome, Interrupte
     let solved: Vec<Part> = tasks
         .par_iter()
         .map(|(condition, frequencies)| {
-            let follow = Follow { model: at_condition(&model, condition), condition, options, bar: &bar };
+            let follow = Follow { model: at_condition(&model, condition), condition, bar: &bar };
             let states = follow.solve(frequencies.iter().copied());
             let down = if folds { follow.other_branch(frequencies, &states) } else { Vec::new() };
             let orbits = if options.orbits { follow.orbits(frequencies) } else { Vec::new() };
@@ -82,9 +75,6 @@ pub fn run(scenario: &Scenario, options: &Options) -> Result<Outcome, Interrupte
         })
         .collect();
     bar.finish_and_clear();
-    if options.cancel.is_some_and(|c| c.load(Ordering::Relaxed)) {
-        return Err(Interrupted);
-    }
     let mut parts = solved.into_iter();
     let per_curve = frequency.len().div_ceil(chunk);
     let curves = conditions
@@ -106,7 +96,7 @@ pub fn run(scenario: &Scenario, options: &Options) -> Result<Outcome, Interrupte
         })
         .collect();
     let limits = limits(&model, scenario);
-    Ok(Outcome { scenario: scenario.clone(), curves, limits, seconds: began.elapsed().as_secs_f64() })
+    Outcome { scenario: scenario.clone(), curves, limits, seconds: began.elapsed().as_secs_f64() }
 }
 
 /// The periodic states of one condition on the calling thread, each starting from its neighbour.
@@ -149,35 +139,27 @@ struct Part {
 struct Follow<'a> {
     model: Model,
     condition: &'a Condition,
-    options: &'a Options<'a>,
     bar: &'a ProgressBar,
 }
 
 impl Follow<'_> {
-    fn stopped(&self) -> bool {
-        self.options.cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed))
-    }
-
     fn at(&self, frequency: f64) -> Operation {
         operation(self.condition, frequency)
     }
 
-    /// The states, or fewer where the run was stopped.
+    /// The states.
     fn solve(&self, frequencies: impl Iterator<Item = f64>) -> Vec<SteadyState> {
         let mut warm = Warm::default();
         let mut states = Vec::new();
         if self.model.contact.formulation == Formulation::Paper && self.condition.load > 0.0 {
             let at: Vec<Operation> = frequencies.map(|f| self.at(f)).collect();
-            for lanes in at.chunks(LANES).take_while(|_| !self.stopped()) {
+            for lanes in at.chunks(LANES) {
                 states.extend(solve_paper(&self.model, lanes, self.condition.euler_steps));
                 self.bar.inc(lanes.len() as u64);
             }
             return states;
         }
         for f in frequencies {
-            if self.stopped() {
-                break;
-            }
             let (steps, tolerance) = (self.condition.euler_steps, Tolerance::default());
             states.push(solve(&self.model, &self.at(f), steps, &tolerance, false, &mut warm).state);
             self.bar.inc(1);
@@ -196,8 +178,7 @@ impl Follow<'_> {
 
     fn orbits(&self, frequencies: &[f64]) -> Vec<Orbit> {
         let (steps, tolerance) = (self.condition.euler_steps, Tolerance::default());
-        let wanted = frequencies.iter().take_while(|_| !self.stopped());
-        wanted.map(|&f| orbit(&self.model, &self.at(f), steps, &tolerance, ORBIT_SAMPLES)).collect()
+        frequencies.iter().map(|&f| orbit(&self.model, &self.at(f), steps, &tolerance, ORBIT_SAMPLES)).collect()
     }
 }
 
@@ -210,7 +191,7 @@ pub fn at_condition(model: &Model, condition: &Condition) -> Model {
 }
 
 fn progress_bar(options: &Options, points: usize, label: &str) -> ProgressBar {
-    if !options.progress || !std::io::stderr().is_terminal() {
+    if !options.progress || !terminal::shows_progress() {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::new(points as u64);
@@ -218,7 +199,7 @@ fn progress_bar(options: &Options, points: usize, label: &str) -> ProgressBar {
     if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style);
     }
-    bar.set_message(label.to_string());
+    bar.set_message(terminal::clean(label).into_owned());
     bar
 }
 

@@ -2,10 +2,10 @@
 
 use super::cause::Kind;
 use crate::error::{Error, Result};
-use crate::files;
+use crate::results::Results;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// How many draws a trial took.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
@@ -51,15 +51,15 @@ pub struct Seal {
     pub hash: String,
 }
 
-/// Writes an answer to the folder of answers below `out`, and closes it.
+/// Writes an answer to the folder of answers, and closes it.
 ///
 /// # Errors
 /// [`Error::Io`] where the operating system refuses.
-pub fn seal(out: &Path, answer: &Answer) -> Result<Seal> {
-    let path = out.join("answers").join(format!("{}.json", answer.id));
+pub fn seal(results: &Results, answer: &Answer) -> Result<Seal> {
+    let name = format!("answers/{}.json", answer.id);
     let text = serde_json::to_string_pretty(answer).map_err(|why| Error::Unfinished(why.to_string()))? + "\n";
-    files::replace(&path, text.as_bytes())?;
-    Ok(Seal { path, hash: blake3::hash(text.as_bytes()).to_hex().to_string() })
+    results.write(&name, text.as_bytes())?;
+    Ok(Seal { path: results.path().join(name), hash: blake3::hash(text.as_bytes()).to_hex().to_string() })
 }
 
 /// Opens an answer.

@@ -70,6 +70,8 @@ pub struct Options {
     pub search: SearchOptions,
     /// Folder of tables, answers and results.
     pub out: PathBuf,
+    /// Files that none of these may replace.
+    pub inputs: Vec<PathBuf>,
 }
 
 impl Options {

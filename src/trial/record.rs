@@ -4,9 +4,9 @@ use super::answer::Answer;
 use super::examine::Found;
 use super::score::{Score, score};
 use crate::error::{Error, Result};
-use crate::files;
+use crate::results::Results;
 use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Everything known of a finished trial.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -33,14 +33,14 @@ pub struct Record {
     pub planting_seconds: f64,
 }
 
-fn place(out: &Path, id: &str) -> PathBuf {
-    out.join("results").join(format!("{id}.json"))
+fn place(id: &str) -> String {
+    format!("results/{id}.json")
 }
 
 impl Record {
     /// The kept result of a trial, where there is one of the same inputs and version; it is scored again.
     pub fn load(out: &Path, id: &str, inputs: &str, program: &str) -> Option<Self> {
-        let text = std::fs::read_to_string(place(out, id)).ok()?;
+        let text = std::fs::read_to_string(out.join(place(id))).ok()?;
         let mut record: Self = serde_json::from_str(&text).ok()?;
         if record.inputs != inputs || record.program != program {
             return None;
@@ -53,8 +53,8 @@ impl Record {
     ///
     /// # Errors
     /// [`Error::Io`] where the operating system refuses.
-    pub fn save(&self, out: &Path) -> Result<()> {
+    pub fn save(&self, results: &Results) -> Result<()> {
         let text = serde_json::to_string_pretty(self).map_err(|why| Error::Unfinished(why.to_string()))? + "\n";
-        files::replace(&place(out, &self.id), text.as_bytes())
+        results.write(&place(&self.id), text.as_bytes())
     }
 }

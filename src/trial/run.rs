@@ -12,13 +12,13 @@ use super::visible::{excess, noiseless};
 use super::{DRAWS, Options, VISIBLE, program, table};
 use crate::discover;
 use crate::error::Result;
-use crate::files;
 use crate::fit::Problem;
 use crate::model::Model;
+use crate::results::Results;
 use crate::solver::Status;
 use crate::solver::cycle::Tolerance;
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// Larger tables are screened at every third point.
@@ -30,28 +30,22 @@ pub fn id(cause: &Cause, seed: u32, noise: f64) -> String {
 }
 
 /// Runs every trial that has no kept result, telling `done` after each how many are finished, and the trial's name.
-/// `go_on` is asked before each.
 ///
 /// # Errors
-/// Whatever reading and writing files reports, and what `go_on` returns.
-pub fn run(
-    bench: &Bench,
-    options: &Options,
-    go_on: &dyn Fn() -> Result<()>,
-    done: &dyn Fn(&Record, bool),
-) -> Result<Vec<Record>> {
+/// Whatever reading and writing files reports.
+pub fn run(bench: &Bench, options: &Options, done: &dyn Fn(&Record, bool)) -> Result<Vec<Record>> {
     let mut records = Vec::new();
     let build = build();
+    let results = Results::open(&options.out, options.inputs.iter().map(PathBuf::as_path))?;
     for seed in options.seed..options.seed + options.seeds {
         for cause in options.causes.iter().filter(|cause| seed - options.seed < options.draws_of(cause)) {
             for &noise in &options.noise {
-                go_on()?;
                 let inputs = inputs(bench, options, cause, seed, noise);
                 let kept = Record::load(&options.out, &id(cause, seed, noise), &inputs, &program());
                 let fresh = kept.is_none();
                 let record = match kept {
                     Some(record) => record,
-                    None => single(bench, options, cause, seed, noise, &build)?,
+                    None => single(bench, options, &results, (cause, seed, noise), &build)?,
                 };
                 done(&record, fresh);
                 records.push(record);
@@ -89,18 +83,23 @@ fn build() -> String {
 ///
 /// # Errors
 /// Whatever reading and writing files reports.
-pub fn single(bench: &Bench, options: &Options, cause: &Cause, seed: u32, noise: f64, build: &str) -> Result<Record> {
+pub fn single(
+    bench: &Bench,
+    options: &Options,
+    results: &Results,
+    (cause, seed, noise): (&Cause, u32, f64),
+    build: &str,
+) -> Result<Record> {
     let start = Instant::now();
     let name = id(cause, seed, noise);
-    let folder = options.out.join(&name);
     // Nothing of what was planted outlives this block but what is sealed.
     let (closed, table) = {
         let (answer, planted) = plant(bench, options, cause, seed, noise);
-        let table = planted.map(|readings| write(bench, options, &readings, noise, &name, &folder)).transpose()?;
-        (seal(&options.out, &answer)?, table)
+        let table = planted.map(|readings| write(bench, options, results, &readings, noise, &name)).transpose()?;
+        (seal(results, &answer)?, table)
     };
     let planting_seconds = start.elapsed().as_secs_f64();
-    let found = table.is_some().then(|| examine(&folder, &options.search)).transpose()?;
+    let found = table.is_some().then(|| examine(&results.path().join(&name), &options.search)).transpose()?;
     let answer = open(&closed)?;
     let score = found.as_ref().map(|found| score(&answer, found));
     let record = Record {
@@ -115,7 +114,7 @@ pub fn single(bench: &Bench, options: &Options, cause: &Cause, seed: u32, noise:
         score,
         planting_seconds,
     };
-    record.save(&options.out)?;
+    record.save(results)?;
     Ok(record)
 }
 
@@ -123,14 +122,14 @@ pub fn single(bench: &Bench, options: &Options, cause: &Cause, seed: u32, noise:
 fn write(
     bench: &Bench,
     options: &Options,
+    results: &Results,
     readings: &[Reading],
     noise: f64,
     name: &str,
-    folder: &Path,
 ) -> Result<String> {
     let text = table::table(bench, readings, noise, options.outliers, options.phase, name);
-    files::replace(&folder.join("scenario.toml"), table::scenario(bench).as_bytes())?;
-    files::replace(&folder.join("measurements.csv"), text.as_bytes())?;
+    results.write(&format!("{name}/scenario.toml"), table::scenario(bench).as_bytes())?;
+    results.write(&format!("{name}/measurements.csv"), text.as_bytes())?;
     Ok(blake3::hash(text.as_bytes()).to_hex().to_string())
 }
 
