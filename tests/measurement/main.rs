@@ -3,6 +3,7 @@
 //! The message for each broken table is a snapshot under `snapshots`, word for word.
 
 mod forms;
+mod hostile;
 mod laboratory;
 mod noise;
 mod oscillators;
