@@ -1,6 +1,6 @@
 //! Tables of measured steady states with their uncertainties. The measured file is read and never written.
 //!
-//! One file per input format: `delimited` (CSV and its relatives), `workbook` (Excel, OpenDocument; feature `xlsx`) and
+//! One file per input format: `delimited` (CSV and its relatives), `workbook` (Excel, OpenDocument) and
 //! `universal` (dataset 58). The first two give a `sheet` of cells; `header`, `names` and `unit` find out what a header says,
 //! `frame` what the scenario's rig can make of it, `search` and `columns` which column is which, `rows` turns cells into
 //! readings, `samples` tells recordings in time from tables. From there all formats are one: `series` finds the sweeps that

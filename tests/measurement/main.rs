@@ -10,6 +10,7 @@ mod oscillators;
 mod series;
 mod survey;
 mod universal;
+mod workbooks;
 
 use std::path::Path;
 
