@@ -4,8 +4,11 @@ mod common;
 
 use common::{at, paper_model, steady};
 use stickslip::effects;
+use stickslip::model::contact::Problem;
 use stickslip::model::{Model, Operation};
 use stickslip::scenario::Formulation::Series;
+use stickslip::scenario::Rig;
+use stickslip::solver::time::{Plan, integrate};
 use stickslip::solver::{Method, Status};
 
 fn with(name: &str, parameters: &[f64]) -> Model {
@@ -137,5 +140,39 @@ fn no_steady_state_sticks_throughout_on_a_turning_roller() {
             let state = steady(&with(name, &parameters), &at(speed, 71.0));
             assert!(state.status != Status::Steady || state.stick_fraction < 0.999, "{name} {speed}: {state:?}");
         }
+    }
+}
+
+#[test]
+fn what_no_number_describes_fails_at_once_and_in_words() {
+    let mut undamped = paper_model(Series);
+    if let Rig::TorsionalArm(arm) = &mut undamped.rig {
+        (arm.torsional_damping, arm.spring_damping, arm.torsional_stiffness) = (0.0, 0.0, 1000.0);
+    }
+    let ageing = with("rate-and-state", &[0.01, 0.02, 1e-3, 1e-5]);
+    let resonance = 72.193_917_240_733_34;
+    let cases = [
+        (&undamped, Operation { load: 0.0, ..at(0.02, resonance) }),
+        (&undamped, at(0.02, resonance)),
+        (&undamped, at(0.0, resonance)),
+        (&ageing, at(5e-324, 72.0)),
+    ];
+    for (model, operation) in cases {
+        let state = steady(model, &operation);
+        let numbers = [
+            state.amplitude,
+            state.phase,
+            state.mean,
+            state.stick_fraction,
+            state.force_minimum,
+            state.periodicity_error,
+        ];
+        let sound = numbers.iter().all(|number| number.is_finite());
+        assert_eq!(sound, !matches!(state.status, Status::Failed(_)), "{operation:?}: {state:?}");
+        // A motion that is lost is not followed through all the cycles of the plan.
+        let plan = Plan { steps: 1000, cycles: 1000, ..Plan::default() };
+        let found =
+            if operation.load > 0.0 { integrate(&Problem::new(model, &operation).sliders(), &plan).cycles } else { 0 };
+        assert!(sound || found < 2, "{operation:?}: {found} cycles");
     }
 }

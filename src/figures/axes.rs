@@ -10,6 +10,8 @@ use plotters::coord::types::RangedCoordf64;
 
 const X_SPACING: f64 = 88.0;
 const Y_SPACING: f64 = 46.0;
+/// What is smaller is zero on an axis: below it, fractions of a range lose their digits.
+const SMALLEST: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 
 /// What places on an axis stand for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,18 +50,18 @@ impl Axis {
     pub fn linear(label: impl Into<String>, low: f64, high: f64) -> Self {
         let (low, high) = if (high - low).is_finite() { (low, high) } else { (0.0, 1.0) };
         let scale = low.abs().max(high.abs());
-        let flat = high - low <= 1e-9 * scale || high <= low;
+        let flat = high - low <= (1e-9 * scale).max(SMALLEST);
         let pad = if !flat {
             0.0
-        } else if scale == 0.0 {
+        } else if scale <= SMALLEST {
             1.0
         } else {
             0.05 * scale
         };
         Self {
             label: label.into(),
-            low: low - pad,
-            high: high + pad,
+            low: (low - pad).max(f64::MIN),
+            high: (high + pad).min(f64::MAX),
             log: false,
             step: None,
             named: Vec::new(),
@@ -86,10 +88,11 @@ impl Axis {
 
     /// A logarithmic axis around the positive values with a margin of `margin` of its length.
     pub fn logarithmic(label: impl Into<String>, values: impl IntoIterator<Item = f64>, margin: f64) -> Self {
-        let (low, high) = range(values.into_iter().filter(|value| *value > 0.0).map(f64::log10));
+        let (low, high) = range(values.into_iter().filter(|value| *value > SMALLEST).map(f64::log10));
         let (low, high) = if !low.is_finite() { (-1.0, 0.0) } else { (low, high) };
         let pad = if high - low < 0.05 { 0.3 } else { margin * (high - low) };
-        let (low, high) = (10f64.powf(low - pad), 10f64.powf(high + pad));
+        let reach = |exponent: f64| 10f64.powf(exponent).clamp(SMALLEST, f64::MAX);
+        let (low, high) = (reach(low - pad), reach(high + pad));
         let (label, named) = (label.into(), Vec::new());
         Self { label, low, high, log: true, step: None, named, scale: Scale::Value, per: 1.0 }
     }

@@ -2,8 +2,6 @@
 
 use super::axes::Axis;
 use super::style::{power_of_ten, significant};
-use plotters::coord::ranged1d::{BoldPoints, Ranged};
-use plotters::coord::types::RangedCoordf64;
 
 impl Axis {
     /// Ticks with their labels (empty for minor ones) for an axis of that length.
@@ -16,17 +14,36 @@ impl Axis {
     }
 
     fn linear_ticks(&self, room: f64) -> Vec<(f64, String)> {
-        let nice = RangedCoordf64::from(self.low..self.high).key_points(BoldPoints(room as usize + 1));
-        let spacing = |points: &[f64]| points.get(1).map(|second| second - points[0]);
-        let step = self.step.or(spacing(&nice)).unwrap_or(self.high - self.low);
+        let step = self.step.unwrap_or_else(|| self.round_step(room.floor() + 1.0));
         let whole = |d: &usize| {
             let scaled = step / self.per * 10f64.powi(*d as i32);
-            (scaled - scaled.round()).abs() < 1e-6
+            (scaled - scaled.round()).abs() < 1e-6 && scaled.round() != 0.0
         };
-        let decimals = (0..12).find(whole).unwrap_or(12);
-        let (first, last) = ((self.low / step - 1e-6).ceil() as i64, (self.high / step + 1e-6).floor() as i64);
-        let label = |k: i64| format!("{:.decimals$}", k as f64 * step / self.per).replace('-', "−");
-        (first..=last.min(first + 200)).map(|k| (k as f64 * step, label(k))).collect()
+        let decimals = (0..12).find(whole);
+        let label = |k: i64| match (k as f64 * step / self.per, decimals) {
+            (value, Some(decimals)) => format!("{value:.decimals$}").replace('-', "−"),
+            (value, None) => significant(value, 3),
+        };
+        let (first, last) = self.multiples(step);
+        (first..=last.min(first.saturating_add(200))).map(|k| (k as f64 * step, label(k))).collect()
+    }
+
+    /// The first and the last multiple of `step` on the axis.
+    fn multiples(&self, step: f64) -> (i64, i64) {
+        ((self.low / step - 1e-6).ceil() as i64, (self.high / step + 1e-6).floor() as i64)
+    }
+
+    /// The smallest of 1, 2 and 5 times a power of ten of which at most so many multiples lie on the axis.
+    fn round_step(&self, most: f64) -> f64 {
+        let range = self.high - self.low;
+        let power = range.log10().floor() as i32;
+        // At a thousandth of the range there is room for no more.
+        let steps = (0..4).flat_map(|down| [5.0, 2.0, 1.0].map(|digit| digit * 10f64.powi(power - down)));
+        let fits = |step: &f64| {
+            let (first, last) = self.multiples(*step);
+            (last as f64 - first as f64) + 1.0 <= most
+        };
+        steps.take_while(fits).last().unwrap_or(range)
     }
 
     // Not by plotters' `LogCoord`, which leaves out values below 2e-16 and the digits before the first decade.
@@ -42,7 +59,8 @@ impl Axis {
         for exponent in first..=last {
             for digit in 1..if every > 1 { 2 } else { 10 } {
                 let value = f64::from(digit) * 10f64.powi(exponent);
-                if !(self.low * (1.0 - 1e-9)..=self.high * (1.0 + 1e-9)).contains(&value) {
+                let inside = (self.low * (1.0 - 1e-9)..=self.high * (1.0 + 1e-9)).contains(&value);
+                if !(inside && value.is_finite()) {
                     continue;
                 }
                 let named = labelled.contains(&digit) && (exponent - first) % every == 0;
@@ -85,5 +103,23 @@ mod tests {
         assert_eq!(labels(&axis(1600.0, 40_000.0)), ["2000", "5000", "10000", "20000"]);
         assert_eq!(labels(&axis(0.5e-16, 2e-13)), ["10⁻¹⁶", "10⁻¹⁵", "10⁻¹⁴", "10⁻¹³"]);
         assert_eq!(labels(&axis(1.05, 1.83)), ["1.2", "1.4", "1.6", "1.8"]);
+    }
+
+    #[test]
+    fn values_of_every_size_have_a_few_ticks() {
+        for value in [5e-324, 1e-310, f64::MIN_POSITIVE, 3e-293, 1e-200, 2.3e-16, 1.0, 1e200, 1.7e308, f64::MAX] {
+            for values in [[value, value], [0.0, value], [-value, value], [0.5 * value, value]] {
+                let flat = Axis::linear("", values[0], values[1]);
+                let axes = [flat, Axis::around("", values), Axis::logarithmic("", values, 0.1)];
+                for axis in axes {
+                    let ticks = axis.ticks(400.0, 88.0);
+                    let inside = |at: f64| {
+                        at.is_finite() && at >= axis.low - 1e-6 * at.abs() && at <= axis.high + 1e-6 * at.abs()
+                    };
+                    assert!(axis.low < axis.high && (1..400).contains(&ticks.len()), "{axis:?}: {ticks:?}");
+                    assert!(ticks.iter().all(|(at, _)| inside(*at)), "{axis:?}: {ticks:?}");
+                }
+            }
+        }
     }
 }

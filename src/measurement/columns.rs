@@ -8,7 +8,7 @@ use super::sheet::{Complaints, Sheet};
 use super::swings::{is_effective, is_peak_to_peak};
 use super::unit::Unit;
 use crate::scenario::Sweep;
-use crate::scenario::diagnostic::{nearest, quote};
+use crate::scenario::diagnostic::{MAX_TOLD, nearest, quote};
 use crate::scenario::parameters::COLUMNS;
 use crate::units;
 
@@ -228,7 +228,9 @@ fn name_aside(
         }
     };
     if !aside.is_empty() {
-        let names: Vec<String> = aside.into_iter().map(name).collect();
-        notes.push(format!("not used: {}", names.join(", ")));
+        let more = aside.len().saturating_sub(MAX_TOLD);
+        let names: Vec<String> = aside.into_iter().take(MAX_TOLD).map(name).collect();
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        notes.push(format!("not used: {}{more}", names.join(", ")));
     }
 }

@@ -1,6 +1,6 @@
-//! Tables of text: CSV and its relatives with semicolons or tabs.
+//! Tables of text: CSV and its relatives with semicolons or tabs. Rows are taken apart as they are needed and not kept.
 
-use super::sheet::{Complaints, Row, Sheet};
+use super::sheet::{Complaints, MAX_COLUMNS, MAX_ROWS, Row, Sheet};
 use super::unit::{gravity, known};
 use crate::error::{Error, Result};
 use crate::scenario::diagnostic::{Place, whole_file};
@@ -10,26 +10,30 @@ use crate::units::count;
 /// Takes the text apart; the separator is told by the header line unless it is known.
 pub(crate) fn sheet(source: Source, delimiter: Option<u8>) -> Result<Sheet> {
     let delimiter = delimiter.unwrap_or_else(|| separator(first_line(&source.text)));
-    let mut records = records(&source, delimiter)?;
-    if records.is_empty() {
+    check_width(&source, delimiter)?;
+    let mut first = records(&source.text, delimiter);
+    let Some(mut header) = first.next() else {
         let help = "a table has a header line and one row per steady state";
         return Err(Error::Input(whole_file(&format!("`{}` holds nothing but remarks", source.name), help)));
-    }
-    let mut header = records.remove(0);
+    };
     while header.cells.last().is_some_and(String::is_empty) {
         header.cells.pop();
     }
-    let units = records.first().and_then(|row| units_of(row, header.cells.len())).unwrap_or_default();
-    if !units.is_empty() {
-        records.remove(0);
-    }
-    let mut sheet = Sheet { source, delimiter, workbook: false, header, units, rows: records };
-    check_shape(&sheet)?;
-    let width = sheet.header.cells.len();
-    for row in &mut sheet.rows {
-        row.cells.truncate(width);
-    }
+    let units = first.next().and_then(|row| units_of(&row, header.cells.len())).unwrap_or_default();
+    drop(first);
+    let mut sheet = Sheet { source, delimiter, workbook: false, header, units, count: 0 };
+    sheet.count = check_shape(&sheet)?;
     Ok(sheet)
+}
+
+/// No line has more cells than a sheet has columns.
+fn check_width(source: &Source, delimiter: u8) -> Result<()> {
+    let cells = |line: &str| 1 + line.bytes().filter(|byte| *byte == delimiter).count();
+    let widest =
+        source.text.lines().enumerate().map(|(at, line)| (cells(line), at + 1)).find(|(n, _)| *n > MAX_COLUMNS);
+    let Some((cells, line)) = widest else { return Ok(()) };
+    let title = format!("`{}`, line {line}: the row has {cells} cells, at most {MAX_COLUMNS} are read", source.name);
+    Err(Error::Input(whole_file(&title, "a table has a column for each quantity; is this another kind of file?")))
 }
 
 /// The first line that is neither blank nor a remark.
@@ -68,31 +72,24 @@ fn separator(header: &str) -> u8 {
     }
 }
 
-/// All records that hold anything, with their places.
-fn records(source: &Source, delimiter: u8) -> Result<Vec<Row>> {
-    let text = source.text.as_str();
-    let mut reader = csv::ReaderBuilder::new()
+/// All records that hold anything, with their places. The text is valid, and so are they.
+pub(super) fn records(text: &str, delimiter: u8) -> impl Iterator<Item = Row> {
+    let reader = csv::ReaderBuilder::new()
         .delimiter(delimiter)
         .has_headers(false)
         .flexible(true)
         .comment(Some(b'#'))
         .trim(csv::Trim::All)
         .from_reader(text.as_bytes());
-    let (mut rows, mut line, mut counted) = (Vec::new(), 1, 0);
-    for record in reader.records() {
-        let record = record.map_err(|error| {
-            let title = format!("cannot read `{}`: {error}", source.name);
-            Error::Input(whole_file(&title, "check the quotes: every cell that opens one has to close it"))
-        })?;
+    let (mut line, mut counted) = (1, 0);
+    let row = move |record: csv::StringRecord| {
         let start = skip_remarks(text, record.position().map_or(0, |position| position.byte() as usize));
         line += text[counted..start].bytes().filter(|byte| *byte == b'\n').count();
         counted = start;
-        let cells: Vec<String> = record.iter().map(String::from).collect();
-        if cells.iter().any(|cell| !cell.is_empty()) {
-            rows.push(Row { line, start, cells });
-        }
-    }
-    Ok(rows)
+        let holds = record.iter().any(|cell| !cell.is_empty());
+        holds.then(|| Row { line, start, cells: record.iter().map(String::from).collect() })
+    };
+    reader.into_records().map_while(std::result::Result::ok).filter_map(row)
 }
 
 /// Where the record really starts: its position counts blank lines and remarks before it.
@@ -109,43 +106,55 @@ fn skip_remarks(text: &str, mut at: usize) -> usize {
     }
 }
 
-/// A header of words, rows below it, each as wide as the header.
-fn check_shape(sheet: &Sheet) -> Result<()> {
+/// A header of words, rows below it, each as wide as the header; tells how many there are.
+fn check_shape(sheet: &Sheet) -> Result<usize> {
     let mut complaints = Complaints::of(&sheet.source);
-    let width = sheet.header.cells.len();
     if sheet.header.cells.iter().all(|cell| cell.replace(',', ".").parse::<f64>().is_ok()) {
         let help = "the first line names the columns: speed_m_s, load_n, drive_m, frequency_hz, amplitude_rad, …; \
                     a line that begins with # is a remark, so a header must not";
         let place = sheet.row_place(&sheet.header);
         complaints.add(&place, "the table has no header", "numbers where names are needed", help);
-        return complaints.check();
+        return complaints.check().map(|()| 0);
     }
-    if sheet.rows.is_empty() {
+    let mut rows = 0;
+    for row in sheet.untrimmed() {
+        rows += 1;
+        if rows > MAX_ROWS {
+            let title = format!("`{}` has more than {MAX_ROWS} rows", sheet.source.name);
+            let help = "one row per steady state is needed, not the recording in time";
+            return Err(Error::Input(whole_file(&title, help)));
+        }
+        check_row(sheet, &row, &mut complaints);
+    }
+    if rows == 0 {
         let place = sheet.row_place(&sheet.header);
         let help = "write one row per steady state below the header";
         complaints.add(&place, "the table has a header but no rows", "nothing follows", help);
     }
-    for row in &sheet.rows {
-        let cells = row.cells.len();
-        let surplus = row.cells.iter().skip(width).position(|cell| !cell.is_empty());
-        if cells >= width && surplus.is_none() {
-            continue;
-        }
-        let title = format!("the row has {}, the header has {width}", count(cells, "cell"));
-        let (place, label) = match surplus {
-            Some(at) => (sheet.place(row, width + at), "no column belongs to this".to_string()),
-            None => {
-                let end = sheet.row_place(row).span.end;
-                (Place { file: 0, span: end..end }, format!("{} missing", count(width - cells, "cell")))
-            }
-        };
-        let help = if surplus.is_some() && sheet.delimiter == b',' {
-            "every row needs one cell per column; if these are decimal commas, separate the cells by semicolons or tabs"
-        } else {
-            "every row needs one cell per column; leave the cell empty where an optional reading is missing"
-        };
-        let cause = (row.cells.len(), if surplus.is_some() { "surplus" } else { "lacking" });
-        complaints.add_row(cause, row.line, &place, [&title, &label, help]);
+    complaints.check().map(|()| rows)
+}
+
+/// A row has as many cells as the header; empty ones may follow.
+fn check_row(sheet: &Sheet, row: &Row, complaints: &mut Complaints<'_>) {
+    let width = sheet.header.cells.len();
+    let cells = row.cells.len();
+    let surplus = row.cells.iter().skip(width).position(|cell| !cell.is_empty());
+    let cause = (cells, if surplus.is_some() { "surplus" } else { "lacking" });
+    if cells >= width && surplus.is_none() || complaints.again(cause, row.line) {
+        return;
     }
-    complaints.check()
+    let title = format!("the row has {}, the header has {width}", count(cells, "cell"));
+    let (place, label) = match surplus {
+        Some(at) => (sheet.place(row, width + at), "no column belongs to this".to_string()),
+        None => {
+            let end = sheet.row_place(row).span.end;
+            (Place { file: 0, span: end..end }, format!("{} missing", count(width - cells, "cell")))
+        }
+    };
+    let help = if surplus.is_some() && sheet.delimiter == b',' {
+        "every row needs one cell per column; if these are decimal commas, separate the cells by semicolons or tabs"
+    } else {
+        "every row needs one cell per column; leave the cell empty where an optional reading is missing"
+    };
+    complaints.add_row(cause, row.line, &place, [&title, &label, help]);
 }

@@ -9,7 +9,7 @@ use crate::scenario::embedded_text;
 use crate::scenario::source::Source;
 
 /// Largest table that is read.
-const MAX_BYTES: u64 = 64 << 20;
+pub(super) const MAX_BYTES: u64 = 64 << 20;
 
 /// All bytes of an ordinary file of a sensible size.
 pub(crate) fn bytes(path: &Path) -> Result<Vec<u8>> {

@@ -1,6 +1,6 @@
 //! Tables of measured steady states with their uncertainties. The measured file is read and never written.
 //!
-//! One file per input format: `delimited` (CSV and its relatives), `workbook` (Excel, OpenDocument; feature `xlsx`) and
+//! One file per input format: `delimited` (CSV and its relatives), `workbook` (Excel, OpenDocument) and
 //! `universal` (dataset 58). The first two give a `sheet` of cells; `header`, `names` and `unit` find out what a header says,
 //! `frame` what the scenario's rig can make of it, `search` and `columns` which column is which, `rows` turns cells into
 //! readings, `samples` tells recordings in time from tables. From there all formats are one: `series` finds the sweeps that
@@ -34,7 +34,7 @@ use std::path::{Path, PathBuf};
 pub use noise::Noise;
 pub use scatter::{Scatter, Spread, scatter};
 pub use series::{Direction, Series, by_condition};
-pub use survey::{Column, Survey, survey};
+pub use survey::{Column, Survey, survey, survey_bytes};
 
 use crate::error::{Error, Result};
 use crate::scenario::diagnostic::whole_file;
@@ -204,28 +204,36 @@ impl Table {
 /// system refuses the file.
 pub fn load(scenario: &Scenario) -> Result<Option<Table>> {
     let Some(wanted) = &scenario.measurement else { return Ok(None) };
-    read(wanted, &Frame::of(scenario), scenario.sweep.as_ref()).map(|(table, ..)| Some(table))
+    load_bytes(scenario, &file::bytes(&wanted.file)?)
+}
+
+/// The same of bytes that are at hand; the name of the file still tells their format.
+///
+/// # Errors
+/// As of [`load`].
+pub fn load_bytes(scenario: &Scenario, bytes: &[u8]) -> Result<Option<Table>> {
+    let Some(wanted) = &scenario.measurement else { return Ok(None) };
+    read(wanted, bytes, &Frame::of(scenario), scenario.sweep.as_ref()).map(|(table, ..)| Some(table))
 }
 
 /// Table, columns and choices of a file.
 type Read = (Table, Vec<Column>, Vec<(String, String)>);
 
 /// Reads a table for what is expected of it.
-fn read(wanted: &MeasurementSource, frame: &Frame<'_>, sweep: Option<&Sweep>) -> Result<Read> {
-    let bytes = file::bytes(&wanted.file)?;
+fn read(wanted: &MeasurementSource, bytes: &[u8], frame: &Frame<'_>, sweep: Option<&Sweep>) -> Result<Read> {
     let mut notes = Vec::new();
     let format = Format::of(&wanted.file)?;
     let readings = match format {
         Format::Delimited => {
-            let sheet = delimited::sheet(file::text(&wanted.file, &bytes, &mut notes)?, None)?;
+            let sheet = delimited::sheet(file::text(&wanted.file, bytes, &mut notes)?, None)?;
             rows::readings(&sheet, &wanted.columns, frame, sweep, &mut notes)?
         }
         Format::Workbook => {
-            let sheet = workbook::sheet(&wanted.file, &bytes, wanted.sheet.as_deref(), &mut notes)?;
+            let sheet = workbook::sheet(&wanted.file, bytes, wanted.sheet.as_deref(), &mut notes)?;
             rows::readings(&sheet, &wanted.columns, frame, sweep, &mut notes)?
         }
         Format::Universal => {
-            let source = file::text(&wanted.file, &bytes, &mut Vec::new())?;
+            let source = file::text(&wanted.file, bytes, &mut Vec::new())?;
             universal::readings(&source, wanted.record, frame, sweep, &mut notes)?
         }
     };
@@ -241,7 +249,7 @@ fn read(wanted: &MeasurementSource, frame: &Frame<'_>, sweep: Option<&Sweep>) ->
         series.iter_mut().for_each(|one| (one.speed, one.load) = (0.0, 0.0));
     }
     notes.extend(doubts::doubts(&points, frame.is_arm()));
-    let hash = blake3::hash(&bytes).to_hex().to_string();
+    let hash = blake3::hash(bytes).to_hex().to_string();
     let file = wanted.file.clone();
     let table = Table { file, hash, points, series, signals, amplitude_noise, phase_noise, notes };
     Ok((table, columns, choices))

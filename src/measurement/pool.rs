@@ -1,5 +1,6 @@
 //! Readings in canonical order; those of one condition and frequency are united.
 
+use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
@@ -32,8 +33,8 @@ pub(crate) struct Reading {
     pub sweep: Option<Direction>,
     /// Number of its series, once these are found.
     pub series: usize,
-    /// Cells of the columns that are not used; they tell a repetition from a copy.
-    pub aside: Vec<String>,
+    /// Cells of the columns that are not used, with zeros between them; they tell a repetition from a copy.
+    pub aside: String,
 }
 
 /// The readings of a file and what it states about their noise.
@@ -155,9 +156,13 @@ fn snap(list: &mut [Reading], axis: fn(&mut Reading) -> &mut f64) {
 fn refuse_copies(source: &Source, list: &[Reading]) -> Result<()> {
     let mut copies = Vec::new();
     for group in list.chunk_by(|a, b| key(a) == key(b)) {
-        for (at, reading) in group.iter().enumerate() {
-            let same = |other: &&Reading| other.mean == reading.mean && other.aside == reading.aside;
-            copies.extend(group[..at].iter().find(same).map(|first| (reading, first.line)));
+        let mut seen: BTreeMap<(Option<u64>, &str), usize> = BTreeMap::new();
+        for reading in group {
+            let said = (reading.mean.map(|mean| (mean + 0.0).to_bits()), reading.aside.as_str());
+            match seen.get(&said) {
+                Some(first) => copies.push((reading, *first)),
+                None => _ = seen.insert(said, reading.line),
+            }
         }
     }
     copies.sort_by_key(|(reading, _)| reading.line);

@@ -29,9 +29,9 @@ pub(crate) fn readings(
     }
     let commas = decimal_commas(sheet, &layout, &mut complaints);
     written(sheet, commas, notes);
-    let mut list = Vec::with_capacity(sheet.rows.len());
-    for (at, row) in sheet.rows.iter().enumerate() {
-        let mut cells = Cells { sheet, layout: &layout, row, commas, complaints: &mut complaints };
+    let mut list = Vec::new();
+    for (at, row) in sheet.rows().enumerate() {
+        let mut cells = Cells { sheet, layout: &layout, row: &row, commas, complaints: &mut complaints };
         list.extend(cells.reading(at + 1));
     }
     complaints.check()?;
@@ -93,18 +93,21 @@ fn same_quantity(sheet: &Sheet, layout: &mut Layout, complaints: &mut Complaints
 fn decimal_commas(sheet: &Sheet, layout: &Layout, complaints: &mut Complaints<'_>) -> bool {
     let used: Vec<usize> = layout.slots.iter().flatten().filter_map(Slot::index).collect();
     let find = |mark: char| {
-        let cells = sheet.rows.iter().flat_map(|row| used.iter().map(move |index| (row, *index)));
-        cells
-            .filter_map(|(row, index)| row.cells.get(index).map(|cell| (row, index, cell)))
-            .find(|(.., cell)| cell.contains(mark))
+        let cell = |row: Row| {
+            let index = *used.iter().find(|index| row.cells.get(**index).is_some_and(|cell| cell.contains(mark)))?;
+            Some((row, index))
+        };
+        sheet.rows().find_map(cell)
     };
-    if let (Some((row, index, cell)), Some(point)) = (find(','), find('.')) {
-        let title = format!("the table has decimal commas, {}, and decimal points, {}", quote(cell), quote(point.2));
-        let label = format!("a point stands in line {}", point.0.line);
+    let Some((row, index)) = find(',') else { return false };
+    if let Some((other, point)) = find('.') {
+        let (cell, point) = (quote(&row.cells[index]), quote(&other.cells[point]));
+        let title = format!("the table has decimal commas, {cell}, and decimal points, {point}");
+        let label = format!("a point stands in line {}", other.line);
         let help = "it cannot be told which of them separate thousands; write all numbers the same way";
-        complaints.add(&sheet.place(row, index), &title, &label, help);
+        complaints.add(&sheet.place(&row, index), &title, &label, help);
     }
-    find(',').is_some()
+    true
 }
 
 /// Says how the file was taken apart where that is not as the documentation has it.
@@ -154,7 +157,8 @@ impl Cells<'_, '_> {
         if let (Some(value), Some(sd)) = (amplitude, amplitude_sd) {
             self.zero(value, sd.is_none() || share);
         }
-        let aside = self.layout.aside.iter().filter_map(|index| self.row.cells.get(*index).cloned()).collect();
+        let aside = self.layout.aside.iter().filter_map(|index| self.row.cells.get(*index).map(String::as_str));
+        let aside = aside.collect::<Vec<_>>().join("\0");
         Some(Reading {
             row: number,
             line: self.row.line,
@@ -308,6 +312,9 @@ impl Cells<'_, '_> {
 
     /// Notes a problem of a cell, with the name of its column; those of one kind are told once.
     fn fail(&mut self, index: usize, kind: &'static str, title: &str, label: &str, help: &str) {
+        if self.complaints.again((index, kind), self.row.line) {
+            return;
+        }
         let place = self.sheet.place(self.row, index);
         let title = format!("column {}: {title}", quote(&self.sheet.header.cells[index]));
         let label = self.sheet.cell_name(self.row, index) + label;

@@ -203,6 +203,9 @@ impl Search<'_, '_> {
 
     /// Two columns for one quantity.
     fn twice(&mut self, column: usize, before: usize, index: usize) {
+        if self.complaints.leaves_out() {
+            return;
+        }
         let sheet = self.sheet;
         let title = format!("two columns hold the {}", COLUMNS[column].replace('_', " "));
         let label = format!("so does {}, column {}", quote(&sheet.header.cells[before]), before + 1);
@@ -213,6 +216,9 @@ impl Search<'_, '_> {
 
     /// A unit that is none of the column's.
     fn bad_unit(&mut self, index: usize, column: usize, why: &str) {
+        if self.complaints.leaves_out() {
+            return;
+        }
         let (sheet, frame) = (self.sheet, self.frame);
         let title = format!("the unit of column {} does not serve", quote(&sheet.header.cells[index]));
         let label = sheet.cell_name(&sheet.header, index) + why;
@@ -223,6 +229,9 @@ impl Search<'_, '_> {
 
     /// A drive or a reading that the scenario's rig does not have.
     fn unsuited(&mut self, index: usize, column: usize, si: &'static str) {
+        if self.complaints.leaves_out() {
+            return;
+        }
         let sheet = self.sheet;
         let (title, help) = other_rig(self.frame, column, si);
         let title = format!("column {} {title}", quote(&sheet.header.cells[index]));

@@ -1,10 +1,17 @@
 //! A sheet of cells with their places, whatever file it came from.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 
+use super::delimited::records;
 use crate::error::{Error, Result};
-use crate::scenario::diagnostic::{Place, Problems};
+use crate::scenario::diagnostic::{MAX_TOLD, Place, Problems};
 use crate::scenario::source::Source;
+
+/// Rows and columns of the largest sheet of the usual spreadsheets. More in a file is another kind of file, and a sheet of
+/// a few bytes cannot ask for more memory than one that is full.
+pub(crate) const MAX_ROWS: usize = 1 << 20;
+pub(crate) const MAX_COLUMNS: usize = 1 << 14;
 
 /// Header and rows of a table.
 #[derive(Debug)]
@@ -19,8 +26,8 @@ pub(crate) struct Sheet {
     pub header: Row,
     /// Units of the columns, where a row below the header states them.
     pub units: Vec<String>,
-    /// The rows that hold anything.
-    pub rows: Vec<Row>,
+    /// How many rows hold anything.
+    pub count: usize,
 }
 
 /// A row of cells.
@@ -35,6 +42,20 @@ pub(crate) struct Row {
 }
 
 impl Sheet {
+    /// The rows that hold anything, each as wide as the header, taken apart anew.
+    pub fn rows(&self) -> impl Iterator<Item = Row> {
+        let width = self.header.cells.len();
+        self.untrimmed().map(move |mut row| {
+            row.cells.truncate(width);
+            row
+        })
+    }
+
+    /// The same with all their cells.
+    pub(super) fn untrimmed(&self) -> impl Iterator<Item = Row> {
+        records(&self.source.text, self.delimiter).skip(1 + usize::from(!self.units.is_empty()))
+    }
+
     /// The header of a column with its unit, wherever that stands.
     pub fn headed(&self, index: usize) -> String {
         let header = &self.header.cells[index];
@@ -109,16 +130,37 @@ struct Complaint {
     lines: (usize, usize),
 }
 
-/// Problems of one file, told together; equal ones of many rows as one.
+/// Problems of one file, told together; equal ones of many rows as one. Those that will not be told are only counted.
 pub(crate) struct Complaints<'a> {
     source: &'a Source,
     list: Vec<Complaint>,
+    untold: usize,
+    /// Causes among those.
+    causes: BTreeSet<(usize, &'static str)>,
 }
 
 impl<'a> Complaints<'a> {
     /// None yet.
     pub fn of(source: &'a Source) -> Self {
-        Self { source, list: Vec::new() }
+        Self { source, list: Vec::new(), untold: 0, causes: BTreeSet::new() }
+    }
+
+    /// Counts one more of a cause that is known already; says whether it is.
+    pub fn again(&mut self, cause: (usize, &'static str), line: usize) -> bool {
+        let Some(first) = self.list.iter_mut().find(|complaint| complaint.cause == Some(cause)) else {
+            return self.causes.contains(&cause);
+        };
+        let from = if first.more == 0 { line } else { first.lines.0 };
+        first.more += 1;
+        first.lines = (from, line);
+        true
+    }
+
+    /// Counts one more where enough are told; says whether they are.
+    pub fn leaves_out(&mut self) -> bool {
+        let full = self.list.len() == MAX_TOLD;
+        self.untold += usize::from(full);
+        full
     }
 
     /// One more.
@@ -129,16 +171,16 @@ impl<'a> Complaints<'a> {
     /// One more in a row, of a column and a kind: the first of those is told, and how many follow. `words` are title, label
     /// and help.
     pub fn add_row(&mut self, cause: (usize, &'static str), line: usize, place: &Place, words: [&str; 3]) {
-        if let Some(first) = self.list.iter_mut().find(|complaint| complaint.cause == Some(cause)) {
-            let from = if first.more == 0 { line } else { first.lines.0 };
-            first.more += 1;
-            first.lines = (from, line);
-            return;
+        if !self.again(cause, line) {
+            self.note(Some(cause), line, place, words);
         }
-        self.note(Some(cause), line, place, words);
     }
 
     fn note(&mut self, cause: Option<(usize, &'static str)>, line: usize, place: &Place, words: [&str; 3]) {
+        if self.leaves_out() {
+            self.causes.extend(cause);
+            return;
+        }
         let [title, label, help] = words.map(String::from);
         self.list.push(Complaint { place: place.clone(), title, label, help, cause, more: 0, lines: (line, line) });
     }
@@ -154,6 +196,7 @@ impl<'a> Complaints<'a> {
             };
             problems.push(std::slice::from_ref(self.source), &place, &title, &label, &help);
         }
+        problems.leave_out(self.untold);
         problems.into_message().map_or(Ok(()), |message| Err(Error::Input(message)))
     }
 }

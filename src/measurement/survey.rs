@@ -1,9 +1,9 @@
 //! A table looked at by itself, before there is a scenario.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::frame::Frame;
-use super::{Format, Table, read};
+use super::{Format, Table, file, read};
 use crate::error::{Error, Result};
 use crate::scenario::diagnostic::whole_file;
 use crate::scenario::{Coordinate, MeasurementSource};
@@ -58,13 +58,25 @@ impl Survey {
 /// # Errors
 /// As of [`super::load`].
 pub fn survey(path: impl AsRef<Path>) -> Result<Survey> {
-    let file = path.as_ref().to_path_buf();
+    survey_of(path.as_ref().to_path_buf(), file::bytes)
+}
+
+/// The same of bytes that are at hand; the name still tells their format.
+///
+/// # Errors
+/// As of [`survey`].
+pub fn survey_bytes(path: impl AsRef<Path>, bytes: &[u8]) -> Result<Survey> {
+    survey_of(path.as_ref().to_path_buf(), |_| Ok(bytes.to_vec()))
+}
+
+fn survey_of(file: PathBuf, bytes: impl Fn(&Path) -> Result<Vec<u8>>) -> Result<Survey> {
     if Format::of(&file)? == Format::Universal {
         let title = format!("`{}` holds response per drive, and not how much drive there was", file.display());
         let help = "write a scenario that names it under [measurement], with one value for drive in [sweep]";
         return Err(Error::Input(whole_file(&title, help)));
     }
     let wanted = MeasurementSource { file, columns: Vec::new(), record: None, sheet: None };
-    let (table, columns, mapping) = read(&wanted, &Frame::any(), None)?;
+    let bytes = bytes(&wanted.file)?;
+    let (table, columns, mapping) = read(&wanted, &bytes, &Frame::any(), None)?;
     Ok(Survey { table, columns, mapping })
 }

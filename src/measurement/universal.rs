@@ -15,7 +15,7 @@ use super::search::other_rig;
 use super::sheet::Complaints;
 use super::unit::Wanted;
 use crate::error::{Error, Result};
-use crate::scenario::diagnostic::{Place, quote, whole_file};
+use crate::scenario::diagnostic::{MAX_TOLD, Place, quote, whole_file};
 use crate::scenario::parameters::{MEASURED, needed_range};
 use crate::scenario::source::Source;
 use crate::scenario::{Signals, Sweep};
@@ -91,7 +91,7 @@ pub(crate) fn readings(
             name: String::new(),
             sweep: None,
             series: 0,
-            aside: Vec::new(),
+            aside: String::new(),
         });
     }
     complaints.check()?;
@@ -107,7 +107,7 @@ pub(crate) fn readings(
 fn within(column: usize, value: f64, frame: &Frame<'_>, place: &Place, complaints: &mut Complaints<'_>) -> bool {
     let info = MEASURED[column];
     let inside = (info.minimum..=info.maximum).contains(&value);
-    if !inside {
+    if !inside && !complaints.leaves_out() {
         let title = format!("the {} is outside its physical range: {}", info.key, units::format(value, info.unit));
         let label = needed_range((info.minimum, info.maximum), info.unit);
         let help = if frame.is_arm() {
@@ -127,7 +127,9 @@ fn choose<'a>(source: &Source, found: &'a [Dataset], record: Option<usize>) -> R
     let list = || {
         let line =
             |(n, set): (usize, &&Dataset)| format!("\n          record = {}: line {}, {}", n + 1, set.line, set.name());
-        functions.iter().enumerate().map(line).collect::<String>()
+        let more = functions.len().saturating_sub(MAX_TOLD);
+        let more = if more > 0 { format!("\n          and {more} more") } else { String::new() };
+        functions.iter().enumerate().take(MAX_TOLD).map(line).collect::<String>() + &more
     };
     let name = &source.name;
     match (functions.as_slice(), record) {
@@ -136,7 +138,8 @@ fn choose<'a>(source: &Source, found: &'a [Dataset], record: Option<usize>) -> R
             "export the frequency response function as a universal file, dataset 58, ASCII".into(),
         ),
         ([], _) => {
-            let kinds: Vec<_> = found.iter().map(|set| format!("line {}: {}", set.line, set.kind())).collect();
+            let kinds: Vec<_> =
+                found.iter().take(MAX_TOLD).map(|set| format!("line {}: {}", set.line, set.kind())).collect();
             refuse(
                 format!("`{name}` holds no frequency response function (function type 4)"),
                 format!("export the arm's angle over the actuator's displacement; there are {}", kinds.join("; ")),

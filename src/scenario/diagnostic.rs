@@ -24,7 +24,7 @@ pub(crate) struct Problems {
 }
 
 /// Nobody reads more problems than this at once.
-const MAX_TOLD: usize = 20;
+pub(crate) const MAX_TOLD: usize = 20;
 
 impl Problems {
     /// Adds a problem: what is wrong, where, what stands under the carets, and what to do.
@@ -36,6 +36,11 @@ impl Problems {
         self.messages.push(render(&sources[place.file], place.span.clone(), title, label, help));
     }
 
+    /// Counts problems that are not told.
+    pub fn leave_out(&mut self, problems: usize) {
+        self.untold += problems;
+    }
+
     /// All messages, or nothing where there were none.
     pub fn into_message(mut self) -> Option<String> {
         if self.untold > 0 {
@@ -44,6 +49,9 @@ impl Problems {
         (!self.messages.is_empty()).then(|| self.messages.join("\n\n"))
     }
 }
+
+/// Bytes of the longest line that is shown; of a longer one the place is told.
+const MAX_SHOWN: usize = 1 << 16;
 
 /// A message with the line that it is about. Only that line is handed to the renderer, so long files cost nothing.
 pub(crate) fn render(source: &Source, span: Range<usize>, title: &str, label: &str, help: &str) -> String {
@@ -62,6 +70,11 @@ pub(crate) fn render(source: &Source, span: Range<usize>, title: &str, label: &s
     let from = (start - line_start).min(line.len());
     let to = floor(span.end).saturating_sub(line_start).clamp(from, line.len());
     let number = text[..line_start].matches('\n').count() + 1;
+    if line.len() > MAX_SHOWN {
+        let column = line[..from].chars().count() + 1;
+        let place = format!("error: {title}\n --> {}:{number}:{column}: {label}", source.name);
+        return if help.is_empty() { place } else { format!("{place}\n  = help: {help}") };
+    }
     let snippet = Snippet::source(line)
         .line_start(number)
         .path(&source.name)
@@ -89,8 +102,11 @@ pub(crate) fn nearest<'a>(written: &str, names: impl IntoIterator<Item = &'a str
     if let [one] = names.iter().filter(begins).collect::<Vec<_>>()[..] {
         return Some(one);
     }
+    // A name that is longer by more than the distance allowed cannot be near.
+    let letters = written.chars().count();
     names
         .into_iter()
+        .filter(|name| name.chars().nth((letters + letters / 2 + 2).max(letters + 2)).is_none())
         .map(|name| (edit_distance(&written, &name.to_lowercase().replace('-', "_")), name))
         .filter(|(distance, name)| *distance <= (name.chars().count() / 3).max(2))
         .min_by_key(|(distance, _)| *distance)

@@ -141,11 +141,16 @@ impl Search<'_> {
 
 fn search(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_>, warm: &mut Warm) -> Solution {
     let found = unguarded(model, at, euler_steps, with, warm);
-    let SteadyState { amplitude, phase, status, .. } = &found.state;
-    if *status == Status::Steady && !(amplitude.is_finite() && phase.is_finite()) {
-        return failed("the motion has no bound: nothing damps it at this frequency".into());
+    let SteadyState { amplitude, phase, mean, speed_amplitude, stick_fraction, .. } = &found.state;
+    let SteadyState { force_minimum, force_maximum, periodicity_error, status, .. } = &found.state;
+    let numbers =
+        [amplitude, phase, mean, speed_amplitude, stick_fraction, force_minimum, force_maximum, periodicity_error];
+    match status {
+        Status::Failed(_) => found,
+        _ if numbers.iter().all(|number| number.is_finite()) => found,
+        _ if amplitude.is_finite() && phase.is_finite() => failed("the motion is not one of finite numbers".into()),
+        _ => failed("the motion has no bound: nothing damps it at this frequency".into()),
     }
-    found
 }
 
 fn unguarded(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_>, warm: &mut Warm) -> Solution {
@@ -294,7 +299,8 @@ fn from_full_slip(model: &Model, at: &Operation, problem: &Problem, tolerance: &
     let (re, im) = problem.lumps.free_response();
     let arm_speed = problem.lumps.arm.value * problem.lumps.omega * re.value.hypot(im.value);
     let mut speed = 1.02 * arm_speed;
-    if at.speed == 0.0 || speed < at.speed {
+    // Slower than rounding of the arm's speed is a roller at rest.
+    if at.speed <= f64::EPSILON * arm_speed || speed < at.speed {
         return None;
     }
     let mut last: Option<Periodic> = None;

@@ -53,7 +53,14 @@ pub struct Outcome {
     pub periodic: bool,
 }
 
-/// Integrates until the motion is periodic, or through the averaging window.
+impl Outcome {
+    /// Whether the motion is none of numbers any more: it stays so for ever.
+    fn is_lost(&self) -> bool {
+        ![self.fundamental.0, self.fundamental.1, self.mean, self.force.0, self.force.1].iter().all(|x| x.is_finite())
+    }
+}
+
+/// Integrates until the motion is periodic, or through the averaging window; or until it is none of numbers.
 pub fn integrate(system: &dyn SliderSystem, plan: &Plan) -> Outcome {
     let mut state = State::new(system, plan);
     let scale = system.scale().0 / system.lever();
@@ -70,6 +77,9 @@ pub fn integrate(system: &dyn SliderSystem, plan: &Plan) -> Outcome {
     };
     for cycle in 1..=plan.cycles {
         let reading = state.cycle();
+        if reading.is_lost() {
+            return Outcome { fundamental: (f64::NAN, f64::NAN), cycles: cycle, ..reading };
+        }
         let change = (reading.fundamental.0 - before.0).hypot(reading.fundamental.1 - before.1) / scale;
         before = reading.fundamental;
         // Bristles that stick to a turning roller are being wound up: they will slip, however quiet the cycle.
@@ -90,6 +100,9 @@ fn average(state: &mut State, plan: &Plan, last: Outcome) -> Outcome {
     let share = 1.0 / plan.window as f64;
     for _ in 0..plan.window {
         let reading = state.cycle();
+        if reading.is_lost() {
+            return Outcome { fundamental: (f64::NAN, f64::NAN), ..reading };
+        }
         sum.fundamental.0 += share * reading.fundamental.0;
         sum.fundamental.1 += share * reading.fundamental.1;
         sum.mean += share * reading.mean;
@@ -378,7 +391,7 @@ fn slip_rate(excess: &dyn Fn(f64) -> f64, last: f64, scale: f64, solved: f64) ->
     } else if last > 0.0 {
         (low, high) = (0.99 * last, last);
         while excess(low) <= 0.0 {
-            if low < 1e-12 * scale {
+            if low < 1e-12 * scale || low == 0.0 {
                 return if excess(0.0) > 0.0 { low } else { 0.0 };
             }
             (low, high) = (0.5 * low, low);

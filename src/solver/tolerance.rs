@@ -1,5 +1,7 @@
 //! What is demanded of an integration.
 
+use super::steady::LOCK_IN;
+
 /// Relative change over a cycle that the last step of Newton's may leave at the default tolerance.
 const LEFT: f64 = 1e-8;
 
@@ -32,7 +34,7 @@ impl Tolerance {
 
     /// Whether points that are hard to solve are given up.
     pub(super) fn gives_up(&self) -> bool {
-        self.budget < usize::MAX
+        self.budget < Self::default().budget
     }
 
     /// Whether exactly the steps asked for are wanted, to measure the order of convergence: an infinite roughness says so.
@@ -57,8 +59,9 @@ impl Tolerance {
     }
 }
 
+/// As many steps at most as those of the integration in time that follows where a search finds nothing.
 impl Default for Tolerance {
     fn default() -> Self {
-        Self { steps: 24, roughness: 1e-3, cycles: 250, budget: usize::MAX }
+        Self { steps: 24, roughness: 1e-3, cycles: 250, budget: LOCK_IN.steps * (LOCK_IN.cycles + LOCK_IN.window) }
     }
 }

@@ -3,12 +3,14 @@
 //! The message for each broken table is a snapshot under `snapshots`, word for word.
 
 mod forms;
+mod hostile;
 mod laboratory;
 mod noise;
 mod oscillators;
 mod series;
 mod survey;
 mod universal;
+mod workbooks;
 
 use std::path::Path;
 

@@ -115,16 +115,6 @@ fn every_broken_universal_file_has_its_message() {
     );
 }
 
-#[cfg(not(feature = "xlsx"))]
-#[test]
-fn workbooks_need_the_feature() {
-    insta::assert_snapshot!(
-        "xlsx-without-feature",
-        read("t.xlsx", include_bytes!("../data/two-sheets.xlsx"), "").expect_err("not built in")
-    );
-}
-
-#[cfg(feature = "xlsx")]
 #[test]
 fn workbooks_are_tables_too() {
     let bytes = include_bytes!("../data/two-sheets.xlsx");

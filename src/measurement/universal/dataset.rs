@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::super::sheet::Complaints;
+use super::super::sheet::{Complaints, MAX_ROWS};
 use crate::error::{Error, Result};
 use crate::scenario::diagnostic::{Place, quote, render, whole_file};
 use crate::scenario::source::Source;
@@ -23,6 +23,9 @@ const KINDS: &[&str] = &[
     "probability density",
     "spectrum",
 ];
+
+/// Records before the numbers.
+const HEADERS: usize = 11;
 
 /// One of the records 8 to 11.
 #[derive(Debug, Clone, Default)]
@@ -111,11 +114,17 @@ impl Dataset {
             return None;
         }
         let each = if self.even { 2 } else { 3 };
-        let mut numbers = Vec::new();
+        let promised = each * self.count;
+        let (mut numbers, mut held) = (Vec::new(), 0);
         for span in tokens(&source.text, self.body.clone()) {
             let text = &source.text[span.clone()];
             match number(text) {
-                Some(value) => numbers.push((value, span)),
+                Some(value) => {
+                    held += 1;
+                    if held <= promised {
+                        numbers.push((value, span));
+                    }
+                }
                 None => {
                     let title = format!("{} is not a finite number", quote(text));
                     let place = Place { file: 0, span };
@@ -124,8 +133,8 @@ impl Dataset {
                 }
             }
         }
-        if numbers.len() != each * self.count || self.count == 0 {
-            let title = format!("the dataset promises {} numbers and holds {}", each * self.count, numbers.len());
+        if held != promised || self.count == 0 {
+            let title = format!("the dataset promises {promised} numbers and holds {held}");
             let help = "the file may have been cut off; export it again";
             complaints.add(&form, &title, &format!("{} values of {each} numbers each", self.count), help);
             return None;
@@ -151,7 +160,7 @@ impl Dataset {
 
 /// All datasets 58 of a file.
 pub(super) fn functions(source: &Source) -> Result<Vec<Dataset>> {
-    let mut lines = lines(&source.text).into_iter().enumerate();
+    let mut lines = lines(&source.text).enumerate();
     let mut found = Vec::new();
     let mut delimited = false;
     while let Some((_, span)) = lines.next() {
@@ -166,7 +175,11 @@ pub(super) fn functions(source: &Source) -> Result<Vec<Dataset>> {
             if source.text[span.clone()].trim() == "-1" {
                 break;
             }
-            inside.push(span);
+            // The numbers are one piece, whatever the number of their lines.
+            match inside.get_mut(HEADERS) {
+                Some(Range { end, .. }) => *end = span.end,
+                None => inside.push(span),
+            }
         }
         let name = id.split_whitespace().next().unwrap_or("");
         if name.starts_with("58b") {
@@ -186,14 +199,14 @@ pub(super) fn functions(source: &Source) -> Result<Vec<Dataset>> {
     Ok(found)
 }
 
-fn lines(text: &str) -> Vec<Range<usize>> {
+fn lines(text: &str) -> impl Iterator<Item = Range<usize>> {
     let mut at = 0;
-    let span = |line: &str| {
+    let span = move |line: &str| {
         let span = at..at + line.trim_end().len();
         at += line.len();
         span
     };
-    text.split_inclusive('\n').map(span).collect()
+    text.split_inclusive('\n').map(span)
 }
 
 fn dataset(source: &Source, line: usize, records: &[Range<usize>]) -> Result<Dataset> {
@@ -202,7 +215,7 @@ fn dataset(source: &Source, line: usize, records: &[Range<usize>]) -> Result<Dat
         let span = records.get(n).cloned().unwrap_or(source.text.len()..source.text.len());
         Error::Input(render(source, span, title, &format!("record {}", n + 1), "export the dataset again"))
     };
-    if records.len() < 12 {
+    if records.len() <= HEADERS {
         let last = records.len().saturating_sub(1);
         return Err(refuse(last, "the dataset 58 is cut off: eleven records and its numbers are needed"));
     }
@@ -210,6 +223,9 @@ fn dataset(source: &Source, line: usize, records: &[Range<usize>]) -> Result<Dat
     let function = integer(5, 0..5).map_err(|_| refuse(5, "columns 1 to 5 need the function type, a whole number"))?;
     let (Ok(ordinate), Ok(count), Ok(spacing)) = (integer(6, 0..10), integer(6, 10..20), integer(6, 20..30)) else {
         return Err(refuse(6, "columns 1 to 30 need data type, number of values and spacing, whole numbers"));
+    };
+    let Some(count) = usize::try_from(count).ok().filter(|count| *count <= MAX_ROWS) else {
+        return Err(refuse(6, &format!("columns 11 to 20 need the number of values, at most {MAX_ROWS}")));
     };
     let even = spacing != 0;
     let tail = records[6].start + text(6).char_indices().nth(30).map_or(text(6).len(), |(at, _)| at)..records[6].end;
@@ -235,14 +251,14 @@ fn dataset(source: &Source, line: usize, records: &[Range<usize>]) -> Result<Dat
         response: freedom(31..41, 41..51, 51..55),
         reference: freedom(56..66, 66..76, 76..80),
         ordinate,
-        count: usize::try_from(count).unwrap_or(0),
+        count,
         even,
         minimum,
         increment,
         characteristics,
         head: records.first().cloned().unwrap_or_default(),
         form: records.get(6).cloned().unwrap_or_default(),
-        body: records.get(11).map_or(0, |span| span.start)..records.last().map_or(0, |span| span.end),
+        body: records[HEADERS].clone(),
     })
 }
 

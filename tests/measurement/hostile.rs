@@ -1,0 +1,67 @@
+//! Tables that ask for more memory or time than they are worth.
+
+use std::process::Command;
+
+use super::{BASE, HEADER, csv, refused};
+
+/// What `check` says of a table with so many MB of memory.
+fn checked_within(megabytes: usize, name: &str, bytes: &[u8]) -> String {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join(name), bytes).expect("a file");
+    let scenario = folder.path().join("scenario.toml");
+    std::fs::write(&scenario, format!("{BASE}\n[measurement]\nfile = '{name}'\n")).expect("a file");
+    let limited = format!("ulimit -v {}; exec \"$0\" check \"$1\"", megabytes << 10);
+    let mut command = Command::new("sh");
+    command.args(["-c", &limited, env!("CARGO_BIN_EXE_stickslip")]).arg(&scenario).env("RAYON_NUM_THREADS", "1");
+    let told = command.output().expect("a shell");
+    let words = String::from_utf8_lossy(&told.stderr).into_owned();
+    assert_eq!(told.status.code(), Some(2), "{words}");
+    words
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_table_takes_memory_in_proportion_to_its_file() {
+    let commas = ",".repeat(66 << 20 >> 10 << 10).into_bytes();
+    let words = checked_within(700, "commas.csv", &commas[..60 << 20]);
+    assert!(words.contains("at most 16384 are read"), "{words}");
+    let wide = format!("{}\n", ",".repeat(16_000)).repeat(4000);
+    let words = checked_within(700, "blank.csv", wide.as_bytes());
+    assert!(words.contains("nothing but remarks"), "{words}");
+    let wide = format!("{HEADER}\n{}", format!("1{}\n", ",".repeat(16_000)).repeat(4000));
+    let words = checked_within(700, "empty-cells.csv", wide.as_bytes());
+    assert!(words.contains("the cell is empty"), "{words}");
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn bad_rows_are_counted_and_not_kept() {
+    let rows = "x,x,x,x,x,x,x,x\n".repeat(1_000_000);
+    let words = checked_within(700, "bad.csv", format!("{HEADER}\n{rows}").as_bytes());
+    assert!(words.contains("and 999999 more rows"), "{words}");
+    assert_eq!(words.matches("error:").count(), 8, "{words}");
+    let words = checked_within(700, "long.csv", format!("{HEADER}\n{}", "x,y\n".repeat(4_000_000)).as_bytes());
+    assert!(words.contains("more than 1048576 rows"), "{words}");
+}
+
+#[test]
+fn of_many_kinds_of_problems_the_first_are_told_and_the_rest_counted() {
+    let rows: String = (9..60).map(|cells| format!("{}1\n", "1,".repeat(cells))).collect();
+    let words = refused(&format!("{HEADER}\n{rows}{rows}"));
+    assert!(
+        words.matches("and 1 more row, line").count() == 20 && words.ends_with("error: 31 more problems are not shown")
+    );
+}
+
+#[test]
+fn many_readings_of_one_point_are_told_from_copies_in_a_moment() {
+    let rows: String = (0..200_000).map(|run| format!("0.02,20,2.5e-6,60,1.5e-6,1.5e-8,-0.1,0.01,{run}\n")).collect();
+    let table = csv(&format!("{HEADER},run\n{rows}"));
+    assert_eq!((table.points.len(), table.points[0].replicates), (1, 200_000));
+}
+
+#[test]
+fn the_place_in_a_line_that_is_too_long_to_be_shown_is_told() {
+    let words = refused(&format!("{HEADER},{}\n0.02,20,2.5e-6,61,n/a,1.5e-8,-0.1,0.01,{}\n", "a", "b".repeat(100_000)));
+    assert!(words.contains("table.csv:2:19:") && words.len() < 1000, "{words}");
+}
