@@ -1,6 +1,7 @@
 //! Whether residuals look like noise: runs of signs, autocorrelation along the frequency, smooth components.
 
 use super::Compared;
+use super::calibrate::outliers;
 use crate::measurement::{Noise, NoiseSource, Table};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, Normal};
 
@@ -8,8 +9,7 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor, Normal};
 const COMPONENTS: usize = 5;
 /// Points per component that a curve must have.
 const POINTS_PER_COMPONENT: usize = 3;
-/// Residuals enter the tests up to this many times their typical size, so that single outliers do not make a structure. What is
-/// beyond while its neighbours are not tells nothing of the noise of the others.
+/// Residuals enter the tests up to this many times their typical size.
 const CLIP: f64 = 4.0;
 /// Probability below which residuals are called structured.
 pub const SIGNIFICANCE: f64 = 1e-3;
@@ -111,44 +111,30 @@ fn test(curves: &[Vec<f64>], fitted: usize) -> Whiteness {
     let (mut runs, mut expected, mut variance) = (0, 0.0, 0.0);
     let (mut product, mut neighbours, mut energy) = (0.0, 0.0, 0.0);
     let (mut smooth, mut rough, mut smooth_n, mut rough_n) = (0.0, 0.0, 0.0, 0.0);
-    let (mut noise, mut noise_n) = (0.0, 0.0);
-    for curve in curves.iter().filter(|curve| curve.len() > 1) {
-        let most = CLIP * typical(curve).max(1.0);
-        let far = |i: usize, sign: f64| curve.get(i).is_some_and(|r| r * sign > most);
-        let alone = |i: usize| {
-            let sign = curve[i].signum();
-            far(i, sign) && !far(i.wrapping_sub(1), sign) && !far(i + 1, sign)
-        };
-        let clean: Vec<f64> =
-            (0..curve.len()).map(|i| if alone(i) { 0.0 } else { curve[i].clamp(-most, most) }).collect();
-        let outliers = (0..curve.len()).filter(|&i| alone(i)).count() as f64;
-        let clipped: Vec<f64> = curve.iter().map(|r| r.clamp(-most, most)).collect();
-        runs += 1 + clipped.windows(2).filter(|w| (w[0] > 0.0) != (w[1] > 0.0)).count();
+    for curve in curves.iter().map(|curve| clean(curve)).filter(|curve| curve.len() > 1) {
+        runs += 1 + curve.windows(2).filter(|w| (w[0] > 0.0) != (w[1] > 0.0)).count();
         let pairs = (curve.len() - 1) as f64;
         expected += 1.0 + 0.5 * pairs;
         variance += 0.25 * pairs;
         neighbours += pairs;
-        for pair in clean.windows(2) {
+        for pair in curve.windows(2) {
             product += pair[0] * pair[1];
             energy += 0.5 * (pair[0].powi(2) + pair[1].powi(2));
         }
         let components = (curve.len() / POINTS_PER_COMPONENT).min(COMPONENTS);
-        let inside = projected(&clipped, components);
+        let inside = projected(&curve, components);
         smooth += inside;
         smooth_n += components as f64;
-        rough += clipped.iter().map(|r| r * r).sum::<f64>() - inside;
+        rough += curve.iter().map(|r| r * r).sum::<f64>() - inside;
         rough_n += (curve.len() - components) as f64;
-        noise += clean.iter().map(|r| r * r).sum::<f64>() - projected(&clean, components);
-        noise_n += curve.len() as f64 - outliers - components as f64;
     }
     let tail = |z: f64| Normal::standard().sf(z);
     let runs_p = if variance > 0.0 { tail((expected - runs as f64) / f64::sqrt(variance)) } else { 1.0 };
     let smooth_n: f64 = (smooth_n - fitted as f64).max(1.0);
     let rough_chi2 = if rough_n > 0.0 { rough / rough_n } else { 1.0 };
     let smooth_ratio = smooth / smooth_n / rough_chi2.max(f64::MIN_POSITIVE);
-    let noise_chi2 = if noise_n > 0.0 { noise / noise_n } else { rough_chi2 };
     // By the noise about anything smooth: a misfit of a few neighbours at a peak is small beside its own square.
-    let by_chance = noise_chi2 * f64::sqrt(neighbours);
+    let by_chance = rough_chi2 * f64::sqrt(neighbours);
     let autocorrelation_p = if by_chance > 0.0 { tail(product / by_chance) } else { 1.0 };
     let smooth_p = FisherSnedecor::new(smooth_n, rough_n.max(1.0)).map_or(1.0, |f| f.sf(smooth_ratio));
     // Of so many pairs of neighbours the fewest runs, one, have to be impossible by chance.
@@ -162,12 +148,21 @@ fn test(curves: &[Vec<f64>], fitted: usize) -> Whiteness {
         autocorrelation_p,
         smooth_ratio,
         smooth_p,
-        rough_chi2: noise_chi2,
+        rough_chi2,
         rough_freedom: rough_n,
         structured,
         testable,
         own_scatter: false,
     }
+}
+
+/// A curve without the readings that stand out, which tell nothing of the others, and what is large cut.
+fn clean(curve: &[f64]) -> Vec<f64> {
+    let numbered: Vec<(usize, f64)> = curve.iter().copied().enumerate().collect();
+    let out = outliers("", &numbered, 1.0);
+    let most = CLIP * typical(curve).max(1.0);
+    let kept = numbered.iter().filter(|(row, _)| !out.iter().any(|o| o.row == *row));
+    kept.map(|(_, residual)| residual.clamp(-most, most)).collect()
 }
 
 fn typical(curve: &[f64]) -> f64 {
