@@ -73,6 +73,14 @@ pub struct Point {
     pub series: usize,
 }
 
+impl Point {
+    /// Whether reading and deviations are numbers, also where they were computed from others.
+    fn is_finite(&self) -> bool {
+        let optional = [self.phase, self.phase_sd, self.mean].into_iter().flatten();
+        [self.amplitude, self.amplitude_sd].into_iter().chain(optional).all(f64::is_finite)
+    }
+}
+
 /// Where standard deviations come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -243,6 +251,13 @@ fn read(wanted: &MeasurementSource, bytes: &[u8], frame: &Frame<'_>, sweep: Opti
     let mut pooled = pool::pool(readings, frame.is_arm(), &mut notes)?;
     let mut series = std::mem::take(&mut pooled.series);
     let (mut points, amplitude_noise, phase_noise) = noise::assign(pooled, &wanted.file, signals, &mut notes)?;
+    if let Some(point) = points.iter().find(|point| !point.is_finite()) {
+        let title =
+            format!("`{}`, line {}: reading and deviation are beyond all numbers", wanted.file.display(), point.line);
+        let help =
+            "the readings of the table differ by more than a computer's numbers can tell; check them, and their units";
+        return Err(Error::Input(whole_file(&title, help)));
+    }
     if !frame.is_free() && !frame.has_contact() {
         // Without a contact they tell series apart and nothing else.
         points.iter_mut().for_each(|point| (point.speed, point.load) = (0.0, 0.0));

@@ -65,3 +65,17 @@ fn the_place_in_a_line_that_is_too_long_to_be_shown_is_told() {
     let words = refused(&format!("{HEADER},{}\n0.02,20,2.5e-6,61,n/a,1.5e-8,-0.1,0.01,{}\n", "a", "b".repeat(100_000)));
     assert!(words.contains("table.csv:2:19:") && words.len() < 1000, "{words}");
 }
+
+#[test]
+fn readings_beyond_all_numbers_are_refused() {
+    // Found by fuzzing: one of them makes the estimated deviation infinite.
+    let rows = "50,1.0,0.002702702702702703,0\n51,1.1,0.0038461538461538464,-10\n52,1.2,0.00588235294117641e308,-80\n\
+                59,1.0,0.01,-90\n60,1.1,0.0058823529411764705,-100\n61,1.2,0.0038461538461538464,-110\n";
+    let text = format!("f / Hz,Force [N],Acceleration [g],Phase (deg)\n{rows}");
+    let words = stickslip::measurement::survey_bytes("t.csv", text.as_bytes()).expect_err("infinite").to_string();
+    assert!(words.contains("beyond all numbers"), "{words}");
+    // Repeated readings whose mean overflows.
+    let rows =
+        format!("{HEADER}\n{}", "0.02,20,2.5e-6,60,1.5e308,1e300,0,0.01\n0.02,20,2.5e-6,60,1.6e308,1e300,0,0.01\n");
+    assert!(refused(&rows).contains("beyond all numbers"));
+}
