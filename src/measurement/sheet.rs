@@ -158,9 +158,11 @@ impl<'a> Complaints<'a> {
 
     /// Counts one more where enough are told; says whether they are.
     pub fn leaves_out(&mut self) -> bool {
-        let full = self.list.len() == MAX_TOLD;
-        self.untold += usize::from(full);
-        full
+        if self.list.len() < MAX_TOLD {
+            return false;
+        }
+        self.untold += 1;
+        true
     }
 
     /// One more.
@@ -187,16 +189,17 @@ impl<'a> Complaints<'a> {
 
     /// All of them as an error, where there are any.
     pub fn check(self) -> Result<()> {
+        let Self { source, list, untold, .. } = self;
         let mut problems = Problems::default();
-        for Complaint { place, title, label, help, more, lines, .. } in self.list {
+        problems.leave_out(untold);
+        for Complaint { place, title, label, help, more, lines, .. } in list {
             let title = match more {
                 0 => title,
                 1 => format!("{title} … and 1 more row, line {}", lines.0),
                 more => format!("{title} … and {more} more rows, lines {} to {}", lines.0, lines.1),
             };
-            problems.push(std::slice::from_ref(self.source), &place, &title, &label, &help);
+            problems.push(std::slice::from_ref(source), &place, &title, &label, &help);
         }
-        problems.leave_out(self.untold);
         problems.into_message().map_or(Ok(()), |message| Err(Error::Input(message)))
     }
 }
