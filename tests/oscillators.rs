@@ -49,6 +49,22 @@ fn what_the_generator_hid_is_found_from_the_table_alone() {
     }
 }
 
+/// The linear resonance that comes nearest at the smallest drive is that of an acceleration; with the joint it is the
+/// displacement that was read.
+#[test]
+fn what_a_reading_in_volts_is_of_is_told_with_what_is_missing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("volts.toml");
+    new(&table("volts"), &path);
+    let text = std::fs::read_to_string(&path).expect("a scenario");
+    assert!(text.contains("V/m\"    # reading per displacement"), "{text}");
+    let d = found(&path);
+    assert_eq!(
+        (d.verdict, d.explanation().hypothesis.effects()),
+        (Verdict::EffectMissing, vec!["friction-joint".into()])
+    );
+}
+
 /// Mass, length and time in other units: forces and readings follow.
 fn rescaled(name: &str, [mass, length, time]: [f64; 3], folder: &Path) -> PathBuf {
     let text = std::fs::read_to_string(table(name)).expect("a table");

@@ -168,3 +168,24 @@ fn a_beam_is_reported_without_a_word_of_the_papers_rig() {
     let discovery: serde_json::Value = serde_json::from_str(text("discovery.json")).unwrap();
     assert_eq!(discovery["effects"][0].as_str(), Some("cubic-stiffness"));
 }
+
+#[test]
+fn a_point_without_an_answer_has_a_status_and_no_numbers() {
+    let dir = tempfile::tempdir().unwrap();
+    let scenario = "title = 'Nothing damps it'\n[rig]\ninertia = '5.0e-3 kg m^2'\ntorsional_stiffness = '1000 N m/rad'\n\
+        torsional_damping = 0\nspring_stiffness = '1.6e4 N/m'\nspring_damping = '0 N s/m'\nspring_arm = '30 mm'\n\
+        contact_arm = '60 mm'\n[contact]\nstiffness = 1\ndamping = 1\nfriction = 0.5\n[sweep]\nspeed = 0\nload = 0\n\
+        frequency = [70, 72.19391724073334, 75]\ndrive = '2.5 um'\n";
+    std::fs::write(dir.path().join("undamped.toml"), scenario).unwrap();
+    Command::cargo_bin("stickslip").unwrap().current_dir(dir.path()).args(["run", "undamped.toml"]).assert();
+    let curves = std::fs::read_to_string(dir.path().join("output/undamped/curves.csv")).unwrap();
+    let rows: Vec<Vec<&str>> = curves.lines().map(|line| line.split(',').collect()).collect();
+    let at = |name: &str| rows[0].iter().position(|cell| *cell == name).unwrap();
+    let (amplitude, status) = (at("amplitude_rad"), at("status"));
+    assert_eq!(rows.len(), 4);
+    for row in &rows[1..] {
+        let number: Option<f64> = row[amplitude].parse().ok();
+        assert_eq!(row[status] == "steady", number.is_some_and(f64::is_finite), "{row:?}");
+    }
+    assert!(rows.iter().any(|row| row[status] == "failed" && row[amplitude].is_empty()), "{curves}");
+}

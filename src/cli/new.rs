@@ -2,13 +2,14 @@
 
 use super::{Global, say};
 use crate::compare::calibrate;
+use crate::discover::{MARGIN, SearchOptions, explain, explained};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::fit::resonance::{Resonance, of_all, resonance};
-use crate::measurement::{Direction, Point, Series, Survey, survey};
+use crate::measurement::{Direction, Point, Series, Survey, Table, load, survey};
 use crate::model::Model;
 use crate::scenario::diagnostic::whole_file;
-use crate::scenario::{Coordinate, Scenario, Signal, Signals};
+use crate::scenario::{Coordinate, Scenario, Signal};
 use crate::solver::cycle::Tolerance;
 use crate::statistics::{median, wrap};
 use crate::units::{self, count};
@@ -16,9 +17,11 @@ use std::cmp::Ordering::Equal;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
-/// Sum of squares by which one kind of reading has to fit better than a simpler one.
-const DISTINCT: f64 = 10.0;
+/// The search that decides between kinds of readings.
+static SHORT: LazyLock<SearchOptions> =
+    LazyLock::new(|| SearchOptions { max_effects: 2, budget: 50_000, ..SearchOptions::default() });
 /// Two neighbours along a series whose responses per drive differ by this many times what their neighbours do are a jump, if by more
 /// than this many standard deviations.
 const JUMP: (f64, f64) = (5.0, 8.0);
@@ -218,40 +221,57 @@ impl<'a> Draft<'a> {
         lacking
     }
 
-    /// The scenario whose linear resonance fits the readings at the smallest drive best, and what was chosen between, in words:
-    /// of a reading in volts it is not said whether it is of displacement, velocity or acceleration, and of a rig on a moving
-    /// base not whether its motion is read relative to that; they differ in shape and phase.
+    /// The scenario in which the readings are explained best, and what was chosen between, in words: of a reading in volts it is
+    /// not said whether it is of displacement, velocity or acceleration, and of a rig on a moving base not whether its motion is
+    /// read relative to that; they differ in shape and phase.
     fn best_scenario(&self, target: &Path) -> Result<(String, Option<String>)> {
-        let reading = self.signals().1;
         let kinds = self.kinds();
-        let table = &self.seen.table;
-        let level = |s: &Series| (s.load, s.drive);
-        let smallest =
-            table.series.iter().enumerate().min_by(|a, b| level(a.1).partial_cmp(&level(b.1)).unwrap_or(Equal));
-        let points: Vec<Point> =
-            table.points.iter().filter(|p| smallest.is_some_and(|s| s.0 == p.series)).cloned().collect();
-        let mut tried: Vec<(f64, Kind, String)> = Vec::new();
-        for &kind in &kinds {
+        if let [only] = kinds[..] {
+            return Ok((self.scenario(target, only), None));
+        }
+        let mut drafts = Vec::new();
+        for kind in kinds {
             let text = self.scenario(target, kind);
             let scenario = crate::scenario::load_text(target, &text)?;
-            let signals = Signals { drive: table.signals.drive, reading: scenario.signals.reading };
-            let signals = if reading.unit == "V" { signals } else { table.signals };
-            let model = Model::new(&Scenario { signals, ..scenario.clone() });
-            let misfit = calibrate(&model, &scenario.free, &points, Tolerance::COARSE, 0).fit.objective;
-            tried.push((misfit, kind, text));
+            drafts.extend(load(&scenario)?.map(|table| (kind, text, scenario, table)));
         }
-        let best = (1..tried.len()).fold(0, |best, i| if tried[i].0 + DISTINCT < tried[best].0 { i } else { best });
-        let (misfit, kind, text) = tried.swap_remove(best);
-        let chosen = tried.iter().map(|other| other.0 - misfit).min_by(f64::total_cmp).map(|margin| {
-            let by = if margin > DISTINCT {
-                format!("fits best, by {margin:.0} in the sum of squares of a linear resonance")
-            } else {
-                "is an assumption, the readings do not decide".into()
-            };
-            let others: Vec<String> = tried.iter().map(|(_, other, _)| self.words(*other)).collect();
-            format!("the reading is taken as {}, not {}: that {by}", self.words(kind), others.join(" or "))
-        });
-        Ok((text, chosen))
+        let by_linear = |(_, _, scenario, table): &(Kind, String, Scenario, Table)| {
+            let smallest = |a: &Series, b: &Series| (a.load, a.drive).partial_cmp(&(b.load, b.drive));
+            let series = (0..table.series.len())
+                .min_by(|&a, &b| smallest(&table.series[a], &table.series[b]).unwrap_or(Equal))
+                .unwrap_or(0);
+            let points: Vec<Point> = table.points.iter().filter(|p| p.series == series).cloned().collect();
+            let model = Model::new(&table.applied_to(scenario));
+            calibrate(&model, &scenario.free, &points, Tolerance::COARSE, 0).fit.objective
+        };
+        let least = |values: &[f64]| {
+            (1..values.len()).fold(0, |best, i| if values[i] + MARGIN < values[best] { i } else { best })
+        };
+        // Whatever is missing changes the shape of the resonance too: each kind is judged with that, and what is missing as that
+        // kind is read, until neither changes.
+        let mut best = least(&drafts.iter().map(by_linear).collect::<Vec<_>>());
+        let (mut tried, mut criteria, mut with) = (Vec::new(), Vec::new(), String::new());
+        while !tried.contains(&best) {
+            tried.push(best);
+            let (_, _, scenario, table) = &drafts[best];
+            let (_, found) = explain(scenario, table, &SHORT);
+            with = found.label();
+            criteria =
+                drafts.iter().map(|(_, _, scenario, table)| explained(scenario, table, &SHORT, &found)).collect();
+            best = least(&criteria);
+        }
+        let (kind, text, ..) = drafts.remove(best);
+        let criterion = criteria.remove(best);
+        let margin = criteria.iter().map(|other| other - criterion).fold(f64::INFINITY, f64::min);
+        let by = if margin > MARGIN {
+            let with = if with == "nothing" { String::new() } else { format!(" with {with}") };
+            format!("explains the readings{with} better by {margin:.0} in Schwarz's criterion")
+        } else {
+            "is an assumption, the readings do not decide".into()
+        };
+        let others: Vec<String> = drafts.iter().map(|(other, ..)| self.words(*other)).collect();
+        let chosen = format!("the reading is taken as {}, not {}: that {by}", self.words(kind), others.join(" or "));
+        Ok((text, Some(chosen)))
     }
 
     /// What the reading may be of, the usual first.

@@ -146,7 +146,10 @@ fn curves(outcome: &Outcome) -> String {
             // A curve without a second branch has none to name.
             let branch = if curve.down.is_empty() { "" } else { branch };
             let row = Row { condition: &curve.condition, frequency: *frequency, state, branch };
-            text += &(columns.iter().map(|(_, cell)| cell(&row)).collect::<Vec<_>>().join(",") + "\n");
+            // A point without an answer has its status, and no numbers.
+            let cells =
+                columns.iter().map(|(_, cell)| Some(cell(&row)).filter(|text| text != "NaN").unwrap_or_default());
+            text += &(cells.collect::<Vec<_>>().join(",") + "\n");
         }
     }
     text

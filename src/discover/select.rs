@@ -1,13 +1,13 @@
 //! Forward selection with a beam, exchange and backward elimination, from the calibrated base to the explanation.
 
 use super::data::{Data, Effort};
-use super::hypothesis::{Addition, Hypothesis, additions, compatible, extended, square};
+use super::hypothesis::{Addition, Basis, Estimate, Hypothesis, additions, compatible, extended, square};
 use super::known::{Entry, Known};
 use super::look::{Count, Look, Parent, look};
 use super::race::{Competitor, Race, Round};
 use super::runner::{Bar, COSTLY, Runner};
 use super::{Discovery, MARGIN, SearchOptions};
-use crate::compare::{self, Whiteness};
+use crate::compare::{self, Calibration, Whiteness};
 use crate::fit::{TAIL, robust_chi2};
 use crate::measurement::{Noise, Table};
 use crate::model::Model;
@@ -30,18 +30,36 @@ pub fn discover(scenario: &Scenario, table: &Table, options: &SearchOptions) -> 
     searched(&table.applied_to(scenario), table, options, Noise::STATED)
 }
 
+/// What explains the measurements of a scenario as far as the forward selection goes, and Schwarz's criterion of that, which is
+/// comparable between scenarios with the same table.
+pub fn explain(scenario: &Scenario, table: &Table, options: &SearchOptions) -> (f64, Hypothesis) {
+    let scenario = table.applied_to(scenario);
+    let (search, start) = Search::begin(&scenario, table, options);
+    let chosen = search.forward(&start, &mut Known::default());
+    (search.score(&chosen), chosen)
+}
+
+/// The same criterion of what was found for a scenario, with another instrument.
+pub fn explained(scenario: &Scenario, table: &Table, options: &SearchOptions, by: &Hypothesis) -> f64 {
+    let scenario = table.applied_to(scenario);
+    let (search, start) = Search::begin(&scenario, table, options);
+    let mut taken = search.reduced(by, by.additions.clone());
+    for (parameter, value) in taken.fit.parameters.iter().zip(&mut taken.fit.values) {
+        let own = start.fit.parameters.iter().position(|own| own.key == parameter.key);
+        if let Some(own) = own.filter(|_| parameter.key.starts_with("instrument.")) {
+            *value = start.fit.values[own];
+        }
+    }
+    taken.estimate = Some(Estimate { square: f64::INFINITY, basis: Basis::Linear });
+    let mut taken = search.data.fitted(taken, CONTINUED);
+    let aim = taken.clone();
+    search.settle_all(vec![&mut taken], &aim);
+    search.score(&taken)
+}
+
 /// Where the readings scatter more or less than their standard deviations say, these are scaled and the search begins again.
 fn searched(scenario: &Scenario, table: &Table, options: &SearchOptions, noise: Noise) -> Discovery {
-    let model = Model::new(scenario);
-    let calibration = compare::calibrate(&model, &scenario.free, &table.points, Tolerance::default(), options.seed);
-    let search = Search::new(scenario, table, options, &scenario.free, calibration.base.clone());
-    let start = Hypothesis {
-        additions: Vec::new(),
-        model: calibration.base,
-        fit: calibration.fit,
-        estimate: None,
-        bic: f64::INFINITY,
-    };
+    let (search, start) = Search::begin(scenario, table, options);
     let mut known = Known::default();
     let chosen = search.forward(&start, &mut known);
     if noise == Noise::STATED
@@ -85,6 +103,15 @@ impl<'a> Search<'a> {
         let data = Data::new(base, free, &table.points, options.budget);
         let pool = additions(&data.base, free, table.points.iter().any(|p| p.phase.is_some()));
         Self { scenario, table, options, data, pool }
+    }
+
+    /// A search, and the calibrated base that it begins with.
+    fn begin(scenario: &'a Scenario, table: &'a Table, options: &'a SearchOptions) -> (Self, Hypothesis) {
+        let model = Model::new(scenario);
+        let Calibration { base, fit, .. } =
+            compare::calibrate(&model, &scenario.free, &table.points, Tolerance::default(), options.seed);
+        let search = Self::new(scenario, table, options, &scenario.free, base.clone());
+        (search, Hypothesis { additions: Vec::new(), model: base, fit, estimate: None, bic: f64::INFINITY })
     }
 
     /// From the end of the forward selection to what is told.

@@ -238,7 +238,17 @@ impl<'p, 'a> Side<'p, 'a> {
         let evaluations = 4 * (self.others.len() + 1);
         let converged = (DONE * self.of.goal / self.of.least).min(1e-3);
         let settings = Settings { evaluations, threshold: self.of.threshold, converged };
-        let refit = minimise(&mut constrained, &from, &settings);
+        let goal = self.of.goal;
+        let mut refit = minimise(&mut constrained, &from, &settings);
+        // Along a curved valley a refit takes more evaluations: as long as going on may bring it inside the interval.
+        while refit.is_exhausted() && refit.objective - self.of.least > goal * (1.0 + CLOSE) {
+            let next = minimise(&mut constrained, &refit.values, &settings);
+            let gain = refit.objective - next.objective;
+            refit = next;
+            if refit.objective - self.of.least - 2.0 * gain > goal {
+                break;
+            }
+        }
         self.others.iter().zip(&refit.values).for_each(|(&j, &value)| values[j] = value);
         Refit { step, rise: refit.objective - self.of.least, values }
     }

@@ -241,6 +241,7 @@ pub(crate) fn kind(unit: &str) -> &'static str {
         "rad/s" => "an angular velocity",
         "rad/s^2" => "an angular acceleration",
         "V" => "a voltage",
+        "1" => "a strain; where it goes with the displacement call it amplitude_v, and its sensitivity is fitted",
         _ => "another quantity",
     }
 }

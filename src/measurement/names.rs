@@ -100,6 +100,7 @@ pub(crate) const SAYING: &[(&str, &str)] = &[
     ("torque", "N m"),
     ("force", "N"),
     ("voltage", "V"),
+    ("strain", "1"),
     ("angle", "rad"),
     ("frequency", "Hz"),
 ];

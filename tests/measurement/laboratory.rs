@@ -108,6 +108,7 @@ fn a_mapped_column_is_read_in_the_unit_that_its_name_states() {
         ("mapped-acceleration-as-force", "shaker_m_s2", "force"),
         ("mapped-acceleration-as-drive", "shaker_g", "drive"),
         ("mapped-time-as-phase", "lag_s", "phase"),
+        ("mapped-strain-as-amplitude", "strain", "amplitude"),
     ] {
         insta::assert_snapshot!(name, table(header, key).expect_err(name));
     }
