@@ -59,10 +59,11 @@ impl Whiteness {
         (factor, sure && !(1.0 / NOISE_DIFFERS..NOISE_DIFFERS).contains(&factor))
     }
 
-    /// Noise of the readings over the stated one: the scatter where that contradicts it.
+    /// Noise of the readings over the stated one: the scatter where that contradicts it; where the noise was estimated from the
+    /// readings alone, the scatter about the model, which is known better.
     pub fn noise(&self) -> f64 {
         let (factor, contradicted) = self.scatter();
-        if contradicted { factor } else { 1.0 }
+        if contradicted || self.own_scatter { factor } else { 1.0 }
     }
 }
 

@@ -87,7 +87,7 @@ impl Default for SearchOptions {
             max_effects: 3,
             seed: 0,
             starts: 12,
-            entrants: 4,
+            entrants: 8,
             first_points: 32,
             first_evaluations: 4,
             kept: 0.25,

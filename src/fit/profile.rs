@@ -18,7 +18,7 @@ const BETTER: f64 = 0.1;
 const MOVES: usize = 3;
 const EVALUATIONS: usize = 60;
 /// Change of the sum of squares at which a refit is done, in units of the rise at the ends: below that accuracy.
-const DONE: f64 = 0.02;
+const DONE: f64 = 0.005;
 /// Correlation of two estimates from which on it is named.
 const STRONG: f64 = 0.95;
 
@@ -153,7 +153,18 @@ pub fn profiled(
                 continue;
             }
         }
-        let ends: Vec<(f64, bool)> = sides.into_par_iter().zip(first).map(|(side, first)| side.end(first)).collect();
+        let mut ends: Vec<End> = sides.par_iter().zip(first).map(|(side, first)| side.end(first)).collect();
+        // A profile runs along a valley where others may have lost it: what one has found to be as good as the ends lies in the
+        // intervals of all.
+        let inside: Vec<Refit> = ends.iter().flat_map(|end| end.inside.iter().cloned()).collect();
+        let beyond = |(side, end): (&Side, End)| {
+            let steps = inside.iter().map(|refit| Refit { step: side.step(&refit.values), ..refit.clone() });
+            let far = steps.max_by(|a, b| a.step.total_cmp(&b.step));
+            far.filter(|far| far.step > end.step * (1.0 + CLOSE)).map_or(end, |far| side.end(Some(far)))
+        };
+        ends = sides.par_iter().zip(ends).map(beyond).collect();
+        let ends: Vec<(f64, bool)> =
+            sides.iter().zip(&ends).map(|(side, end)| (side.at(end.step), end.closed)).collect();
         let interval = |(value, ends): (&f64, &[(f64, bool)])| {
             let identified = match (ends[0].1, ends[1].1) {
                 (true, true) => Identified::Yes,
@@ -183,14 +194,23 @@ struct Side<'p, 'a> {
     of: &'p Profile<'p, 'a>,
     i: usize,
     direction: f64,
-    /// The other parameters, and by how much they move per step, on their natural scales.
+    /// The other parameters.
     others: Vec<usize>,
-    slopes: Vec<f64>,
     /// The bound of the search.
     bound: f64,
 }
 
+/// The end of an interval on one side.
+struct End {
+    step: f64,
+    /// Whether it is the data's, not the bound of the search.
+    closed: bool,
+    /// What was found on the way to be no worse than the ends.
+    inside: Vec<Refit>,
+}
+
 /// All parameters but one fitted again with that one held at a step from its estimate.
+#[derive(Clone)]
 struct Refit {
     step: f64,
     /// Sum of squares above that of the estimate.
@@ -200,12 +220,10 @@ struct Refit {
 
 impl<'p, 'a> Side<'p, 'a> {
     fn new(of: &'p Profile<'p, 'a>, i: usize, direction: f64) -> Self {
-        let (fit, covariance) = (of.fit, of.covariance);
+        let fit = of.fit;
         let others: Vec<usize> = (0..fit.parameters.len()).filter(|&j| j != i).collect();
-        // At first as the curvature at the optimum ties them.
-        let slopes = others.iter().map(|&j| covariance[(i, j)] / covariance[(i, i)] * direction).collect();
         let bound = fit.parameters[i].moved(fit.values[i], direction * 1e3);
-        Self { of, i, direction, others, slopes, bound }
+        Self { of, i, direction, others, bound }
     }
 
     /// Distance of the bound on the natural scale.
@@ -222,10 +240,14 @@ impl<'p, 'a> Side<'p, 'a> {
         let (fit, i) = (self.of.fit, self.i);
         let sensitive = fit.evaluation.jacobian.column(i).norm() * fit.parameters[i].natural_slope(fit.values[i]).abs();
         let step = (self.of.goal * self.of.covariance[(i, i)]).sqrt();
-        (sensitive >= 1e-9).then(|| self.refit(step))
+        // The others as the curvature at the optimum ties them.
+        let covariance = self.of.covariance;
+        let slope = |&j: &usize| covariance[(i, j)] / covariance[(i, i)] * self.direction;
+        (sensitive >= 1e-9).then(|| self.refit(step, &self.others.iter().map(slope).collect::<Vec<_>>()))
     }
 
-    fn refit(&self, step: f64) -> Refit {
+    /// Fits the others again at a step, from where they are if they move by `slopes` per step on their natural scales.
+    fn refit(&self, step: f64, slopes: &[f64]) -> Refit {
         let fit = self.of.fit;
         let step = step.min(self.room());
         let mut values = fit.values.clone();
@@ -234,7 +256,7 @@ impl<'p, 'a> Side<'p, 'a> {
         let mut constrained = self.of.problem.at(&values, moving);
         let tied =
             |(&j, slope): (&usize, &f64)| fit.parameters[j].moved(fit.values[j], (slope * step).clamp(-1.0, 1.0));
-        let from: Vec<f64> = self.others.iter().zip(&self.slopes).map(tied).collect();
+        let from: Vec<f64> = self.others.iter().zip(slopes).map(tied).collect();
         let evaluations = 4 * (self.others.len() + 1);
         let converged = (DONE * self.of.goal / self.of.least).min(1e-3);
         let settings = Settings { evaluations, threshold: self.of.threshold, converged };
@@ -253,51 +275,58 @@ impl<'p, 'a> Side<'p, 'a> {
         Refit { step, rise: refit.objective - self.of.least, values }
     }
 
-    /// The end of the interval and whether it is the data's.
-    fn end(mut self, first: Option<Refit>) -> (f64, bool) {
-        let Some(mut refit) = first else { return (self.bound, false) };
+    /// The step to values, negative where they lie on the other side.
+    fn step(&self, values: &[f64]) -> f64 {
+        let fit = self.of.fit;
+        self.direction * fit.parameters[self.i].natural_step(fit.values[self.i], values[self.i])
+    }
+
+    /// The end of the interval, from a refit at some step.
+    fn end(&self, first: Option<Refit>) -> End {
         let (goal, room) = (self.of.goal, self.room());
-        let mut inside = (0.0, 0.0);
+        let open = |inside: Vec<Refit>| End { step: room, closed: false, inside };
+        let Some(mut refit) = first else { return open(Vec::new()) };
+        let fit = self.of.fit;
+        let mut inside: Vec<Refit> = Vec::new();
+        let mut near = (0.0, 0.0);
         let mut outside: Option<(f64, f64)> = None;
-        let mut next = refit.step;
         // From where the others are tied, the last refit inside the interval: one beyond its end may have gone astray.
-        let mut tie = (refit.step, refit.values.clone());
-        for trial in 0..TRIALS {
-            if trial > 0 {
-                let fit = self.of.fit;
-                for (slope, &j) in self.slopes.iter_mut().zip(&self.others) {
-                    *slope = fit.parameters[j].natural_step(fit.values[j], tie.1[j]) / tie.0;
-                }
-                refit = self.refit(next);
-            }
+        let mut tie = refit.clone();
+        for _ in 0..TRIALS {
             let Refit { step, rise, .. } = refit;
             if (rise / goal - 1.0).abs() < CLOSE {
-                return (self.at(step), true);
+                return End { step, closed: true, inside };
+            }
+            if rise < goal || (near.0 == 0.0 && step < tie.step) {
+                tie = refit.clone();
             }
             if rise < goal {
+                inside.push(refit);
                 if step >= room * (1.0 - 1e-9) {
-                    return (self.bound, false);
+                    return open(inside);
                 }
-                inside = (step, rise.max(0.0));
+                near = (step, rise.max(0.0));
             } else {
                 outside = Some((step, rise));
             }
-            if rise < goal || (inside.0 == 0.0 && step < tie.0) {
-                tie = (step, refit.values.clone());
-            }
             // The rise goes nearly as a power of the step, at first as its square.
             let power = match outside {
-                Some((far, much)) if inside.1 > 0.0 => (much / inside.1).ln() / (far / inside.0).ln(),
+                Some((far, much)) if near.1 > 0.0 => (much / near.1).ln() / (far / near.0).ln(),
                 _ => 2.0,
             };
             let scaled = step * (goal / rise.max(1e-3 * goal)).powf(1.0 / power);
-            next = match outside {
-                Some((far, _)) if trial % 2 == 1 => 0.5 * (inside.0 + far),
-                Some((far, _)) => scaled.clamp(0.95 * inside.0 + 0.05 * far, 0.05 * inside.0 + 0.95 * far),
+            let next = match outside {
+                Some((far, _)) if inside.len() % 2 == 1 => 0.5 * (near.0 + far),
+                Some((far, _)) => scaled.clamp(0.95 * near.0 + 0.05 * far, 0.05 * near.0 + 0.95 * far),
                 None => scaled.clamp(1.2 * step, 8.0 * step),
             };
+            let slope = |&j: &usize| fit.parameters[j].natural_step(fit.values[j], tie.values[j]) / tie.step;
+            refit = self.refit(next, &self.others.iter().map(slope).collect::<Vec<_>>());
         }
         // Not found: rather too wide than too narrow.
-        outside.map_or((self.bound, false), |(far, _)| (self.at(far), true))
+        match outside {
+            Some((far, _)) => End { step: far, closed: true, inside },
+            None => open(inside),
+        }
     }
 }
