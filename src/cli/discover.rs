@@ -5,7 +5,7 @@ use super::compare::{
     interval_words, parameter, stands_out, uncalibrated, verdict, with_measurements, without_outliers,
 };
 use super::gates::{self, GateLimits, Verdicts};
-use super::{Global, Json, Stamped, say};
+use super::{Global, Json, Stamped, progress, say};
 use crate::compare;
 use crate::discover::{self, Candidate, Discovery, SearchOptions, Verdict};
 use crate::error::Result;
@@ -21,6 +21,13 @@ const SHOWN: usize = 3;
 /// What stands in the columns of the candidates.
 const LEGEND: &str = "  delta BIC: misfit and price of the parameters above the best, 6 is 20 to 1; weight: share of the evidence; left-out: \
                       error at series that were not fitted; from: what was fitted";
+
+/// The terms of what is printed, for `--help`.
+pub const TERMS: &str = "What is printed: chi2 is the mean square of the residuals in standard deviations, 1 where nothing but noise is \
+    left. rms error is that of the amplitude. left-out is the error at series that were predicted from the others. delta BIC is Schwarz's \
+    criterion, misfit and price of the parameters, above that of the best: what is within 6 (20 to 1) is not decided. weight is the share of \
+    the evidence. tied: the data do not tell them apart. nested in: a special case of. docs/search.md tells how the search goes and from \
+    which figures each verdict follows. A budget that is spent ends with what is best so far, is said, and is no failure: exit status 0.";
 
 /// Searches for what is missing in a scenario's model, and holds the result to its gates; the JSON goes to `json` where
 /// given.
@@ -38,7 +45,9 @@ pub fn execute(
         json.free(discover::SCHEMA, None)?;
     }
     let options = SearchOptions { bounds: bounds.of(&scenario, &table)?, ..options.clone() };
-    let discovery = discover::discover(&scenario, &table, &options);
+    let discovery = progress::of_search(global, options.budget, |solved| {
+        discover::discover_counted(&scenario, &table, &options, solved)
+    });
     let mut judged = gate::of_comparison(&scenario.gate, &discovery.steps[0].comparison);
     judged.extend(gate::of_discovery(&scenario.gate, &discovery));
     if let Some(json) = json {

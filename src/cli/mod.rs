@@ -20,6 +20,7 @@ mod keep;
 mod ledger;
 mod new;
 mod past;
+mod progress;
 mod question;
 pub mod report;
 pub mod run;
@@ -58,6 +59,9 @@ pub struct Global {
     /// Print nothing but errors
     #[arg(long, short, global = true)]
     pub quiet: bool,
+    /// Tell every few seconds how far a search is where no terminal shows it
+    #[arg(long, short, global = true, conflicts_with = "quiet")]
+    pub verbose: bool,
     /// Number of threads [default: one per core]
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=i64::from(MOST_THREADS)))]
     pub threads: Option<u16>,
@@ -104,6 +108,7 @@ enum Command {
         output: Option<PathBuf>,
     },
     /// Find out which effect is missing in the model of some measurements
+    #[command(after_help = discover::TERMS)]
     Discover {
         /// Scenario file with a table [measurement]
         scenario: PathBuf,
@@ -211,7 +216,7 @@ fn with_command(mut arguments: Vec<OsString>) -> Vec<OsString> {
     let mut at = 1;
     while let Some(word) = arguments.get(at).and_then(|word| word.to_str()) {
         match word {
-            "-q" | "--quiet" => at += 1,
+            "-q" | "--quiet" | "-v" | "--verbose" => at += 1,
             "--threads" => at += 2,
             _ if word.starts_with("--threads=") => at += 1,
             _ => break,

@@ -11,6 +11,7 @@ use crate::measurement::Table;
 use crate::model::Model;
 use crate::scenario::Scenario;
 use crate::solver::cycle::Tolerance;
+use std::sync::Arc;
 
 /// A scenario's model before and after a change, each calibrated.
 #[derive(Debug, Clone)]
@@ -46,7 +47,7 @@ pub fn fit_addition(scenario: &Scenario, table: &Table, effect: &'static dyn Eff
     let base = calibrate(&model, &keys, &table.points, Tolerance::default(), seed);
     let model = base.base.clone();
     let options = SearchOptions { seed, ..SearchOptions::default() };
-    let search = Search::new(scenario, table, &options, &keys, model.clone());
+    let search = Search::new(scenario, table, (&options, &Arc::default()), &keys, model.clone());
     let from = Hypothesis { additions: Vec::new(), model, fit: base.fit, estimate: None, bic: f64::INFINITY };
     let best = search.add(&from, addition, &mut Known::default()).unwrap_or(from);
     let keys = keys.into_iter().chain(addition.keys()).collect::<Vec<_>>();

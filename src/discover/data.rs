@@ -8,6 +8,7 @@ use crate::model::Model;
 use crate::solver::cycle::Tolerance;
 use crate::statistics::spread;
 use nalgebra::DVector;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 /// Relative change of the sum of squares at which a fit to some of the points is done, and one to all.
@@ -31,8 +32,9 @@ pub struct Data<'a> {
     free: Vec<String>,
     /// Steady states that may be solved.
     pub budget: u64,
-    /// Steady states solved so far.
-    solved: AtomicU64,
+    /// Steady states solved by all searches that count here, and before this one.
+    counter: Arc<AtomicU64>,
+    before: u64,
 }
 
 /// How far a fit is taken.
@@ -46,7 +48,7 @@ pub struct Effort {
 
 impl<'a> Data<'a> {
     /// The points as a model sees them whose parameters `free` move.
-    pub fn new(base: Model, free: &[String], points: &'a [Point], budget: u64) -> Self {
+    pub fn new(base: Model, free: &[String], points: &'a [Point], (budget, counter): (u64, &Arc<AtomicU64>)) -> Self {
         let parameters = free.iter().filter_map(|key| parameter(&base, key)).collect();
         let none: [&Point; 0] = [];
         let stated = Problem::new(base.clone(), none, parameters, Tolerance::default()).values();
@@ -58,7 +60,8 @@ impl<'a> Data<'a> {
             series: points.last().map_or(0, |p| p.series + 1),
             free: free.to_vec(),
             budget,
-            solved: AtomicU64::new(0),
+            counter: Arc::clone(counter),
+            before: counter.load(Relaxed),
         }
     }
 
@@ -89,12 +92,12 @@ impl<'a> Data<'a> {
 
     /// Steady states solved so far, by all threads.
     pub fn solved(&self) -> u64 {
-        self.solved.load(Relaxed)
+        self.counter.load(Relaxed) - self.before
     }
 
     /// Counts steady states of a model.
     pub fn count(&self, model: &Model, solved: usize) {
-        self.solved.fetch_add(solved as u64 * cost(model), Relaxed);
+        self.counter.fetch_add(solved as u64 * cost(model), Relaxed);
     }
 
     /// Whether a fit costs no more than its share of the budget: what does is not begun. The same whatever was done before.

@@ -14,6 +14,8 @@ use crate::model::Model;
 use crate::scenario::Scenario;
 use crate::solver::cycle::Tolerance;
 use rayon::prelude::*;
+use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
 
 /// Evaluations of one continuation of a fit to all points.
 const CONTINUED: usize = 15;
@@ -27,14 +29,24 @@ const GAIN: f64 = 0.1;
 
 /// Finds what is missing in the model of a scenario, given its measurements.
 pub fn discover(scenario: &Scenario, table: &Table, options: &SearchOptions) -> Discovery {
-    searched(&table.applied_to(scenario), table, options, Noise::STATED)
+    discover_counted(scenario, table, options, &Arc::default())
+}
+
+/// The same, counting the steady states that it solves where another thread may look.
+pub fn discover_counted(
+    scenario: &Scenario,
+    table: &Table,
+    options: &SearchOptions,
+    solved: &Arc<AtomicU64>,
+) -> Discovery {
+    searched(&table.applied_to(scenario), table, (options, solved), Noise::STATED)
 }
 
 /// What explains the measurements of a scenario as far as the forward selection goes, and Schwarz's criterion of that, which is
 /// comparable between scenarios with the same table.
 pub fn explain(scenario: &Scenario, table: &Table, options: &SearchOptions) -> (f64, Hypothesis) {
     let scenario = table.applied_to(scenario);
-    let (search, start) = Search::begin(&scenario, table, options);
+    let (search, start) = Search::begin(&scenario, table, options, &Arc::default());
     let chosen = search.forward(&start, &mut Known::default());
     (search.score(&chosen), chosen)
 }
@@ -42,7 +54,7 @@ pub fn explain(scenario: &Scenario, table: &Table, options: &SearchOptions) -> (
 /// The same criterion of what was found for a scenario, with another instrument.
 pub fn explained(scenario: &Scenario, table: &Table, options: &SearchOptions, by: &Hypothesis) -> f64 {
     let scenario = table.applied_to(scenario);
-    let (search, start) = Search::begin(&scenario, table, options);
+    let (search, start) = Search::begin(&scenario, table, options, &Arc::default());
     let mut taken = search.reduced(by, by.additions.clone());
     for (parameter, value) in taken.fit.parameters.iter().zip(&mut taken.fit.values) {
         let own = start.fit.parameters.iter().position(|own| own.key == parameter.key);
@@ -58,8 +70,13 @@ pub fn explained(scenario: &Scenario, table: &Table, options: &SearchOptions, by
 }
 
 /// Where the readings scatter more or less than their standard deviations say, these are scaled and the search begins again.
-fn searched(scenario: &Scenario, table: &Table, options: &SearchOptions, noise: Noise) -> Discovery {
-    let (search, start) = Search::begin(scenario, table, options);
+fn searched(
+    scenario: &Scenario,
+    table: &Table,
+    (options, solved): (&SearchOptions, &Arc<AtomicU64>),
+    noise: Noise,
+) -> Discovery {
+    let (search, start) = Search::begin(scenario, table, options, solved);
     let mut known = Known::default();
     let chosen = search.forward(&start, &mut known);
     if noise == Noise::STATED
@@ -67,7 +84,7 @@ fn searched(scenario: &Scenario, table: &Table, options: &SearchOptions, noise: 
     {
         let left = options.budget.saturating_sub(search.data.solved());
         let options = SearchOptions { budget: left.max(1), ..options.clone() };
-        return searched(scenario, &table.rescaled(noise), &options, noise);
+        return searched(scenario, &table.rescaled(noise), (&options, solved), noise);
     }
     search.run(&start, chosen, known, noise)
 }
@@ -96,21 +113,26 @@ impl<'a> Search<'a> {
     pub fn new(
         scenario: &'a Scenario,
         table: &'a Table,
-        options: &'a SearchOptions,
+        (options, solved): (&'a SearchOptions, &Arc<AtomicU64>),
         free: &[String],
         base: Model,
     ) -> Self {
-        let data = Data::new(base, free, &table.points, options.budget);
+        let data = Data::new(base, free, &table.points, (options.budget, solved));
         let pool = additions(&data.base, free, table.points.iter().any(|p| p.phase.is_some()));
         Self { scenario, table, options, data, pool }
     }
 
     /// A search, and the calibrated base that it begins with.
-    fn begin(scenario: &'a Scenario, table: &'a Table, options: &'a SearchOptions) -> (Self, Hypothesis) {
+    fn begin(
+        scenario: &'a Scenario,
+        table: &'a Table,
+        options: &'a SearchOptions,
+        solved: &Arc<AtomicU64>,
+    ) -> (Self, Hypothesis) {
         let model = Model::new(scenario);
         let Calibration { base, fit, .. } =
             compare::calibrate(&model, &scenario.free, &table.points, Tolerance::default(), options.seed);
-        let search = Self::new(scenario, table, options, &scenario.free, base.clone());
+        let search = Self::new(scenario, table, (options, solved), &scenario.free, base.clone());
         (search, Hypothesis { additions: Vec::new(), model: base, fit, estimate: None, bic: f64::INFINITY })
     }
 
