@@ -177,7 +177,7 @@ fn a_point_without_an_answer_has_a_status_and_no_numbers() {
         contact_arm = '60 mm'\n[contact]\nstiffness = 1\ndamping = 1\nfriction = 0.5\n[sweep]\nspeed = 0\nload = 0\n\
         frequency = [70, 72.19391724073334, 75]\ndrive = '2.5 um'\n";
     std::fs::write(dir.path().join("undamped.toml"), scenario).unwrap();
-    Command::cargo_bin("stickslip").unwrap().current_dir(dir.path()).args(["run", "undamped.toml"]).assert();
+    Command::cargo_bin("stickslip").unwrap().current_dir(dir.path()).args(["run", "undamped.toml"]).assert().success();
     let curves = std::fs::read_to_string(dir.path().join("output/undamped/curves.csv")).unwrap();
     let rows: Vec<Vec<&str>> = curves.lines().map(|line| line.split(',').collect()).collect();
     let at = |name: &str| rows[0].iter().position(|cell| *cell == name).unwrap();

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 /// A sum of squares that is larger by this than that of a smaller hypothesis shows a fit that did not come to its end.
 const WORSE: f64 = 1.0;
-/// Rivals of the explanation whose prediction of left-out conditions is computed.
+/// Rivals of the explanation whose prediction of left-out conditions and, where they are tied with it, profiles are computed.
 const RIVALS: usize = 3;
 
 impl Search<'_> {
@@ -179,8 +179,16 @@ impl Search<'_> {
             .enumerate()
             .map(|(rank, (hypothesis, testable))| {
                 let step = steps.iter().find(|s| s.hypothesis.additions == hypothesis.additions);
+                let mut hypothesis = hypothesis;
+                let tied = rank < RIVALS && ties.iter().flatten().any(|tied| tied.same_additions(&hypothesis));
                 let intervals: Vec<Interval> = match step {
                     Some(step) => step.comparison.intervals.clone(),
+                    // Profiles may come below the fit, and move it.
+                    None if tied => {
+                        let profiled = self.comparison(&hypothesis, true);
+                        hypothesis.fit = profiled.fit;
+                        profiled.intervals
+                    }
                     None => approximate_intervals(&hypothesis.fit, 1.0),
                 };
                 let own = hypothesis.fit.evaluation.chi2();

@@ -96,7 +96,8 @@ pub struct Candidate {
     pub testable: bool,
     /// Mean square of the residuals in standard deviations.
     pub chi2_per_point: f64,
-    /// Intervals of its parameters: by profile likelihood for the chosen one, from the curvature for the others.
+    /// Intervals of its parameters: by profile likelihood for the chosen one and the leading ones tied with it, from the curvature
+    /// for the others.
     pub intervals: Vec<Interval>,
     /// Prediction of left-out conditions, for the leading ones.
     pub held_out: Option<HeldOut>,
