@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Scores the program on a folder of tables with known answers.
 
-    python3 tests/reference/score.py DIR [--binary PATH] [--jobs 1] [--timeout 60] [--only NAME ...] [--all] [--json FILE]
+    python3 tests/reference/score.py DIR [--binary PATH] [--jobs 1] [--timeout 60] [--search NAME=VALUE ...] [--only NAME ...]
+                                     [--all] [--json FILE]
 
 For each DIR/<name>/table.csv of DIR/answers.json it runs
 
@@ -146,7 +147,7 @@ def wilson(hits, count):
     return max(0.0, middle - half), min(1.0, middle + half)
 
 
-def examine(binary, folder, name, answer, timeout):
+def examine(binary, folder, name, answer, timeout, search=()):
     table = os.path.join(folder, name, "table.csv")
     start, found, written = time.monotonic(), {}, ""
     with tempfile.TemporaryDirectory(prefix="stickslip-score-") as scratch:
@@ -157,7 +158,9 @@ def examine(binary, folder, name, answer, timeout):
         if failure is None:
             with open(scenario, encoding="utf-8") as file:
                 written = file.read()
-            output, failure = call([binary, "discover", scenario, "--json", "-"], timeout)
+            start = time.monotonic()
+            settings = [word for setting in search for word in ("--search", setting)]
+            output, failure = call([binary, "discover", scenario, "--json", "-", *settings], timeout)
             if failure is None:
                 try:
                     found = json.loads(output)
@@ -249,6 +252,7 @@ def main():
     parser.add_argument("--binary", metavar="PATH", default=os.path.join("target", "release", "stickslip"))
     parser.add_argument("--jobs", type=int, default=1, help="tables at a time")
     parser.add_argument("--timeout", type=float, default=60.0, help="seconds for each of the two commands")
+    parser.add_argument("--search", metavar="NAME=VALUE", action="append", default=[], help="an option of the search (docs/search.md)")
     parser.add_argument("--only", metavar="NAME", nargs="+", help="score these tables only")
     parser.add_argument("--all", action="store_true", help="a line for every table, not only for those that do not pass")
     parser.add_argument("--json", metavar="FILE", help="write the scores and every table's outcome")
@@ -266,7 +270,8 @@ def main():
     results, wide = [], max(len(answers[name].get("outside") or "+".join(answers[name]["effects"]) or "none") for name in names)
     with concurrent.futures.ThreadPoolExecutor(max(options.jobs, 1)) as pool:
         tasks = [
-            pool.submit(examine, binary, options.folder, name, answers[name], options.timeout) for name in names
+            pool.submit(examine, binary, options.folder, name, answers[name], options.timeout, options.search)
+            for name in names
         ]
         for task in tasks:
             results.append(task.result())
