@@ -236,7 +236,10 @@ fn with_command(mut arguments: Vec<OsString>) -> Vec<OsString> {
 /// Whatever the command reports; [`Error::exit_code`] is the exit status.
 pub fn run(cli: Cli) -> Result<()> {
     let global = cli.global;
-    interrupt::watch();
+    interrupt::watch(|message| {
+        terminal::end_line();
+        terminal::tell(message);
+    });
     start_threads(&global)?;
     match cli.command {
         Command::Report(arguments) => report::execute(&arguments, &global),

@@ -29,8 +29,8 @@ use crate::measurement::{Point, Table};
 use crate::model::Model;
 use crate::scenario::{Scenario, Signal, Signals};
 use crate::solver::Status;
-use crate::solver::analytic::wrap;
 use crate::solver::cycle::Tolerance;
+use crate::statistics::wrap;
 use crate::units::count;
 use std::sync::OnceLock;
 

@@ -1,14 +1,6 @@
 //! Every base parameter stated once: key, symbol, unit, physical range, meaning. Parser, documentation and reports follow it.
 
-use super::rig::Coordinate;
-use crate::effects::{Measure, ParameterInfo};
-
-/// Values that are positive, however small or large the rig.
-pub const POSITIVE: (f64, f64) = (f64::MIN_POSITIVE, f64::MAX);
-/// Values that are zero or more.
-pub const ZERO_OR_MORE: (f64, f64) = (0.0, f64::MAX);
-/// Values of either sign.
-pub const ANY: (f64, f64) = (-f64::MAX, f64::MAX);
+use crate::parameter::{ANY, Coordinate, Measure, POSITIVE, ParameterInfo, ZERO_OR_MORE};
 
 const fn info(
     (key, symbol, unit): (&'static str, &'static str, &'static str),

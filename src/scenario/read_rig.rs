@@ -4,10 +4,11 @@ use super::axes;
 use super::diagnostic::{nearest, quote, suggestion};
 use super::parameters::{CONTACT, DRIVE_SENSITIVITY, INSTRUMENT, OSCILLATOR_WORDS, RIG, SENSITIVITY, oscillator};
 use super::reader::{Reader, Table};
-use super::rig::{Coordinate, Dissipation, Elasticity, Excitation, Oscillator, Rig, Signal, TorsionalArm};
+use super::rig::{Dissipation, Elasticity, Excitation, Oscillator, Rig, Signal, TorsionalArm};
 use super::types::{Contact, Formulation, Instrument};
 use super::written::{Entry, Value, inside};
-use crate::effects::ParameterInfo;
+use crate::parameter::Coordinate;
+use crate::parameter::ParameterInfo;
 use crate::units;
 
 /// Kinds of rigs.

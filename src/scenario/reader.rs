@@ -3,7 +3,7 @@
 use super::diagnostic::{Place, Problems, nearest, quote, suggestion};
 use super::source::Source;
 use super::written::{Entry, Node, Value};
-use crate::effects::ParameterInfo;
+use crate::parameter::ParameterInfo;
 use crate::units;
 
 /// Name of the file's top level in messages.

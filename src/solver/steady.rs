@@ -1,6 +1,5 @@
 //! From a model and an operating point to the observables of its steady state.
 
-use super::analytic::wrap;
 use super::balance::{self, Balance};
 use super::collocation::interpolate;
 use super::cycle::{Integrator, Record, Tolerance};
@@ -8,13 +7,14 @@ use super::paper_euler::{self, PaperContact};
 use super::radau::State;
 use super::shooting::{Periodic, Start, Unsolved};
 use super::{Method, Orbit, Status, SteadyState, oscillator, parallel, shooting, time};
+use crate::dual::{Dual, MAX_PARAMETERS};
 use crate::model::alone::Alone;
 use crate::model::contact::{LimitingState, Problem, Sliders};
-use crate::model::dual::{Dual, MAX_PARAMETERS};
 use crate::model::lumps::Lumps;
 use crate::model::system::{HybridSystem, Mode};
 use crate::model::{Model, Operation};
 use crate::scenario::Formulation;
+use crate::statistics::wrap;
 
 /// Floquet multipliers above this count as unstable.
 const UNSTABLE: f64 = 1.0 + 1e-6;
