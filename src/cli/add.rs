@@ -1,7 +1,8 @@
 //! `stickslip add`: one effect fitted and written into a scenario, or taken out of it.
 
 use super::compare::{interval_words, parameter, with_measurements};
-use super::{Global, extension, say, target};
+use super::target::{self, Job};
+use super::{Global, extension, say};
 use crate::compare::{Compared, Comparison, Metrics, words as condition};
 use crate::discover::{Change, fit_addition, fit_removal};
 use crate::effects::{self, Effect, REGISTRY};
@@ -15,23 +16,6 @@ use std::path::Path;
 
 /// Conditions and regions shown on the terminal.
 const SHOWN: usize = 5;
-
-/// What is asked for.
-#[derive(Debug, Clone, Copy)]
-pub struct Job<'a> {
-    /// Name of the effect.
-    pub effect: &'a str,
-    /// The scenario.
-    pub path: &'a Path,
-    /// Another file to write to.
-    pub output: Option<&'a Path>,
-    /// Whether to show the difference and write nothing.
-    pub dry_run: bool,
-    /// Whether the effect is to be taken out.
-    pub remove: bool,
-    /// Seed of the search.
-    pub seed: u32,
-}
 
 /// Fits the effect to the scenario's measurements and writes the changed scenario; everything that can be wrong with the
 /// input is found before the fit.

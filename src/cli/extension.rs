@@ -1,7 +1,6 @@
 //! The text that `stickslip add` writes: fitted numbers rounded to what is known of them, and proof that it says so.
 
-use super::add::Job;
-use super::target::Target;
+use super::target::{Job, Target};
 use crate::compare;
 use crate::discover::{Addition, Change};
 use crate::effects::{Effect, ParameterInfo, typical};

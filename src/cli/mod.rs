@@ -256,7 +256,8 @@ pub fn run(cli: Cli) -> Result<()> {
             discover::execute(&scenario, json.as_ref(), (&options, &limits), (&gates, &verdict), &global)
         }
         Command::Add { effect, scenario, output, dry_run, remove, seed } => {
-            let job = add::Job { effect: &effect, path: &scenario, output: output.as_deref(), dry_run, remove, seed };
+            let job =
+                target::Job { effect: &effect, path: &scenario, output: output.as_deref(), dry_run, remove, seed };
             add::execute(&job, &global)
         }
         Command::Accept(arguments) => accept::execute(&arguments, &global),

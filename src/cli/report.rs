@@ -24,8 +24,6 @@ use std::path::{Path, PathBuf};
 
 /// Title of a page about the paper's kind of rig.
 const TITLE: &str = "Rubber in frictional contact: model and experiment";
-/// Bytes of a page that is still opened at once on a phone; drawings of an earlier run are left out beyond.
-const LARGEST: usize = 4_900_000;
 /// Shortest wall time \[s\] that a history keeps.
 const NOTED: f64 = 0.05;
 /// Arguments of the command.
@@ -64,7 +62,7 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     let Arguments { scenarios: paths, out, from, baseline, no_regression, history, extras, limits, verdict, cache } =
         arguments;
     if let Some(from) = from {
-        return again::execute(from, arguments, global);
+        return again::execute(from, out.as_deref(), extras, global);
     }
     let out = out.as_deref().unwrap_or(Path::new("output"));
     let mut scenarios = select::scenarios(paths, global.quiet)?;
@@ -139,7 +137,7 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     if let Some(past) = past {
         view = past.with(view, record.clone(), &results)?;
     }
-    let page = page(&view)?;
+    let page = again::page(&view)?;
     let json = report::json(&view).map_err(|why| Error::Unfinished(why.to_string()))?;
     results.write("report.json", json.as_bytes())?;
     results.write("report.html", page.as_bytes())?;
@@ -168,21 +166,6 @@ fn title(scenarios: &[Scenario]) -> String {
         [one] => one.title.clone(),
         [first, others @ ..] => format!("{} and {} more", first.title, others.len()),
         [] => TITLE.into(),
-    }
-}
-
-/// The page with as many drawings of an earlier run as it may hold; all of them are among the files.
-pub(super) fn page(view: &ReportView) -> Result<String> {
-    let mut view = view.clone();
-    loop {
-        let page = report::render(&view).map_err(|why| Error::Unfinished(why.to_string()))?;
-        let pictures = view.baseline.iter_mut().flat_map(|baseline| &mut baseline.pictures);
-        let mut held: Vec<_> = pictures.filter(|picture| !picture.svg.is_empty()).collect();
-        if page.len() <= LARGEST || held.is_empty() {
-            return Ok(page);
-        }
-        let half = held.len() / 2;
-        held.drain(half..).for_each(|picture| picture.svg.clear());
     }
 }
 

@@ -1,11 +1,22 @@
 //! Problems of a scenario file, shown with file:line:column and the offending line.
 
 use std::ops::Range;
+use std::path::PathBuf;
 
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 
-use super::source::Source;
 use strsim::osa_distance;
+
+/// One file of a scenario.
+#[derive(Debug, Clone)]
+pub(crate) struct Source {
+    /// Name shown in messages.
+    pub name: String,
+    /// Where it is; measurement tables are found from its folder.
+    pub path: PathBuf,
+    /// Its text without a byte order mark.
+    pub text: String,
+}
 
 /// A place in one of the files that make up a scenario.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,7 +3,7 @@
 use super::axes;
 use super::diagnostic::{nearest, quote, suggestion};
 use super::parameters::{CONTACT, DRIVE_SENSITIVITY, INSTRUMENT, OSCILLATOR_WORDS, RIG, SENSITIVITY, oscillator};
-use super::reader::{Reader, Table};
+use super::reader::{Reader, Table, units};
 use super::rig::{Dissipation, Elasticity, Excitation, Oscillator, Rig, Signal, TorsionalArm};
 use super::types::{Contact, Formulation, Instrument};
 use super::written::{Entry, Value, inside};
@@ -74,7 +74,7 @@ fn numbers<const N: usize>(
     infos: &[ParameterInfo],
     optional: &[&str],
 ) -> Option<[f64; N]> {
-    reader.keys(table, &super::validate::units(infos), optional);
+    reader.keys(table, &units(infos), optional);
     let values: Vec<_> =
         infos.iter().map(|info| table.get(info.key).and_then(|node| reader.quantity(node, info))).collect();
     values.into_iter().collect::<Option<Vec<_>>>()?.try_into().ok()

@@ -16,7 +16,6 @@ use super::written::{Node, inside};
 use super::{LoadOptions, Role};
 use crate::error::{Error, Result};
 use crate::parameter::Coordinate;
-use crate::parameter::ParameterInfo;
 
 /// Validates a document; all its problems are told at once.
 pub(crate) fn scenario(
@@ -145,9 +144,4 @@ fn title(reader: &mut Reader<'_>, node: &Node) -> Option<String> {
         return None;
     }
     Some(text)
-}
-
-/// Keys with their units.
-pub(crate) fn units(infos: &[ParameterInfo]) -> Vec<(&'static str, &'static str)> {
-    infos.iter().map(|info| (info.key, info.unit)).collect()
 }

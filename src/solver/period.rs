@@ -9,6 +9,9 @@ use super::radau::{State, Stepper, Taken};
 use super::sensitivity::Stretch;
 use crate::model::system::{MAX_STATES, Mode};
 
+/// States at time 0 with the mode and the algebraic unknown there.
+pub type Start = (State, (Mode, f64));
+
 /// What a step leaves behind for a recorder: times, states and algebraic unknown at the start and the stages.
 pub struct Record<'a> {
     /// Time at the start \[s\].

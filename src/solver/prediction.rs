@@ -10,9 +10,9 @@
 
 use super::cycle::Integrator;
 use super::dense;
-use super::dense::{Matrix, identity};
+use super::events::Jump;
+use super::period::Start;
 use super::radau::State;
-use super::shooting::Start;
 use crate::model::system::{MAX_STATES, Mode};
 
 /// Cycles of long steps from a cold start, and from a neighbouring problem.
@@ -27,46 +27,6 @@ const MAX_STRETCHES: usize = 12;
 const MAX_ROUNDS: usize = 12;
 /// Relative error of states and times that may be left.
 const LEFT: f64 = 1e-12;
-
-/// Where a glance along a mode ends.
-#[derive(Debug, Clone, Copy)]
-pub struct Glance {
-    /// Time \[s\].
-    pub time: f64,
-    /// States.
-    pub state: State,
-    /// Algebraic unknown.
-    pub slip: f64,
-    /// Whether the mode ended there.
-    pub ended: bool,
-}
-
-/// A point of an orbit that is followed from event to event.
-#[derive(Debug, Clone)]
-pub struct Jump {
-    /// Time \[s\].
-    pub time: f64,
-    /// States.
-    pub state: State,
-    /// Algebraic unknown.
-    pub slip: f64,
-    /// Derivative of the states by those at the start of the cycle, in units of their scales.
-    pub through: Matrix,
-    /// The smaller margin of the mode that led here.
-    pub margin: f64,
-    /// Its rate of change \[1/s\].
-    pub rate: f64,
-    /// Its derivatives by the states at the start of the cycle, in units of their scales.
-    pub margin_by_start: State,
-}
-
-impl Jump {
-    /// The start of a cycle.
-    fn new(state: State) -> Self {
-        let none = [0.0; MAX_STATES];
-        Self { time: 0.0, state, slip: 0.0, through: identity(), margin: 0.0, rate: 0.0, margin_by_start: none }
-    }
-}
 
 /// A stretch of the orbit that is looked for.
 #[derive(Clone, Copy)]

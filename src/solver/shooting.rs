@@ -6,11 +6,9 @@
 use super::cycle::{Cycle, Integrator, Record, Tolerance};
 use super::dense;
 use super::healing::{self, Healed};
+pub use super::period::Start;
 use super::radau::State;
 use crate::model::system::{HybridSystem, MAX_STATES, Mode};
-
-/// States at time 0 with the mode and the algebraic unknown there.
-pub type Start = (State, (Mode, f64));
 
 /// Why no periodic solution is given.
 #[derive(Debug, Clone, PartialEq, Eq)]

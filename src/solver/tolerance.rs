@@ -1,6 +1,6 @@
 //! What is demanded of an integration.
 
-use super::steady::LOCK_IN;
+use super::time::Plan;
 
 /// Relative change over a cycle that the last step of Newton's may leave at the default tolerance.
 const LEFT: f64 = 1e-8;
@@ -62,6 +62,7 @@ impl Tolerance {
 /// As many steps at most as those of the integration in time that follows where a search finds nothing.
 impl Default for Tolerance {
     fn default() -> Self {
-        Self { steps: 24, roughness: 1e-3, cycles: 250, budget: LOCK_IN.steps * (LOCK_IN.cycles + LOCK_IN.window) }
+        let last = Plan::LOCK_IN;
+        Self { steps: 24, roughness: 1e-3, cycles: 250, budget: last.steps * (last.cycles + last.window) }
     }
 }
