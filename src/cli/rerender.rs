@@ -1,6 +1,6 @@
 //! `stickslip report --from report.json`: the page made again from the files of an earlier run.
 
-use super::extras::Extras;
+use super::exports::Extras;
 use super::{Global, gates, say};
 use crate::error::{Error, Result};
 use crate::gate;

@@ -31,9 +31,9 @@ const SMOOTH_TRIALS: usize = 8;
 /// Fractions of a step at which the interpolated event function is looked at.
 const LOOKS: [f64; 12] = [0.02, 0.05, 0.1, C[0], 0.25, 0.35, 0.45, 0.55, C[1], 0.75, 0.88, 1.0];
 
-/// Where a glance along a mode ends.
+/// Where a mode that is followed approximately ends.
 #[derive(Debug, Clone, Copy)]
-pub struct Glance {
+pub struct Approximation {
     /// Time \[s\].
     pub time: f64,
     /// States.

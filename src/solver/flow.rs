@@ -11,7 +11,7 @@
 use super::cubic::{between, crossing, cubic, turning_point};
 use super::dense::Matrix;
 use super::eliminated::Eliminated;
-use super::events::{Glance, Jump, rising};
+use super::events::{Approximation, Jump, rising};
 use super::exponential::{Map, Square, apply, dot, exponential, multiply, norm};
 use super::harmonic::{Complex, particular, products, resolvent};
 use super::radau::State;
@@ -27,7 +27,7 @@ const CROSSED: f64 = -1e-11;
 
 /// What a stretch of one mode leaves behind.
 #[derive(Debug, Clone)]
-pub struct Leg {
+pub struct Segment {
     /// Time at the end \[s\].
     pub time: f64,
     /// States at the end.
@@ -54,9 +54,9 @@ pub struct Leg {
 pub trait Flow {
     /// Follows the mode from a state at a time to its end, or to the end of the period; the fundamental is that of
     /// state 0 less `offset`. Mean and force are gathered where they are to be observed.
-    fn leg(&self, start: f64, z: &State, period: f64, offset: f64, observe: bool) -> Leg;
+    fn segment(&self, start: f64, z: &State, period: f64, offset: f64, observe: bool) -> Segment;
     /// Follows the mode in whole steps; its end is known to a polynomial between them.
-    fn glance(&self, start: f64, z: &State, period: f64) -> Glance;
+    fn approximate_segment(&self, start: f64, z: &State, period: f64) -> Approximation;
     /// Continues an orbit in the mode to a stated time, whatever its margins.
     fn jump(&self, at: &mut Jump, end: f64);
     /// Adds the derivatives of an output by the coefficients of the equations over a stretch; see [`super::sensitivity`].
@@ -289,7 +289,7 @@ struct Sample<const N: usize> {
 }
 
 impl<const N: usize> Flow for Affine<N> {
-    fn leg(&self, start: f64, z: &State, period: f64, offset: f64, observe: bool) -> Leg {
+    fn segment(&self, start: f64, z: &State, period: f64, offset: f64, observe: bool) -> Segment {
         let turn = (self.equations.omega * start).sin_cos();
         let first = Sample { time: start, y: self.equations.rest(z, turn), turn };
         let mut from = first;
@@ -340,7 +340,7 @@ impl<const N: usize> Flow for Affine<N> {
             }
             (from, before) = (to, after);
         }
-        let mut leg = Leg {
+        let mut segment = Segment {
             time: from.time,
             state: self.equations.state(&from.y, from.turn),
             slip: self.slip.value(&from.y, from.turn),
@@ -352,11 +352,11 @@ impl<const N: usize> Flow for Affine<N> {
             mean: area / period,
             force: extremes,
         };
-        self.fundamental(&first, &from, 2.0 / period, offset / self.equations.scales[0], &mut leg);
-        leg
+        self.fundamental(&first, &from, 2.0 / period, offset / self.equations.scales[0], &mut segment);
+        segment
     }
 
-    fn glance(&self, start: f64, z: &State, period: f64) -> Glance {
+    fn approximate_segment(&self, start: f64, z: &State, period: f64) -> Approximation {
         let turn = (self.equations.omega * start).sin_cos();
         let mut from = Sample { time: start, y: self.equations.rest(z, turn), turn };
         let margins = &self.margins[..if self.two_margins { 2 } else { 1 }];
@@ -388,7 +388,12 @@ impl<const N: usize> Flow for Affine<N> {
                     cubic(from.y[i], rates.0[i] * self.step, to.y[i], rates.1[i] * self.step, fraction)
                 });
                 let turn = (self.equations.omega * time).sin_cos();
-                return Glance { time, state: self.equations.state(&y, turn), slip: self.slip.value(&y, turn), ended };
+                return Approximation {
+                    time,
+                    state: self.equations.state(&y, turn),
+                    slip: self.slip.value(&y, turn),
+                    ended,
+                };
             }
             (from, before) = (to, after);
         }
@@ -418,7 +423,7 @@ impl<const N: usize> Flow for Affine<N> {
 
 impl<const N: usize> Affine<N> {
     /// Fundamental of state 0 over a stretch, and the derivatives by its start; `weight` is 2/T.
-    fn fundamental(&self, from: &Sample<N>, to: &Sample<N>, weight: f64, offset: f64, leg: &mut Leg) {
+    fn fundamental(&self, from: &Sample<N>, to: &Sample<N>, weight: f64, offset: f64, segment: &mut Segment) {
         let transition = exponential(&self.equations.m, to.time - from.time);
         let (e0, e1) = ((from.turn.1, -from.turn.0), (to.turn.1, -to.turn.0));
         let row = &self.equations.resolvent[0];
@@ -435,7 +440,7 @@ impl<const N: usize> Affine<N> {
         let [sine2, cosine2, both] = products(self.equations.omega, to.time - from.time, from.turn, to.turn);
         let [ps, pc] = [self.equations.particular[0][0], self.equations.particular[1][0]];
         let factor = weight * self.equations.scales[0];
-        leg.fundamental =
+        segment.fundamental =
             (factor * (-integral.1 + ps * sine2 + pc * both), factor * (integral.0 + ps * both + pc * cosine2));
         for j in 0..N {
             let (mut x, mut y) = (0.0, 0.0);
@@ -445,9 +450,9 @@ impl<const N: usize> Affine<N> {
                 });
                 x += row[i].0 * d.0 - row[i].1 * d.1;
                 y += row[i].0 * d.1 + row[i].1 * d.0;
-                leg.transition[i][j] = transition[i][j] * self.equations.scales[i] / self.equations.scales[j];
+                segment.transition[i][j] = transition[i][j] * self.equations.scales[i] / self.equations.scales[j];
             }
-            leg.fundamental_by_start[j] =
+            segment.fundamental_by_start[j] =
                 (-factor * y / self.equations.scales[j], factor * x / self.equations.scales[j]);
         }
     }
