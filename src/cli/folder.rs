@@ -1,6 +1,6 @@
 //! The folder of results: what was written there is remembered, so that a cache can keep it.
 
-use super::drawn::Drawn;
+use super::figure_output::FigureOutput;
 use crate::error::{Error, Result};
 use crate::results::Results;
 use base64::Engine as _;
@@ -17,7 +17,7 @@ pub const RESERVED: [&str; 3] = ["report.html", "report.json", crate::results::L
 #[derive(Debug)]
 pub struct Folder {
     results: Results,
-    drawn: Drawn,
+    drawn: FigureOutput,
     written: Mutex<BTreeMap<String, Content>>,
 }
 
@@ -53,7 +53,7 @@ impl Folder {
     ///
     /// # Errors
     /// Those of [`Results::open`].
-    pub fn open<'a>(path: &Path, drawn: &Drawn, inputs: impl IntoIterator<Item = &'a Path>) -> Result<Self> {
+    pub fn open<'a>(path: &Path, drawn: &FigureOutput, inputs: impl IntoIterator<Item = &'a Path>) -> Result<Self> {
         Ok(Self { results: Results::open(path, inputs)?, drawn: drawn.clone(), written: Mutex::default() })
     }
 
@@ -75,7 +75,7 @@ impl Folder {
     }
 
     /// What is wanted of every figure.
-    pub fn drawn(&self) -> &Drawn {
+    pub fn drawn(&self) -> &FigureOutput {
         &self.drawn
     }
 

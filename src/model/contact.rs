@@ -12,10 +12,12 @@ mod states;
 pub use parallel::Sliders;
 pub use states::LimitingState;
 
-use super::lumps::{FIRST_EFFECT_PARAMETER, Lumps};
+use super::lumps::Lumps;
 use super::system::{Forcing, HybridSystem, Mode};
-use super::{Model, Operation, dual::Dual};
+use super::{Model, Operation};
+use crate::dual::Dual;
 use crate::effects::{Effect, Law};
+use crate::parameter::FIRST_EFFECT_PARAMETER;
 
 /// Largest number of law parameters evaluated inside a cycle per effect.
 const LAW_PARAMETERS: usize = 4;

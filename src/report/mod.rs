@@ -14,7 +14,6 @@ mod comparison;
 mod comparison_view;
 mod discovery;
 mod discovery_view;
-pub mod format;
 mod gates;
 mod glossary;
 mod junit;
@@ -35,6 +34,8 @@ mod trust;
 mod values;
 mod verdict;
 mod view;
+
+use crate::units::readable as format;
 
 pub use again::{figures, read};
 pub use atlas::effect_view;

@@ -1,6 +1,5 @@
 //! From a model and an operating point to the observables of its steady state.
 
-use super::analytic::wrap;
 use super::balance::{self, Balance};
 use super::collocation::interpolate;
 use super::cycle::{Integrator, Record, Tolerance};
@@ -8,20 +7,18 @@ use super::paper_euler::{self, PaperContact};
 use super::radau::State;
 use super::shooting::{Periodic, Start, Unsolved};
 use super::{Method, Orbit, Status, SteadyState, oscillator, parallel, shooting, time};
+use crate::dual::{Dual, MAX_PARAMETERS};
 use crate::model::alone::Alone;
 use crate::model::contact::{LimitingState, Problem, Sliders};
-use crate::model::dual::{Dual, MAX_PARAMETERS};
 use crate::model::lumps::Lumps;
 use crate::model::system::{HybridSystem, Mode};
 use crate::model::{Model, Operation};
 use crate::scenario::Formulation;
+use crate::statistics::wrap;
 
 /// Floquet multipliers above this count as unstable.
 const UNSTABLE: f64 = 1.0 + 1e-6;
 
-/// Time integration of points without a stable periodic state.
-pub const LOCK_IN: time::Plan =
-    time::Plan { steps: 1000, cycles: 200, settled: 1e-7, window: 100, solved: time::Plan::SOLVED };
 /// Distance of the starts of neighbouring motions, in units of the scales, from which on they may be on other branches.
 const NEIGHBOUR: f64 = 0.3;
 /// Factor between the speeds of one step on the way down from full slip.
@@ -330,7 +327,7 @@ fn without_periodic_state(problem: &Problem, why: &str, with: &Search<'_>) -> So
 /// Time integration from the first guess: settled motion is a steady state, any other is averaged as a lock-in amplifier
 /// would over the window of the plan.
 fn lock_in(problem: &Problem, why: &str) -> Solution {
-    let found = time::integrate(&problem.sliders(), &LOCK_IN);
+    let found = time::integrate(&problem.sliders(), &time::Plan::LOCK_IN);
     let lumps = &problem.lumps;
     let (re, im) = lumps.free_response();
     let (re, im) = (re.value + found.fundamental.0, im.value + found.fundamental.1);
@@ -341,7 +338,7 @@ fn lock_in(problem: &Problem, why: &str) -> Solution {
     let status = if found.periodic {
         Status::Steady
     } else {
-        let (window, after) = (LOCK_IN.window, LOCK_IN.cycles);
+        let (window, after) = (time::Plan::LOCK_IN.window, time::Plan::LOCK_IN.cycles);
         Status::SelfExcited(format!("{why}; lock-in average over {window} cycles after {after} cycles"))
     };
     let motion = Motion {
