@@ -31,8 +31,8 @@ pub struct Claims {
 }
 
 /// A scenario of the paper, where there is one: claims and atlas are for these.
-pub fn of_paper(scenarios: &[Scenario]) -> Option<&Scenario> {
-    scenarios.iter().find(|scenario| scenario.id.starts_with("paper/"))
+pub fn of_paper<'a>(scenarios: impl IntoIterator<Item = &'a Scenario>) -> Option<&'a Scenario> {
+    scenarios.into_iter().find(|scenario| scenario.id.starts_with("paper/"))
 }
 
 impl Ledger {
