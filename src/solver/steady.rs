@@ -22,6 +22,9 @@ const UNSTABLE: f64 = 1.0 + 1e-6;
 /// Time integration of points without a stable periodic state.
 pub const LOCK_IN: time::Plan =
     time::Plan { steps: 1000, cycles: 200, settled: 1e-7, window: 100, solved: time::Plan::SOLVED };
+/// The same of many parallel sliders, of which a step takes thirty times the work: fewer cycles. Not fewer steps, of which a
+/// third takes a motion that excites itself for a steady one.
+const LOCK_IN_OF_SLIDERS: time::Plan = time::Plan { cycles: 60, window: 40, solved: 1e-9, ..LOCK_IN };
 /// Distance of the starts of neighbouring motions, in units of the scales, from which on they may be on other branches.
 const NEIGHBOUR: f64 = 0.3;
 /// Factor between the speeds of one step on the way down from full slip.
@@ -330,7 +333,11 @@ fn without_periodic_state(problem: &Problem, why: &str, with: &Search<'_>) -> So
 /// Time integration from the first guess: settled motion is a steady state, any other is averaged as a lock-in amplifier
 /// would over the window of the plan.
 fn lock_in(problem: &Problem, why: &str) -> Solution {
-    let found = time::integrate(&problem.sliders(), &LOCK_IN);
+    let plan = if problem.continuum().is_some() { LOCK_IN_OF_SLIDERS } else { LOCK_IN };
+    let found = time::integrate(&problem.sliders(), &plan);
+    if found.given_up {
+        return failed(format!("{why}; integrated in time it is given up after {} cycles", found.cycles));
+    }
     let lumps = &problem.lumps;
     let (re, im) = lumps.free_response();
     let (re, im) = (re.value + found.fundamental.0, im.value + found.fundamental.1);
@@ -341,7 +348,7 @@ fn lock_in(problem: &Problem, why: &str) -> Solution {
     let status = if found.periodic {
         Status::Steady
     } else {
-        let (window, after) = (LOCK_IN.window, LOCK_IN.cycles);
+        let (window, after) = (plan.window, plan.cycles);
         Status::SelfExcited(format!("{why}; lock-in average over {window} cycles after {after} cycles"))
     };
     let motion = Motion {
