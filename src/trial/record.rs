@@ -1,9 +1,11 @@
 //! The result of one trial, kept in a file so that it is not run again.
 
+use super::agreement::MAX_BYTES;
 use super::answer::Answer;
 use super::examine::Found;
 use super::score::{Score, score};
 use crate::error::{Error, Result};
+use crate::files;
 use crate::results::Results;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -40,7 +42,7 @@ fn place(id: &str) -> String {
 impl Record {
     /// The kept result of a trial, where there is one of the same inputs and version; it is scored again.
     pub fn load(out: &Path, id: &str, inputs: &str, program: &str) -> Option<Self> {
-        let text = std::fs::read_to_string(out.join(place(id))).ok()?;
+        let text = files::text(&out.join(place(id)), MAX_BYTES, "").ok()?;
         let mut record: Self = serde_json::from_str(&text).ok()?;
         if record.inputs != inputs || record.program != program {
             return None;
