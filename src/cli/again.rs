@@ -1,6 +1,6 @@
 //! `stickslip report --from report.json`: the page made again from the files of an earlier run.
 
-use super::report::{Arguments, page};
+use super::report::{Arguments, others, page};
 use super::{Global, gates, say};
 use crate::error::{Error, Result};
 use crate::gate;
@@ -36,7 +36,11 @@ pub fn execute(from: &Path, arguments: &Arguments, global: &Global) -> Result<()
     }
     let page = page(&view)?;
     let target = out.join("report.html");
-    Results::open(&out, [from.as_path()])?.write("report.html", page.as_bytes())?;
+    let results = Results::open(&out, [from.as_path()])?;
+    results.write("report.html", page.as_bytes())?;
+    for (name, page) in others(&view)? {
+        results.write(name, page.as_bytes())?;
+    }
     let extras = arguments.extras.write(&view)?;
     say(global, &view.summary.sentence)?;
     for path in std::iter::once(target.as_path()).chain(extras) {

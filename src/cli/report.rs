@@ -142,6 +142,9 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     let json = report::json(&view).map_err(|why| Error::Unfinished(why.to_string()))?;
     results.write("report.json", json.as_bytes())?;
     results.write("report.html", page.as_bytes())?;
+    for (name, page) in others(&view)? {
+        results.write(name, page.as_bytes())?;
+    }
     if let Some(file) = file {
         crate::history::append(&file, &record)?;
     }
@@ -183,6 +186,11 @@ pub(super) fn page(view: &ReportView) -> Result<String> {
         let half = held.len() / 2;
         held.drain(half..).for_each(|picture| picture.svg.clear());
     }
+}
+
+/// The pages beside the main one.
+pub(super) fn others(view: &ReportView) -> Result<Vec<(&'static str, String)>> {
+    report::others(view).map_err(|why| Error::Unfinished(why.to_string()))
 }
 
 /// The atlas of effects, and whether an earlier run has kept it.

@@ -7,6 +7,7 @@ use super::sigma::{BAND, Sigma};
 use super::words::{self, Amplitude};
 
 use crate::compare::{Compared, Comparison};
+use crate::fit::Prediction;
 use crate::figures::axes::{Axis, Panel, range};
 use crate::figures::canvas::{Canvas, Point, Stroke};
 use crate::figures::legend::{Entry, Key};
@@ -96,6 +97,11 @@ impl<'a> Data<'a> {
             false => self.amplitude.value(y, drive),
         };
         pairs.zip(&curve.drive).map(|((&f, &y), &drive)| (f, value((y, drive)))).collect()
+    }
+
+    /// What a model says of a reading under that drive, as shown.
+    pub fn modelled(&self, prediction: &Prediction, drive: f64) -> f64 {
+        if self.phase { self.degrees(prediction.phase) } else { self.amplitude.value(prediction.amplitude, drive) }
     }
 
     /// The parts of a curve to be joined: phases are not across half a turn.
