@@ -38,13 +38,22 @@ pub fn execute(from: &Path, out: Option<&Path>, extras: &Extras, global: &Global
     }
     let page = page(&view)?;
     let target = out.join("report.html");
-    Results::open(&out, [from.as_path()])?.write("report.html", page.as_bytes())?;
+    let results = Results::open(&out, [from.as_path()])?;
+    results.write("report.html", page.as_bytes())?;
+    for (name, page) in others(&view)? {
+        results.write(name, page.as_bytes())?;
+    }
     let written = extras.write(&view)?;
     say(global, &view.summary.sentence)?;
     for path in std::iter::once(target.as_path()).chain(written) {
         say(global, &format!("wrote {}", path.display()))?;
     }
     gates::passed(&judged(&view))
+}
+
+/// The pages beside the main one.
+pub fn others(view: &ReportView) -> Result<Vec<(&'static str, String)>> {
+    report::others(view).map_err(|why| Error::Unfinished(why.to_string()))
 }
 
 /// The page with as many drawings of an earlier run as it may hold; all of them are among the files.

@@ -49,7 +49,7 @@ pub use markdown::markdown;
 pub use parameters::formulation;
 pub use provenance::{Provenance, SECTION as PROVENANCE_SECTION};
 pub use question::question_view;
-pub use render::{RenderError, json, render};
+pub use render::{PAGES, RenderError, json, others, render};
 pub use scenario::{FigureInput, scenario_view};
 pub use trend::{Trend, figure_view};
 pub use values::{Value, values};
