@@ -4,7 +4,7 @@
 //! is; a run holds a lock on it. A folder of an earlier version has no such list: what it holds is told by its content.
 
 use crate::error::{Error, Result};
-use crate::files::{self, refused};
+use crate::files::{self, beginning, refused};
 use crate::{interrupt, terminal};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{File, TryLockError};
@@ -18,8 +18,6 @@ pub const LIST: &str = ".stickslip";
 const HEAD: &str = "stickslip results/1: files written here by the program, which it may replace\n";
 /// Most that is read of a list: names of some hundred thousand files. One that is longer ends in a line of no use.
 const LONGEST: u64 = 1 << 26;
-/// Most that is read of a file to tell what it is.
-const BEGINNING: u64 = 1 << 20;
 
 /// A locked folder of results.
 #[derive(Debug)]
@@ -215,14 +213,6 @@ fn drawn(text: &str) -> bool {
 /// Whether this is the header of `curves.csv`.
 fn curves(line: &str) -> bool {
     line.ends_with(",cycles,periodicity_error,status,branch")
-}
-
-/// The beginning of a file, as far as it is text.
-pub fn beginning(path: &Path) -> Option<String> {
-    files::ordinary(path, "").ok()?;
-    let mut bytes = Vec::new();
-    File::open(path).ok()?.take(BEGINNING).read_to_end(&mut bytes).ok()?;
-    Some(String::from_utf8_lossy(&bytes).into_owned())
 }
 
 #[cfg(test)]

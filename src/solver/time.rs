@@ -26,6 +26,13 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// For points without a stable periodic state.
+    pub const LOCK_IN: Self = Self { steps: 1000, cycles: 200, settled: 1e-7, window: 100, solved: Self::SOLVED };
+
+    /// The same of many parallel sliders, of which a step takes thirty times the work: fewer cycles. Not fewer steps, of which
+    /// a third takes a motion that excites itself for a steady one.
+    pub const LOCK_IN_OF_SLIDERS: Self = Self { cycles: 60, window: 40, solved: 1e-9, ..Self::LOCK_IN };
+
     /// Solved to rounding.
     pub const SOLVED: f64 = 1e-12;
 }

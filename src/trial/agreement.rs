@@ -1,12 +1,10 @@
 //! Whether a new run finds what an earlier one found.
 
 use super::Summary;
+use super::record::MAX_BYTES;
 use crate::error::{Error, Result};
 use crate::files;
 use std::path::Path;
-
-/// Largest file that is read; a thousand trials take 5 MB.
-pub(super) const MAX_BYTES: u64 = 64 << 20;
 
 /// A trial of both runs.
 #[derive(Debug, Clone, PartialEq)]

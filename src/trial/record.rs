@@ -1,6 +1,5 @@
 //! The result of one trial, kept in a file so that it is not run again.
 
-use super::agreement::MAX_BYTES;
 use super::answer::Answer;
 use super::examine::Found;
 use super::score::{Score, score};
@@ -9,6 +8,9 @@ use crate::files;
 use crate::results::Results;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+
+/// Largest file of trials that is read; a thousand of them take 5 MB.
+pub(super) const MAX_BYTES: u64 = 64 << 20;
 
 /// Everything known of a finished trial.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
