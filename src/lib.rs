@@ -18,6 +18,7 @@
 //! * [`gate`] - what a scenario or the command line demands, judged.
 //! * [`history`] - a record of every run, and where its values moved from one level to another.
 //! * [`trial`] - blind trials of the discovery: planted causes, sealed answers, scores.
+//! * [`free_form`] - on which variable what is missing depends, before any law is named.
 //! * [`figures`] - outcome or comparison in, SVG, PNG and CSV out; never simulates.
 //! * [`cache`] - results of earlier runs, kept under a hash of everything that they follow from.
 //! * [`report`] - serialisable views, rendered as HTML and written as JSON.
@@ -32,6 +33,7 @@ pub mod error;
 pub mod figures;
 pub mod files;
 pub mod fit;
+pub mod free_form;
 pub mod gate;
 pub mod history;
 pub mod interrupt;
