@@ -11,7 +11,10 @@ use std::path::{Component, Path, PathBuf};
 use std::sync::Mutex;
 
 /// Names in the folder of a report that are no scenario's.
-pub const RESERVED: [&str; 3] = ["report.html", "report.json", crate::results::LIST];
+pub const RESERVED: [&str; 5] = {
+    let [main, trials, checks] = crate::report::PAGES;
+    [main, trials, checks, "report.json", crate::results::LIST]
+};
 
 /// A folder that files are written below.
 #[derive(Debug)]

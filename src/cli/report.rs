@@ -211,6 +211,9 @@ fn write(
     let json = report::json(&view).map_err(|why| Error::Unfinished(why.to_string()))?;
     results.write("report.json", json.as_bytes())?;
     results.write("report.html", page.as_bytes())?;
+    for (name, page) in rerender::others(&view)? {
+        results.write(name, page.as_bytes())?;
+    }
     if let Some(file) = file {
         crate::history::append(&file, &record)?;
     }

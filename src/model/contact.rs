@@ -104,6 +104,11 @@ struct Point {
 }
 
 impl Problem {
+    /// Complex amplitude of the arm's motion without contact \[rad, m\].
+    pub fn free(&self) -> (f64, f64) {
+        self.free
+    }
+
     /// The equations of `model` at an operating point.
     pub fn new(model: &Model, at: &Operation) -> Self {
         let lumps = Lumps::new(model, at);

@@ -21,9 +21,9 @@ pub struct Solution {
 }
 
 /// Complex amplitude of the arm from that of its motion relative to the one without contact.
-pub fn response(lumps: &Lumps, relative: (f64, f64)) -> (f64, f64) {
-    let (re, im) = lumps.free_response();
-    (re.value + relative.0, im.value + relative.1)
+pub fn response(problem: &Problem, relative: (f64, f64)) -> (f64, f64) {
+    let (re, im) = problem.free();
+    (re + relative.0, im + relative.1)
 }
 
 /// Derivatives of (amplitude, phase) by the parameters of the model from those of the relative motion by the columns.

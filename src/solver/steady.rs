@@ -6,7 +6,7 @@ use super::observables::{Motion, Solution, by_parameter, closed_form, failed, po
 use super::orbit::solve_paper;
 use super::shooting::{Periodic, Start, Unsolved};
 use super::{Method, Status, SteadyState, oscillator, parallel, shooting, time};
-use crate::dual::{Dual, MAX_PARAMETERS};
+use crate::dual::MAX_PARAMETERS;
 use crate::model::alone::Alone;
 use crate::model::contact::{LimitingState, Problem, Sliders};
 use crate::model::system::{HybridSystem, Mode};
@@ -177,7 +177,7 @@ fn shot(
     if let (Status::SelfExcited(why), true) = (&status, with.averages()) {
         return lock_in(problem, why);
     }
-    let response = response(&problem.lumps, periodic.cycle.fundamental);
+    let response = response(problem, periodic.cycle.fundamental);
     let columns = with.derivatives.then(|| shooting::column_derivatives(integrator, &periodic));
     let derivatives = match columns.transpose() {
         Ok(columns) => columns.map(|columns| by_parameter(problem, response, &columns)),
@@ -200,7 +200,7 @@ fn shot(
 /// The solution where the motion stays in one mode.
 fn balanced(problem: &Problem, found: &Balance, warm: &mut Warm) -> Solution {
     warm.keep(problem, &found.start, false);
-    let response = response(&problem.lumps, found.fundamental);
+    let response = response(problem, found.fundamental);
     let motion = Motion {
         response,
         mean: found.mean,
@@ -219,8 +219,8 @@ fn balanced(problem: &Problem, found: &Balance, warm: &mut Warm) -> Solution {
 
 /// The periodic state reached by slowing the roller down from full slip, in steps that each start from the last.
 fn from_full_slip(model: &Model, at: &Operation, problem: &Problem, tolerance: &Tolerance) -> Option<Periodic> {
-    let (re, im) = problem.lumps.free_response();
-    let arm_speed = problem.lumps.arm.value * problem.lumps.omega * re.value.hypot(im.value);
+    let (re, im) = problem.free();
+    let arm_speed = problem.lumps.arm.value * problem.lumps.omega * re.hypot(im);
     let mut speed = 1.02 * arm_speed;
     // Slower than rounding of the arm's speed is a roller at rest.
     if at.speed <= f64::EPSILON * arm_speed || speed < at.speed {
@@ -244,18 +244,21 @@ fn without_periodic_state(problem: &Problem, why: &str, with: &Search<'_>) -> So
 /// Time integration from the first guess: settled motion is a steady state, any other is averaged as a lock-in amplifier
 /// would over the window of the plan.
 fn lock_in(problem: &Problem, why: &str) -> Solution {
-    let found = time::integrate(&problem.sliders(), &time::Plan::LOCK_IN);
+    let plan = if problem.continuum().is_some() { time::Plan::LOCK_IN_OF_SLIDERS } else { time::Plan::LOCK_IN };
+    let found = time::integrate(&problem.sliders(), &plan);
+    if found.given_up {
+        return failed(format!("{why}; integrated in time it is given up after {} cycles", found.cycles));
+    }
     let lumps = &problem.lumps;
-    let (re, im) = lumps.free_response();
-    let (re, im) = (re.value + found.fundamental.0, im.value + found.fundamental.1);
+    let (re, im) = response(problem, found.fundamental);
     let (amplitude, _) = lumps.reading((re, im));
-    if !amplitude.is_finite() || amplitude > RUNAWAY * re_im(lumps.free_response()) {
+    if !amplitude.is_finite() || amplitude > RUNAWAY * problem.free().0.hypot(problem.free().1) {
         return failed(format!("{why}; integrated in time the motion grows without bound"));
     }
     let status = if found.periodic {
         Status::Steady
     } else {
-        let (window, after) = (time::Plan::LOCK_IN.window, time::Plan::LOCK_IN.cycles);
+        let (window, after) = (plan.window, plan.cycles);
         Status::SelfExcited(format!("{why}; lock-in average over {window} cycles after {after} cycles"))
     };
     let motion = Motion {
@@ -268,10 +271,6 @@ fn lock_in(problem: &Problem, why: &str) -> Solution {
     };
     let state = motion.observe(lumps, status, Method::TimeIntegration);
     Solution { state, derivatives: None, others: Vec::new() }
-}
-
-fn re_im((re, im): (Dual, Dual)) -> f64 {
-    re.value.hypot(im.value)
 }
 
 /// A contact of many parallel sliders; its derivatives are differences of converged solutions.
@@ -297,8 +296,7 @@ fn parallel_state(
         return lock_in(problem, why);
     }
     let lumps = &problem.lumps;
-    let (re, im) = lumps.free_response();
-    let (re, im) = (re.value + found.fundamental.0, im.value + found.fundamental.1);
+    let (re, im) = response(problem, found.fundamental);
     let motion = Motion {
         response: (re, im),
         mean: found.mean,
