@@ -27,6 +27,7 @@
 //! * [`fit`] - parameters by least squares, their intervals by profiles of the likelihood.
 //! * [`compare`] - the model calibrated, and what it leaves judged.
 //! * [`discover`] - the search for a missing effect.
+//! * [`free_form`] - on which variable what is missing depends, before any law is named.
 //! * [`question`] - which effects can make one curve look like another, ranked by how far they have to be strained.
 //! * [`trial`] - blind trials of the discovery: planted causes, sealed answers, scores.
 //!
@@ -56,6 +57,7 @@ pub mod error;
 pub mod figures;
 pub mod files;
 pub mod fit;
+pub mod free_form;
 pub mod gate;
 pub mod history;
 pub mod interrupt;

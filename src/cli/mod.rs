@@ -124,6 +124,9 @@ enum Command {
         /// Search otherwise than by default: NAME=VALUE, as docs/search.md lists them
         #[arg(long, value_name = "NAME=VALUE", value_delimiter = ',')]
         search: Vec<String>,
+        /// Tell on which variable what is missing depends also where the catalogue explains it
+        #[arg(long)]
+        free_form: bool,
         #[command(flatten)]
         gates: gates::GateLimits,
         #[command(flatten)]
@@ -250,10 +253,11 @@ pub fn run(cli: Cli) -> Result<()> {
             compare::execute(&compare::Job { path: &scenario, json, out, seed, limits: &gates }, &global)
         }
         Command::New { table, output } => new::execute(&table, output.as_deref(), &global),
-        Command::Discover { scenario, json, max_effects, seed, search, gates, verdict, limits } => {
+        Command::Discover { scenario, json, max_effects, seed, search, free_form, gates, verdict, limits } => {
             let options = trial::searched(&search, max_effects, seed)?;
             let json = json.map(Json::from);
-            discover::execute(&scenario, json.as_ref(), (&options, &limits), (&gates, &verdict), &global)
+            let job = discover::Job { path: &scenario, json: json.as_ref(), free_form };
+            discover::execute(&job, (&options, &limits), (&gates, &verdict), &global)
         }
         Command::Add { effect, scenario, output, dry_run, remove, seed } => {
             let job =

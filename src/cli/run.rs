@@ -4,7 +4,7 @@ use super::figure_output::FigureOutput;
 use super::folder::Folder;
 use super::{Global, compare, gates, say, select, simulate};
 use crate::error::{Error, Result};
-use crate::{discover, gate, question};
+use crate::{discover, free_form, gate, question};
 use std::path::{Path, PathBuf};
 
 /// Simulates the scenario, compares it where it names measurements, writes its figures and `curves.csv` below `out`.
@@ -39,6 +39,10 @@ pub fn execute(path: &Path, (out, drawn): (&Path, &FigureOutput), global: &Globa
             let discovery = discover::discover(scenario, table, &discover::SearchOptions::default());
             figures.extend(simulate::discovery(&discovery, results)?);
             super::discover::words(&discovery).iter().try_for_each(|line| say(global, line))?;
+            if let Some(found) = free_form::beside(&discovery, false) {
+                figures.extend(simulate::free_form(&found, &scenario.id, results)?);
+                free_form::lines(&found).iter().try_for_each(|line| say(global, line))?;
+            }
             judged.extend(gate::of_comparison(&scenario.gate, &comparison));
             judged.extend(gate::of_discovery(&scenario.gate, &discovery));
         }

@@ -7,6 +7,7 @@ use crate::compare::Comparison;
 use crate::discover::Discovery;
 use crate::error::{Error, Result};
 use crate::figures::{self, Drawing, Figure, FigureError};
+use crate::free_form::FreeForm;
 use crate::report::{self, EffectView, FigureInput};
 use crate::scenario::{Coordinate, Scenario};
 use crate::solver::SteadyState;
@@ -94,6 +95,11 @@ pub fn comparison(comparison: &Comparison, out: &Folder) -> Result<Vec<FigureInp
 /// Draws the figures of a discovery that it can fill, and writes them below `out`.
 pub fn discovery(discovery: &Discovery, out: &Folder) -> Result<Vec<FigureInput>> {
     drawn(figures::discovery::REGISTRY, discovery, &discovery.explanation().comparison.scenario.id, out)
+}
+
+/// Draws the figures of the free form of a scenario and writes them below `out`.
+pub fn free_form(found: &FreeForm, id: &str, out: &Folder) -> Result<Vec<FigureInput>> {
+    drawn(figures::discovery::FREE_FORM, found, id, out)
 }
 
 /// Draws the figures of a series of trials and writes them below `out`.

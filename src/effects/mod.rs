@@ -164,6 +164,10 @@ pub trait Effect: Sync {
     fn torque_is_kinked(&self) -> bool {
         false
     }
+    /// Stiffness \[N m/rad\] added to the arm.
+    fn stiffness(&self, _p: &[Dual]) -> Option<Dual> {
+        None
+    }
     /// Damping \[N m s/rad\] added to the arm of stiffness `k` \[N m/rad\] driven at `omega` \[rad/s\].
     fn damping(&self, _p: &[Dual], _k: Dual, _omega: f64) -> Option<Dual> {
         None

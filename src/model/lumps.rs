@@ -129,6 +129,9 @@ impl Lumps {
         if let Some(damping) = effect.damping(p, self.stiffness, self.omega) {
             self.damping = self.damping + damping;
         }
+        if let Some(stiffness) = effect.stiffness(p) {
+            self.stiffness = self.stiffness + stiffness;
+        }
         if let Some((re, im)) = effect.drive(p, self.omega) {
             let (x, y) = (self.torque_re, self.torque_im);
             (self.torque_re, self.torque_im) = (x * re - y * im, x * im + y * re);

@@ -36,6 +36,11 @@ pub fn discovery(id: &str) -> String {
     format!("discovery-{}", slug(id))
 }
 
+/// Anchor of the free form of a scenario.
+pub fn free_form(id: &str) -> String {
+    format!("free-form-{}", slug(id))
+}
+
 /// Anchor of the question of a scenario.
 pub fn question(id: &str) -> String {
     format!("question-{}", slug(id))

@@ -40,6 +40,7 @@ const TEMPLATES: &[(&str, &str)] = &[
     ("sweep.html.j2", include_str!("../../templates/partials/sweep.html.j2")),
     ("comparison.html.j2", include_str!("../../templates/partials/comparison.html.j2")),
     ("discovery.html.j2", include_str!("../../templates/partials/discovery.html.j2")),
+    ("free_form.html.j2", include_str!("../../templates/partials/free_form.html.j2")),
     ("question.html.j2", include_str!("../../templates/partials/question.html.j2")),
     ("figure.html.j2", include_str!("../../templates/partials/figure.html.j2")),
     ("atlas.html.j2", include_str!("../../templates/partials/atlas.html.j2")),
@@ -123,6 +124,8 @@ impl ReportView {
         let of_comparisons = comparisons.flat_map(|comparison| comparison.figures.iter().chain(&comparison.more));
         let discoveries = self.scenarios.iter().filter_map(|scenario| scenario.discovery.as_ref());
         let of_discoveries = discoveries.flat_map(|discovery| discovery.figures.iter().chain(&discovery.more));
+        let of_free_forms = self.scenarios.iter().filter_map(|scenario| scenario.free_form.as_ref());
+        let of_discoveries = of_discoveries.chain(of_free_forms.flat_map(|free_form| &free_form.figures));
         let questions = self.scenarios.iter().filter_map(|scenario| scenario.question.as_ref());
         let of_questions = questions.flat_map(|question| &question.figures);
         let of_effects = self.atlas.iter().map(|effect| &effect.figure);

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 pub use super::baseline_view::{BaselineView, HistoryView, StepChangeView};
 pub use super::comparison_view::{ComparisonView, FittedView, MatchView, OutlierView, PeakView};
 pub use super::discovery_view::{CandidateView, DiscoveryView, NextView, NotTestableView, StepView};
+pub use super::free_form::FreeFormView;
 pub use super::question_view::{AbleView, QuestionView, SettingView};
 pub use super::trust::TrustView;
 use super::verdict::{Agreement, Completeness, Passed, Verdict};
@@ -185,6 +186,9 @@ pub struct ScenarioView {
     /// What is missing, where there are measurements.
     #[serde(default)]
     pub discovery: Option<DiscoveryView>,
+    /// On which variable what is missing depends, where something is left unexplained.
+    #[serde(default)]
+    pub free_form: Option<FreeFormView>,
     /// Which effects can give the curve that the scenario asks for.
     #[serde(default)]
     pub question: Option<QuestionView>,

@@ -136,7 +136,7 @@ pub fn states(mode: &dyn SingleMode, tolerance: &Tolerance) -> Vec<Periodic> {
 }
 
 /// Stiffness and quadrature of the forces over x = X sin(wt): the dynamic stiffness without the linear mode.
-fn describing(mode: &dyn SingleMode, amplitude: f64) -> (f64, f64) {
+pub fn describing(mode: &dyn SingleMode, amplitude: f64) -> (f64, f64) {
     let (omega, n) = (mode.omega(), GRID_INSTANTS);
     let (mut in_phase, mut quadrature) = (0.0, 0.0);
     for j in 0..n {

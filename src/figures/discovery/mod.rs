@@ -2,6 +2,7 @@
 
 mod before_after;
 mod fingerprint;
+mod free_form;
 mod ladder;
 mod overlay;
 mod parameters;
@@ -11,6 +12,7 @@ mod rows;
 use super::style::{Color, DASHES, readable, viridis};
 use super::{Figure, FigureError, canvas::Dash};
 use crate::discover::{Discovery, Step};
+use crate::free_form::FreeForm;
 
 /// Every figure of a discovery, in the order in which a report shows them.
 pub static REGISTRY: &[&dyn Figure<Discovery>] = &[
@@ -21,6 +23,9 @@ pub static REGISTRY: &[&dyn Figure<Discovery>] = &[
     &parameters::Parameters,
     &ranking::Ranking,
 ];
+
+/// Every figure of the free form beside it.
+pub static FREE_FORM: &[&dyn Figure<FreeForm>] = &[&free_form::Curves];
 
 /// Colour of a step: from pale to dark along the ladder.
 fn color(index: usize, count: usize) -> Color {
