@@ -6,7 +6,7 @@ use super::unit::{Unit, Wanted, suffix};
 
 /// Beginnings of words of a column that is none of the four: statistics, harmonics, a lag whose sign is another, the sampling.
 const OTHER: &[&str] = &[
-    "sd", "std", "stdev", "err", "unc", "unsich", "sigma", "mean", "mittel", "harmon", "lag", "sampl", "abtast",
+    "sd", "std", "stdev", "error", "unc", "unsich", "sigma", "mean", "mittel", "harmon", "lag", "sampl", "abtast",
     "bandw", "temp",
 ];
 /// Beginnings of words that say what shakes the rig. They come before [`READS`]: the displacement of a base is a drive.
@@ -42,7 +42,8 @@ pub(crate) fn likely(name: &str, bracket: Option<&str>) -> Option<(usize, Unit)>
     let says =
         |beginnings: &[&str]| words.iter().filter(is_word).any(|word| beginnings.iter().any(|b| word.starts_with(b)));
     let ends_so = |what: &str| words.iter().any(|word| word.ends_with(what));
-    if says(OTHER) {
+    // Not as a beginning: "Erregerkraft" has it too.
+    if says(OTHER) || words.contains(&"err") {
         return None;
     }
     let unit = |possible: &'static [&'static str]| {
@@ -79,6 +80,7 @@ mod tests {
             ("table_input_acceleration", Some("g"), DRIVE, "m/s^2"),
             ("base_displacement_mm", None, DRIVE, "m"),
             ("anregungskraft", Some("mN"), DRIVE, "N"),
+            ("erregerkraft_f", Some("N"), DRIVE, "N"),
             ("tip_displacement", Some("mm"), AMPLITUDE, "m"),
             ("auslenkung", Some("°"), AMPLITUDE, "rad"),
             ("laser_output", Some("mV"), AMPLITUDE, "V"),
@@ -99,6 +101,7 @@ mod tests {
             ("sampling_frequency", Some("Hz")),
             ("tip_displacement_sd", Some("mm")),
             ("phase_lag", Some("deg")),
+            ("tip_err", Some("mm")),
             ("phase2", Some("rad")),
             ("gain", Some("V")),
             ("remark", None),
