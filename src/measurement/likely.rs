@@ -4,10 +4,11 @@ use super::frame::{DRIVES, READINGS};
 use super::header::{AMPLITUDE, DRIVE, FREQUENCY, PHASE};
 use super::unit::{Unit, Wanted, suffix};
 
-/// Beginnings of words of a column that is none of the four: statistics, harmonics, a lag whose sign is another, the sampling.
+/// Beginnings of words of a column that is none of the four: statistics, harmonics, swings that are no amplitudes, a lag whose sign
+/// is another, the sampling.
 const OTHER: &[&str] = &[
     "sd", "std", "stdev", "error", "unc", "unsich", "sigma", "mean", "mittel", "harmon", "lag", "sampl", "abtast",
-    "bandw", "temp",
+    "pp", "p2p", "pk", "peak", "spitze", "rms", "eff", "bandw", "temp",
 ];
 /// Beginnings of words that say what shakes the rig. They come before [`READS`]: the displacement of a base is a drive.
 const DRIVES_IT: &[&str] = &[
@@ -29,7 +30,7 @@ const DRIVES_IT: &[&str] = &[
 ];
 /// Beginnings of words that say what is read of it.
 const READS: &[&str] = &[
-    "ampl", "displ", "deflect", "auslenk", "respon", "antwort", "output", "veloc", "geschw", "accel", "beschl",
+    "amplit", "displ", "deflect", "auslenk", "respon", "antwort", "output", "veloc", "geschw", "accel", "beschl",
     "angle", "winkel", "tip", "motion", "laser", "vibrom", "sensor",
 ];
 
@@ -103,6 +104,8 @@ mod tests {
             ("phase_lag", Some("deg")),
             ("tip_err", Some("mm")),
             ("phase2", Some("rad")),
+            ("tip_pp_mm", None),
+            ("ampltude_rad", None),
             ("gain", Some("V")),
             ("remark", None),
         ] {
