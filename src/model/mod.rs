@@ -81,6 +81,12 @@ impl Model {
         self.effects.iter().any(|(effect, p)| effect.continuum(p).is_some())
     }
 
+    /// Whether an effect is a joint that slips bit by bit.
+    pub fn has_joint(&self) -> bool {
+        let joint = |p: &[f64]| p.iter().map(|&x| dual::Dual::constant(x)).collect::<Vec<_>>();
+        self.effects.iter().any(|(effect, p)| effect.joint(&joint(p)).is_some())
+    }
+
     /// The parameter number `index`: rig, contact, instrument, operating point ([`lumps`] states where each begins), then
     /// the effects; or None where there is none of that number.
     pub fn parameter<'a>(&'a mut self, at: &'a mut Operation, index: usize) -> Option<&'a mut f64> {
