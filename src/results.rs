@@ -4,7 +4,8 @@
 //! is; a run holds a lock on it. A folder of an earlier version has no such list: what it holds is told by its content.
 
 use crate::error::{Error, Result};
-use crate::{files, interrupt, terminal};
+use crate::files::{self, beginning, refused};
+use crate::{interrupt, terminal};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{File, TryLockError};
 use std::io::{Read as _, Write as _};
@@ -15,8 +16,8 @@ use std::sync::{Mutex, PoisonError};
 pub const LIST: &str = ".stickslip";
 /// First line of the list.
 const HEAD: &str = "stickslip results/1: files written here by the program, which it may replace\n";
-/// Most that is read of a file to tell what it is.
-const BEGINNING: u64 = 1 << 20;
+/// Most that is read of a list: names of some hundred thousand files. One that is longer ends in a line of no use.
+const LONGEST: u64 = 1 << 26;
 
 /// A locked folder of results.
 #[derive(Debug)]
@@ -54,7 +55,7 @@ impl Results {
         let mut file = open.map_err(Error::io("write", &at))?;
         lock(&file, path).map_err(Error::io("lock", &at))?;
         let mut text = String::new();
-        file.read_to_string(&mut text).map_err(Error::io("read", &at))?;
+        (&file).take(LONGEST).read_to_string(&mut text).map_err(Error::io("read", &at))?;
         let known = match text.strip_prefix(HEAD) {
             Some(lines) => parse(lines),
             // Also a head that a killed run did not finish.
@@ -177,10 +178,6 @@ fn hash_of(path: &Path) -> Result<Option<String>> {
     }
 }
 
-fn refused(path: &Path, why: &str, help: &str) -> Error {
-    Error::Input(format!("error: {} {why}\n  = help: {help}", path.display()))
-}
-
 fn foreign(list: &Path) -> Error {
     refused(list, "is not the list of results that the program keeps there", "name another folder for the results")
 }
@@ -216,13 +213,6 @@ fn drawn(text: &str) -> bool {
 /// Whether this is the header of `curves.csv`.
 fn curves(line: &str) -> bool {
     line.ends_with(",cycles,periodicity_error,status,branch")
-}
-
-/// The beginning of a file, as far as it is text.
-pub fn beginning(path: &Path) -> Option<String> {
-    let mut bytes = Vec::new();
-    File::open(path).ok()?.take(BEGINNING).read_to_end(&mut bytes).ok()?;
-    Some(String::from_utf8_lossy(&bytes).into_owned())
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use super::{Global, Json, Stamped, progress, say};
 use crate::compare;
 use crate::discover::{self, Candidate, Discovery, SearchOptions, Verdict};
 use crate::error::Result;
+use crate::free_form;
 use crate::gate;
 use crate::measurement::Table;
 use crate::units::Frequencies;
@@ -29,11 +30,29 @@ pub const TERMS: &str = "What is printed: chi2 is the mean square of the residua
     the evidence. tied: the data do not tell them apart. nested in: a special case of. docs/search.md tells how the search goes and from \
     which figures each verdict follows. A budget that is spent ends with what is best so far, is said, and is no failure: exit status 0.";
 
+/// What is asked for.
+pub struct Job<'a> {
+    /// The scenario.
+    pub path: &'a Path,
+    /// Where its JSON goes.
+    pub json: Option<&'a Json>,
+    /// Whether the free form is told whatever the verdict.
+    pub free_form: bool,
+}
+
+/// A discovery with the free form beside it, in JSON.
+#[derive(serde::Serialize)]
+struct Told<'a> {
+    #[serde(flatten)]
+    discovery: &'a discover::DiscoveryJson,
+    #[serde(flatten)]
+    free_form: free_form::FreeFormJson,
+}
+
 /// Searches for what is missing in a scenario's model, and holds the result to its gates; the JSON goes to `json` where
 /// given.
 pub fn execute(
-    path: &Path,
-    json: Option<&Json>,
+    &Job { path, json, free_form }: &Job<'_>,
     (options, bounds): (&SearchOptions, &Limits),
     (limits, verdict): (&GateLimits, &Verdicts),
     global: &Global,
@@ -50,13 +69,17 @@ pub fn execute(
     });
     let mut judged = gate::of_comparison(&scenario.gate, &discovery.steps[0].comparison);
     judged.extend(gate::of_discovery(&scenario.gate, &discovery));
+    let free_form = free_form::beside(&discovery, free_form);
     if let Some(json) = json {
-        json.write(&Stamped::new(&discover::json(&discovery), &judged), discover::SCHEMA)?;
+        let free_form = free_form::json(free_form.as_ref());
+        let told = Told { discovery: &discover::json(&discovery), free_form };
+        json.write(&Stamped::new(&told, &judged), discover::SCHEMA)?;
     }
     if !json.is_some_and(Json::to_standard_output) {
         for line in words(&discovery) {
             say(global, &line)?;
         }
+        free_form.iter().flat_map(free_form::lines).try_for_each(|line| say(global, &line))?;
         gates::told(&judged, global)?;
         gates::claims_elsewhere(&scenario.gate, global)?;
     }

@@ -3,15 +3,19 @@
 use crate::cache::Key;
 use crate::claims::{self, Judged, Relation};
 use crate::error::{Error, Result};
-use crate::report::{ClaimView, Verdict, anchor, format};
+use crate::files;
+use crate::report::{ClaimView, Verdict, anchor};
 use crate::scenario::diagnostic::{nearest, quote, whole_file};
 use crate::scenario::{self, Scenario};
+use crate::units::readable as format;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// Ledger and rig of the claims, below a scenarios folder.
 const LEDGER: &str = "paper/claims.toml";
 const RIG: &str = "paper/rig.toml";
+/// Largest ledger that is read.
+const MAX_BYTES: u64 = 1 << 20;
 
 /// A ledger and the rig that it is about.
 pub struct Ledger {
@@ -46,7 +50,7 @@ impl Ledger {
         let beside = |name: &str| root.map(|root| root.join(name)).filter(|path| path.is_file());
         let ledger = match (beside(LEDGER), beside(RIG)) {
             (Some(ledger), Some(rig)) => Self {
-                text: std::fs::read_to_string(&ledger).map_err(Error::io("read", &ledger))?,
+                text: files::text(&ledger, MAX_BYTES, "the claims are a short text file")?,
                 file: ledger.display().to_string(),
                 rig: scenario::load_base(&rig)?,
             },

@@ -1,14 +1,14 @@
 //! `stickslip run`: simulate one scenario, compare it with its measurements, find what is missing, draw it.
 
-use super::drawn::Drawn;
+use super::figure_output::FigureOutput;
 use super::folder::Folder;
 use super::{Global, compare, gates, say, select, simulate};
 use crate::error::{Error, Result};
-use crate::{discover, gate, question};
+use crate::{discover, free_form, gate, question};
 use std::path::{Path, PathBuf};
 
 /// Simulates the scenario, compares it where it names measurements, writes its figures and `curves.csv` below `out`.
-pub fn execute(path: &Path, (out, drawn): (&Path, &Drawn), global: &Global) -> Result<()> {
+pub fn execute(path: &Path, (out, drawn): (&Path, &FigureOutput), global: &Global) -> Result<()> {
     if path.is_dir() {
         return Err(Error::Input(format!(
             "error: {} is a folder\n  = help: name one scenario file, or use `stickslip report {}`",
@@ -39,6 +39,10 @@ pub fn execute(path: &Path, (out, drawn): (&Path, &Drawn), global: &Global) -> R
             let discovery = discover::discover(scenario, table, &discover::SearchOptions::default());
             figures.extend(simulate::discovery(&discovery, results)?);
             super::discover::words(&discovery).iter().try_for_each(|line| say(global, line))?;
+            if let Some(found) = free_form::beside(&discovery, false) {
+                figures.extend(simulate::free_form(&found, &scenario.id, results)?);
+                free_form::lines(&found).iter().try_for_each(|line| say(global, line))?;
+            }
             judged.extend(gate::of_comparison(&scenario.gate, &comparison));
             judged.extend(gate::of_discovery(&scenario.gate, &discovery));
         }

@@ -1,12 +1,13 @@
 //! The sections of a report, one per scenario: from the cache where nothing has changed, computed where something has.
 
+use super::caching::{self, Illustrated};
 use super::folder::Folder;
-use super::keep::{self, Illustrated};
 use super::{compare, question, simulate};
 use crate::cache::{Cache, Key};
 use crate::compare::Comparison;
 use crate::discover::{self, Discovery};
 use crate::error::Result;
+use crate::free_form::{self, FreeForm};
 use crate::gate::{self, Judged};
 use crate::measurement::Table;
 use crate::report::{self, FigureInput, FigureView, ScenarioView};
@@ -49,14 +50,14 @@ pub fn make(
     quiet: bool,
 ) -> Result<(Vec<Section>, usize)> {
     let keys: Vec<Key> = work.iter().map(|both| Key::of("section", both)).collect();
-    let kept = keys.par_iter().map(|key| keep::get(cache, key, out)).collect::<Result<Vec<Option<Section>>>>()?;
+    let kept = keys.par_iter().map(|key| caching::get(cache, key, out)).collect::<Result<Vec<Option<Section>>>>()?;
     clock.lap("cache");
     let missing: Vec<usize> = (0..work.len()).filter(|&index| kept[index].is_none()).collect();
     let fresh: Vec<_> = missing.iter().map(|&index| work[index]).collect();
     let mut computed = compute(&fresh, out, clock, quiet)?.into_iter();
     missing.par_iter().zip(computed.as_slice()).for_each(|(&index, section)| {
         let curves = simulate::curves_name(&section.view.id);
-        keep::put(cache, &keys[index], section, &[curves], out);
+        caching::put(cache, &keys[index], section, &[curves], out);
     });
     let found = work.len() - missing.len();
     // As many were computed as are missing.
@@ -83,7 +84,7 @@ fn compute(work: &Work<'_>, out: &Folder, clock: &mut Clock, quiet: bool) -> Res
         let (compared, discovered) = (compared[index].as_ref(), discovered[index].as_ref());
         let gate = &work[index].0.gate;
         let mut gates: Vec<Judged> = compared.iter().flat_map(|(c, _)| gate::of_comparison(gate, c)).collect();
-        gates.extend(discovered.iter().flat_map(|(d, _)| gate::of_discovery(gate, d)));
+        gates.extend(discovered.iter().flat_map(|(d, ..)| gate::of_discovery(gate, d)));
         let mut view = view(&outcomes[index], &figures[index], compared, discovered);
         if let Some((answer, figures)) = &answered[index] {
             view = view.with_question(answer, figures);
@@ -95,7 +96,7 @@ fn compute(work: &Work<'_>, out: &Folder, clock: &mut Clock, quiet: bool) -> Res
 
 /// A comparison and a discovery, each with its figures.
 type Compare = (Comparison, Vec<FigureInput>);
-type Discover = (Discovery, Vec<FigureInput>);
+type Discover = (Discovery, Vec<FigureInput>, Option<(FreeForm, Vec<FigureInput>)>);
 
 /// Compares every scenario that has measurements, and draws that.
 fn compared(work: &Work<'_>, out: &Folder) -> Result<Vec<Option<Compare>>> {
@@ -114,7 +115,9 @@ fn discovered(work: &Work<'_>, out: &Folder) -> Result<Vec<Option<Discover>>> {
         let Some(table) = table else { return Ok(None) };
         let discovery = discover::discover(scenario, table, &discover::SearchOptions::default());
         let figures = simulate::discovery(&discovery, out)?;
-        Ok(Some((discovery, figures)))
+        let free_form = free_form::beside(&discovery, false);
+        let drawn = |found: FreeForm| simulate::free_form(&found, &scenario.id, out).map(|figures| (found, figures));
+        Ok(Some((discovery, figures, free_form.map(drawn).transpose()?)))
     };
     work.par_iter().map(one).collect()
 }
@@ -129,8 +132,10 @@ fn view(
     if let Some((comparison, figures)) = compared {
         view = view.with_comparison(comparison, figures);
     }
-    match discovered {
-        Some((discovery, figures)) => view.with_discovery(discovery, figures),
+    let Some((discovery, figures, free_form)) = discovered else { return view };
+    let view = view.with_discovery(discovery, figures);
+    match free_form {
+        Some((found, figures)) => view.with_free_form(found, figures),
         None => view,
     }
 }

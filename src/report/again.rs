@@ -60,6 +60,7 @@ impl ScenarioView {
     pub fn figures_mut(&mut self) -> impl Iterator<Item = &mut FigureView> {
         let compared = self.comparison.iter_mut().flat_map(|c| c.figures.iter_mut().chain(&mut c.more));
         let discovered = self.discovery.iter_mut().flat_map(|d| d.figures.iter_mut().chain(&mut d.more));
+        let discovered = discovered.chain(self.free_form.iter_mut().flat_map(|free_form| &mut free_form.figures));
         let asked = self.question.iter_mut().flat_map(|question| &mut question.figures);
         self.figures.iter_mut().chain(compared).chain(discovered).chain(asked)
     }

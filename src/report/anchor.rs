@@ -36,6 +36,11 @@ pub fn discovery(id: &str) -> String {
     format!("discovery-{}", slug(id))
 }
 
+/// Anchor of the free form of a scenario.
+pub fn free_form(id: &str) -> String {
+    format!("free-form-{}", slug(id))
+}
+
 /// Anchor of the question of a scenario.
 pub fn question(id: &str) -> String {
     format!("question-{}", slug(id))
@@ -51,9 +56,18 @@ pub fn claim(id: &str) -> String {
     format!("claim-{}", slug(id))
 }
 
+/// What anchors of the checks of the solvers begin with.
+const CHECK: &str = "check-";
+
 /// Anchor of a check of the solvers.
 pub fn check(name: &str) -> String {
-    format!("check-{}", slug(name))
+    format!("{CHECK}{}", slug(name))
+}
+
+/// Link from the main page to an anchor: checks have a page of their own.
+pub fn place(anchor: &str) -> String {
+    let page = if anchor.starts_with(CHECK) || anchor == "verification" { "checks.html" } else { "" };
+    format!("{page}#{anchor}")
 }
 
 /// Gives out every id once: a second `a` becomes `a-2`.

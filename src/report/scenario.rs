@@ -74,6 +74,7 @@ pub fn scenario_view(outcome: &Outcome, figures: &[FigureInput]) -> ScenarioView
         comparison: None,
         rig: super::rig::rig(scenario),
         discovery: None,
+        free_form: None,
         question: None,
         path: scenario.path.display().to_string(),
         hash: scenario.hash.clone(),

@@ -85,6 +85,12 @@ impl ReportView {
                     figure.anchor = anchors.claim(&figure.anchor);
                 }
             }
+            if let Some(free_form) = &mut scenario.free_form {
+                free_form.anchor = anchors.claim(&free_form.anchor);
+                for figure in &mut free_form.figures {
+                    figure.anchor = anchors.claim(&figure.anchor);
+                }
+            }
             if let Some(question) = &mut scenario.question {
                 question.anchor = anchors.claim(&question.anchor);
                 for figure in &mut question.figures {

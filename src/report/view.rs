@@ -5,21 +5,14 @@ use serde::{Deserialize, Serialize};
 pub use super::baseline_view::{BaselineView, HistoryView, StepChangeView};
 pub use super::comparison_view::{ComparisonView, FittedView, MatchView, OutlierView, PeakView};
 pub use super::discovery_view::{CandidateView, DiscoveryView, NextView, NotTestableView, StepView};
+pub use super::free_form::FreeFormView;
 pub use super::question_view::{AbleView, QuestionView, SettingView};
 pub use super::trust::TrustView;
 use super::verdict::{Agreement, Completeness, Passed, Verdict};
+pub use crate::units::readable::Quantity;
 
 /// Schema of `report.json`.
 pub const SCHEMA: &str = "stickslip.report/1";
-
-/// A number with its wording.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Quantity {
-    /// The value in SI; absent where there is none (not a number).
-    pub value: Option<f64>,
-    /// What the page shows, with unit.
-    pub text: String,
-}
 
 /// The whole report.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -193,6 +186,9 @@ pub struct ScenarioView {
     /// What is missing, where there are measurements.
     #[serde(default)]
     pub discovery: Option<DiscoveryView>,
+    /// On which variable what is missing depends, where something is left unexplained.
+    #[serde(default)]
+    pub free_form: Option<FreeFormView>,
     /// Which effects can give the curve that the scenario asks for.
     #[serde(default)]
     pub question: Option<QuestionView>,

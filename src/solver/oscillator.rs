@@ -136,7 +136,7 @@ pub fn states(mode: &dyn SingleMode, tolerance: &Tolerance) -> Vec<Periodic> {
 }
 
 /// Stiffness and quadrature of the forces over x = X sin(wt): the dynamic stiffness without the linear mode.
-fn describing(mode: &dyn SingleMode, amplitude: f64) -> (f64, f64) {
+pub fn describing(mode: &dyn SingleMode, amplitude: f64) -> (f64, f64) {
     let (omega, n) = (mode.omega(), GRID_INSTANTS);
     let (mut in_phase, mut quadrature) = (0.0, 0.0);
     for j in 0..n {
@@ -336,7 +336,7 @@ fn solve(mode: &dyn SingleMode, amplitude: f64, tolerance: &Tolerance) -> Option
         let mut instants = (INSTANTS * highest).max(24);
         if mode.joint().is_some() {
             let (most, least) = INSTANTS_OF_JOINT;
-            let wanted = (most as f64 / tolerance.relief().powi(5)) as usize;
+            let wanted = (most as f64 / tolerance.coarsening().powi(5)) as usize;
             instants = instants.max(wanted.max(least));
         }
         let laid = Laid::of(highest, instants + instants % 2, odd);

@@ -5,7 +5,9 @@
        u'' + u'/Q + u + kappa u^3 + d |u'| u' + sum_i k_i clip(u - z_i, -y_i, y_i) + s(u) = p cos(W t)
 
    z_i is where slider i holds: it stays while |u - z_i| <= y_i and is dragged along otherwise. s(u) is a spring from outside
-   the program's catalogue, law 0 to 3: none; a stop b max(0, u - s) on one side; b (s sinh(u/s) - u); b s tanh(u/s).
+   the program's catalogue, law 0 to 4: none; a stop b max(0, u - s) on one side; b (s sinh(u/s) - u); b s tanh(u/s); one whose
+   stiffness is a sawtooth of |u|, from -b/2 up to b/2 over every s. Law 5 is no spring but a damping with a hump,
+   b exp(-((|u| - s)/(s/3))^2) u'.
 
    Method: the linear damped oscillator is propagated exactly by its matrix exponential; the drive and everything
    nonlinear enter through the classical fourth-order Runge-Kutta rule in the variables that the exponential leaves
@@ -46,14 +48,24 @@ static double spring(const mode *o, double u)
     case 1: return u > o->s ? o->b * (u - o->s) : 0.0;
     case 2: return o->b * (o->s * sinh(u / o->s) - u);
     case 3: return o->b * o->s * tanh(u / o->s);
+    case 4: {
+        double x = fabs(u) / o->s, part = x - floor(x);
+        return copysign(0.5 * o->b * o->s * (part * part - part), u);
+    }
     default: return 0.0;
     }
+}
+
+static double hump(const mode *o, double u)
+{
+    double x = o->law == 5 ? 3.0 * (fabs(u) / o->s - 1.0) : 0.0;
+    return o->law == 5 ? o->b * exp(-x * x) : 0.0;
 }
 
 /* drive minus everything that is not the linear oscillator */
 static double rest(const mode *o, double u, double v, double drive)
 {
-    return drive - o->kappa * u * u * u - o->d * fabs(v) * v - joint(o, u) - spring(o, u);
+    return drive - o->kappa * u * u * u - o->d * fabs(v) * v - joint(o, u) - spring(o, u) - hump(o, u) * v;
 }
 
 /* exp(A h) of A = [[0, 1], [-1, -1/Q]], Q > 1/2, row by row */

@@ -1,6 +1,8 @@
 //! Figures of a discovery: a [`Discovery`] in, SVG, CSV and caption out; nothing is simulated.
 
+mod before_after;
 mod fingerprint;
+mod free_form;
 mod ladder;
 mod overlay;
 mod parameters;
@@ -10,10 +12,20 @@ mod rows;
 use super::style::{Color, DASHES, readable, viridis};
 use super::{Figure, FigureError, canvas::Dash};
 use crate::discover::{Discovery, Step};
+use crate::free_form::FreeForm;
 
 /// Every figure of a discovery, in the order in which a report shows them.
-pub static REGISTRY: &[&dyn Figure<Discovery>] =
-    &[&ladder::Ladder, &overlay::Overlay, &fingerprint::Fingerprint, &parameters::Parameters, &ranking::Ranking];
+pub static REGISTRY: &[&dyn Figure<Discovery>] = &[
+    &before_after::BeforeAfter,
+    &ladder::Ladder,
+    &overlay::Overlay,
+    &fingerprint::Fingerprint,
+    &parameters::Parameters,
+    &ranking::Ranking,
+];
+
+/// Every figure of the free form beside it.
+pub static FREE_FORM: &[&dyn Figure<FreeForm>] = &[&free_form::Curves];
 
 /// Colour of a step: from pale to dark along the ladder.
 fn color(index: usize, count: usize) -> Color {

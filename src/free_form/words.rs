@@ -1,0 +1,126 @@
+//! What the free form says, in words that the terminal and the report share.
+
+use super::judge::{Judged, MOST};
+use super::variable::Variable;
+use super::{Dependence, FreeForm, Standing};
+
+/// Shapes named on a terminal.
+const SHAPES: usize = 4;
+
+impl Dependence {
+    /// The variables in words.
+    pub fn name(&self) -> String {
+        match self.variables.as_slice() {
+            [] => "constant".into(),
+            some => some.iter().map(|v| v.words()).collect::<Vec<_>>().join(" and "),
+        }
+    }
+
+    fn with_share(&self) -> String {
+        format!("the {} ({} %)", self.name(), share(self.explained_percent))
+    }
+}
+
+/// A share as whole per cent; all but everything is not everything.
+fn share(percent: f64) -> String {
+    if percent > 99.0 && percent < 100.0 { format!("{:.1}", percent.min(99.9)) } else { format!("{percent:.0}") }
+}
+
+/// What follows from the classes.
+pub fn statement(found: &FreeForm, judged: &Judged<'_>) -> String {
+    let untestable = list(found, Standing::Untestable, |class| format!("the {}", class.name()));
+    if !judged.testable {
+        return "on which variable anything missing depends cannot be told: the series have too few neighbouring readings".into();
+    }
+    if !judged.structured {
+        return "no dependence is claimed: what recalibration cannot explain is no more than noise".into();
+    }
+    let Some(leading) = found.leading() else {
+        let most = found.classes.iter().filter(|c| c.standing == Standing::Undecided);
+        let most = most.max_by(|a, b| a.explained_percent.total_cmp(&b.explained_percent));
+        let most = most.map_or(String::new(), |class| {
+            format!(": the most that one of them could explain by chance or not is {}", class.with_share())
+        });
+        return format!("something is left, but these readings tell no variable on which it depends{most}");
+    };
+    let mut text = claim(leading, &found.tied().collect::<Vec<_>>());
+    let excluded = |most: bool| -> Vec<String> {
+        let all = found.classes.iter().filter(|class| class.standing == Standing::Excluded);
+        all.filter(|class| (class.explained_percent >= MOST) == most).map(Dependence::with_share).collect()
+    };
+    if !excluded(false).is_empty() {
+        text += &format!(", not on {}", excluded(false).join(", nor on "));
+    }
+    if !excluded(true).is_empty() {
+        text += &format!("; less than that is explained by {}", excluded(true).join(", by "));
+    }
+    let further = list(found, Standing::Further, |class| {
+        format!("{} together explain {} %", class.name(), share(class.explained_percent))
+    });
+    if !further.is_empty() {
+        text += &format!("; {}", further.join(", "));
+    }
+    if !untestable.is_empty() {
+        text += &format!("; not to be told of {}", untestable.join(", "));
+    }
+    text
+}
+
+/// What is said of the leading class and those that are tied with it.
+fn claim(leading: &Dependence, tied: &[&Dependence]) -> String {
+    let amount = share(leading.explained_percent);
+    if leading.explained_percent < MOST {
+        let others: Vec<String> = tied.iter().map(|class| class.with_share()).collect();
+        let tied = if others.is_empty() { String::new() } else { format!(", tied with {}", others.join(", ")) };
+        return format!(
+            "most of what is missing depends on none of these variables: {} explains most{tied}",
+            leading.with_share()
+        );
+    }
+    if !tied.is_empty() {
+        let names: Vec<String> = [leading].iter().chain(tied).map(|class| class.with_share()).collect();
+        return format!(
+            "what is missing depends on {} (of the misfit at most), which these readings do not tell apart",
+            names.join(" or on ")
+        );
+    }
+    if leading.variables == [Variable::Drift] {
+        return format!(
+            "what is missing changes from series to series (that can explain at most {amount} % of the misfit): drift, or a law of what was \
+             set for each of them"
+        );
+    }
+    format!("what is missing depends on the {} (it can explain at most {amount} % of the misfit)", leading.name())
+}
+
+fn list(found: &FreeForm, standing: Standing, words: impl Fn(&Dependence) -> String) -> Vec<String> {
+    found.classes.iter().filter(|class| class.standing == standing).map(words).collect()
+}
+
+/// The free form in lines of a terminal.
+pub fn lines(found: &FreeForm) -> Vec<String> {
+    let mut lines = vec![format!("free form: {}", found.statement)];
+    if !found.classes.is_empty() {
+        lines.push("  left by smooth k and c of:           rms   explains  left-out".into());
+    }
+    for class in &found.classes {
+        let predicted = class.predicted_rms_percent.map_or("-".into(), |percent| format!("{percent:.1} %"));
+        let standing = match class.standing {
+            Standing::Leading => "  <- the least",
+            Standing::Tied => "  tied",
+            Standing::Untestable => "  cannot be told",
+            Standing::Further => "  less yet",
+            _ => "",
+        };
+        let (name, left) = (class.name(), class.left_rms_percent);
+        let explained = format!("{} %", share(class.explained_percent));
+        lines.push(format!("  {name:<30} {left:>8.1} % {explained:>9} {predicted:>9}{standing}"));
+    }
+    if !found.shapes.is_empty() {
+        let named = found.shapes.iter().take(SHAPES);
+        let named = named.map(|s| format!("{} (leaves {:.1} %)", s.effect, s.left_rms_percent));
+        lines.push(format!("  nearest in shape: {}", named.collect::<Vec<_>>().join(", ")));
+    }
+    lines.extend(found.notes.iter().map(|note| format!("  note: {note}")));
+    lines
+}
