@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 use stickslip::compare::{calibrate, problem};
 use stickslip::discover::{Discovery, SearchOptions, Verdict, discover, fit_addition};
-use stickslip::fit::{TAIL, robust_chi2};
 use stickslip::measurement::{Noise, Point};
 use stickslip::solver::cycle::Tolerance;
 use stickslip::{measurement, scenario};
@@ -202,16 +201,61 @@ fn what_is_left_unexplained_is_no_worse_than_what_one_effect_explains() {
     }
     let d = discover(&scenario, &table, &SearchOptions::default());
     assert_eq!(d.verdict, Verdict::Unexplained);
-    let end = d.explanation();
-    let readings = end.comparison.overall.readings as f64;
-    let criterion = |c: &stickslip::compare::Comparison| {
-        robust_chi2(&c.fit.evaluation.residuals, TAIL) + c.fit.parameters.len() as f64 * readings.ln()
-    };
-    let least = criterion(&end.comparison);
-    for name in ["cubic-stiffness", "contact-renewal", "maxwell-branch", "grosch", "quadratic-damping"] {
+    assert_no_worse_than_added(
+        &d,
+        &["cubic-stiffness", "contact-renewal", "maxwell-branch", "grosch", "quadratic-damping"],
+    );
+    // No rung of the ladder is further off than the one below.
+    let misfits: Vec<f64> = d.steps.iter().map(|step| step.comparison.overall.chi2_per_point).collect();
+    assert!(misfits.windows(2).all(|pair| pair[1] <= pair[0]), "{misfits:?}");
+}
+
+/// Schwarz's criterion at the end of a search is at most that of each effect added by hand, by the same figure.
+fn assert_no_worse_than_added(d: &Discovery, names: &[&str]) {
+    let end = &d.explanation().comparison;
+    let criterion = |c: &stickslip::compare::Comparison| c.fit.schwarz(c.overall.readings);
+    for name in names {
         let effect = stickslip::effects::find(name).expect("an effect");
-        let change = fit_addition(&scenario, &table, effect, 0);
-        assert!(least <= criterion(&change.after) + 0.5, "{name}: {} {least}", criterion(&change.after));
+        let change = fit_addition(&end.scenario, &end.table, effect, 0);
+        assert!((change.gain - (criterion(&change.before) - criterion(&change.after))).abs() < 1e-9);
+        assert!(
+            criterion(end) <= criterion(&change.after) + 0.5,
+            "{name}: {}",
+            criterion(end) - criterion(&change.after)
+        );
+    }
+}
+
+/// On the first points that a race looks at, a rival has the better of the planted delay by chance: that must not decide.
+#[test]
+fn a_few_readings_that_favour_a_rival_by_chance_do_not_decide() {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/delay/scenario.toml");
+    let d = found_at(&path, &SearchOptions::default());
+    assert_eq!(
+        (d.verdict, d.explanation().hypothesis.effects()),
+        (Verdict::EffectMissing, vec!["sensor-delay".to_string()])
+    );
+    assert_no_worse_than_added(&d, &["sensor-delay", "actuator-lag", "maxwell-branch", "structural-damping"]);
+}
+
+/// Where profiles may solve nothing, every end is that of the curvature, and it is said; where they may solve enough, none is.
+#[test]
+fn intervals_without_a_budget_are_of_the_curvature_and_told_as_that() {
+    let (scenario, table) = practice(4);
+    let model = stickslip::model::Model::new(&scenario);
+    let calibration = calibrate(&model, &scenario.free, &table.points, Tolerance::FIT, 0);
+    let with = |allowed| stickslip::compare::judge(&scenario, &table, &calibration, allowed);
+    let (none, curvature, all) = (with(Some(0)), with(None), with(Some(1_000_000)));
+    assert_eq!(none.intervals, curvature.intervals);
+    let told = |c: &stickslip::compare::Comparison| {
+        c.notes.iter().any(|note| note.contains("where the curvature of the misfit"))
+    };
+    assert!(told(&none) && !told(&curvature) && !told(&all));
+    assert!(all.solved > 0 && all.solved < 1_000_000);
+    // Here the misfit is nearly a parabola: both agree.
+    for (profile, parabola) in all.intervals.iter().zip(&none.intervals) {
+        let widths = (profile.high - profile.low) / (parabola.high - parabola.low);
+        assert!((0.9..1.1).contains(&widths), "{profile:?} {parabola:?}");
     }
 }
 

@@ -187,6 +187,8 @@ pub struct Comparison {
     pub notes: Vec<String>,
     /// The model between the measured frequencies, one curve per condition.
     pub curves: Vec<ModelCurve>,
+    /// Steady states that its intervals took.
+    pub solved: u64,
     error_budget: OnceLock<ErrorBudget>,
 }
 
@@ -241,21 +243,25 @@ pub struct Options {
     pub seed: u32,
 }
 
+/// Steady states that the intervals of a comparison may take: some ten seconds.
+pub const PROFILES: u64 = 1_000_000;
+
 /// Calibrates the free parameters of a scenario and compares with its measurements.
 pub fn compare(scenario: &Scenario, table: &Table, options: &Options) -> Comparison {
     let scenario = &table.applied_to(scenario);
     let model = Model::new(scenario);
     let calibration = calibrate(&model, &scenario.free, &table.points, Tolerance::default(), options.seed);
-    let comparison = judge(scenario, table, &calibration, true);
+    let comparison = judge(scenario, table, &calibration, Some(PROFILES));
     // Here, not by the first of the figures that are drawn in parallel.
     comparison.error_budget();
     comparison
 }
 
-/// Compares a model whose calibration is done with the measurements; `profile` asks for intervals by profile likelihood rather than from the curvature; where these find a better calibration it is taken.
+/// Compares a model whose calibration is done with the measurements; intervals are by profile likelihood where
+/// `profiles` says how many steady states these may take, else from the curvature; where profiles find a better calibration it is taken.
 /// Where nothing but noise is left and its scatter contradicts the stated standard deviations, intervals, ranges of misfit and
 /// readings that stand out go by the scatter.
-pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, profile: bool) -> Comparison {
+pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, profiles: Option<u64>) -> Comparison {
     let settings = settings_of(scenario, table);
     let mut calibrated =
         Problem::new(calibration.base.clone(), &table.points, calibration.fit.parameters.clone(), Tolerance::FIT);
@@ -268,10 +274,11 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
             whiteness.noise()
         }
     };
-    let (fit, intervals) = if profile {
-        profiled(&calibration.fit, noise_of, calibration.threshold, &mut calibrated)
+    let (fit, intervals, unfinished, solved) = if let Some(allowed) = profiles {
+        let found = profiled(&calibration.fit, noise_of, calibration.threshold, &mut calibrated, allowed);
+        (found.fit, found.intervals, found.unfinished, found.solved)
     } else {
-        (calibration.fit.clone(), approximate_intervals(&calibration.fit, noise_of(&calibration.fit)))
+        (calibration.fit.clone(), approximate_intervals(&calibration.fit, noise_of(&calibration.fit)), 0, 0)
     };
     let model = calibrated.model(&fit.values);
     let points = compared(&table.points, &fit.evaluation.predictions);
@@ -291,6 +298,13 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
     for key in (Calibration { fit: fit.clone(), ..calibration.clone() }).at_bounds() {
         notes.push(format!(
             "{key} ended at the bound of its search: the data do not hold it, or it is far off as stated"
+        ));
+    }
+    if unfinished > 0 {
+        notes.push(format!(
+            "{} of intervals are where the curvature of the misfit puts them: to find all took more steady states than a search \
+             may solve",
+            count(unfinished, "end")
         ));
     }
     let two = points.iter().filter(|p| !p.model.others.is_empty()).count();
@@ -322,6 +336,7 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
         model,
         points,
         conditions,
+        solved,
         error_budget: OnceLock::new(),
     }
 }

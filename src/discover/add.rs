@@ -83,12 +83,8 @@ fn conclude(
     seed: u32,
 ) -> Change {
     let calibration = calibrate(&model, keys, &table.points, Tolerance::default(), seed);
-    let after = compare::judge(scenario, table, &calibration, true);
-    // In units of the scatter that the better of the two leaves.
-    let (one, other) = (before.fit.evaluation.chi2(), after.fit.evaluation.chi2());
-    let readings = after.overall.readings as f64;
-    let noise = (one.min(other) / readings).max(1.0);
-    let price = |c: &Comparison| c.fit.parameters.len() as f64 * readings.ln();
-    let gain = (one - other) / noise + price(&before) - price(&after);
+    let after = compare::judge(scenario, table, &calibration, Some(compare::PROFILES));
+    let criterion = |c: &Comparison| c.fit.schwarz(c.overall.readings);
+    let gain = criterion(&before) - criterion(&after);
     Change { before, after, gain }
 }

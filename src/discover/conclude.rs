@@ -28,7 +28,12 @@ impl Search<'_> {
         // The ladder, one addition after the other.
         let rung = |length: usize| match length {
             0 => start.clone(),
-            _ => self.refit(chosen, chosen.additions[..length].to_vec()),
+            _ => {
+                let additions = &chosen.additions[..length];
+                let mut all = known.with(additions);
+                all.push(self.refit(chosen, additions.to_vec()));
+                all.into_iter().min_by(|a, b| square(a).total_cmp(&square(b))).unwrap_or_else(|| chosen.clone())
+            }
         };
         let ladder: Vec<Hypothesis> = (0..chosen.additions.len()).map(rung).collect();
         let step = |index: usize, hypothesis: Hypothesis, comparison: Comparison| Step {
@@ -126,10 +131,14 @@ impl Search<'_> {
         }
     }
 
+    /// A hypothesis against the readings; with `profile` intervals are by profile likelihood as far as the budget goes.
     pub(super) fn comparison(&self, hypothesis: &Hypothesis, profile: bool) -> Comparison {
         let (base, fit) = (hypothesis.model.clone(), hypothesis.fit.clone());
         let calibration = Calibration { base, fit, threshold: TAIL };
-        compare::judge(self.scenario, self.table, &calibration, profile)
+        let left = || self.data.budget.saturating_sub(self.data.solved());
+        let comparison = compare::judge(self.scenario, self.table, &calibration, profile.then(left));
+        self.data.count(comparison.solved);
+        comparison
     }
 
     /// All hypotheses of the first round and those about the explanation, the best first.
@@ -157,10 +166,12 @@ impl Search<'_> {
             let (smaller, rest) = all.split_at_mut(index);
             let hypothesis = &mut rest[0].0;
             let contained = |h: &Hypothesis| h.basis() == Basis::AllPoints && h.nested_in(hypothesis);
-            let least = smaller.iter().filter(|(h, _)| contained(h)).map(|(h, _)| square(h));
-            let least = least.fold(f64::INFINITY, f64::min);
-            if least + WORSE < square(hypothesis) {
-                hypothesis.estimate = Some(Estimate { square: least, basis: Basis::Contained });
+            let least = smaller.iter().map(|(h, _)| h).filter(|h| contained(h));
+            if let Some(least) = least.min_by(|a, b| square(a).total_cmp(&square(b)))
+                && square(least) + WORSE < square(hypothesis)
+            {
+                let (square, chi2) = (square(least), least.chi2());
+                hypothesis.estimate = Some(Estimate { square, chi2, basis: Basis::Contained });
             }
             hypothesis.bic = self.bic(hypothesis);
         }
@@ -174,9 +185,6 @@ impl Search<'_> {
         });
         let best = all.first().map_or(0.0, |(h, _)| h.bic);
         let total: f64 = all.iter().map(|(h, _)| (-0.5 * (h.bic - best)).exp()).sum();
-        // Estimates are of the sum in which large residuals count less: told as those of the base compare.
-        let base = &steps[0].hypothesis;
-        let hardened = base.fit.evaluation.chi2() / square(base).max(f64::MIN_POSITIVE);
         all.into_iter()
             .enumerate()
             .map(|(rank, (hypothesis, testable))| {
@@ -193,19 +201,11 @@ impl Search<'_> {
                     }
                     None => approximate_intervals(&hypothesis.fit, 1.0),
                 };
-                let own = hypothesis.fit.evaluation.chi2();
-                let chi2 = match (hypothesis.basis(), hypothesis.estimate) {
-                    (Basis::SomePoints(_), _) => {
-                        own * self.readings() as f64 / hypothesis.fit.evaluation.residuals.len() as f64
-                    }
-                    (Basis::Linear | Basis::Contained, Some(estimate)) => estimate.square * hardened,
-                    _ => own,
-                };
                 Candidate {
                     delta_bic: hypothesis.bic - best,
                     weight: (-0.5 * (hypothesis.bic - best)).exp() / total,
                     testable,
-                    chi2_per_point: chi2 / self.readings() as f64,
+                    chi2_per_point: hypothesis.chi2() / self.readings() as f64,
                     intervals,
                     held_out: match step {
                         Some(step) => step.held_out,

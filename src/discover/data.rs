@@ -2,7 +2,7 @@
 
 use super::hypothesis::{Addition, Hypothesis};
 use crate::compare::TIGHTER;
-use crate::fit::{Fit, Parameter, Problem, Settings, TAIL, minimise, parameter, robust_chi2};
+use crate::fit::{Fit, Parameter, Problem, Settings, TAIL, cost, minimise, parameter, robust_chi2, schwarz};
 use crate::measurement::Point;
 use crate::model::Model;
 use crate::solver::cycle::Tolerance;
@@ -87,7 +87,7 @@ impl<'a> Data<'a> {
 
     /// What Schwarz's criterion charges for parameters.
     pub fn price(&self, parameters: usize) -> f64 {
-        parameters as f64 * (self.readings() as f64).ln()
+        schwarz(0.0, parameters, self.readings())
     }
 
     /// Steady states solved so far, by all threads.
@@ -95,9 +95,9 @@ impl<'a> Data<'a> {
         self.counter.load(Relaxed) - self.before
     }
 
-    /// Counts steady states of a model.
-    pub fn count(&self, model: &Model, solved: usize) {
-        self.counter.fetch_add(solved as u64 * cost(model), Relaxed);
+    /// Counts steady states.
+    pub fn count(&self, solved: u64) {
+        self.counter.fetch_add(solved, Relaxed);
     }
 
     /// Whether a fit costs no more than its share of the budget: what does is not begun. The same whatever was done before.
@@ -134,7 +134,7 @@ impl<'a> Data<'a> {
             let tighter = TAIL * typical_of(&fit.evaluation.residuals);
             let pulled = fit.evaluation.residuals.amax() > tighter && tighter < TIGHTER * threshold;
             if !pulled || problem.evaluations >= effort.evaluations {
-                self.count(model, problem.solved);
+                self.count(problem.solved);
                 return Fit { evaluations: problem.evaluations, ..fit };
             }
             (threshold, values) = (tighter, fit.values);
@@ -158,16 +158,6 @@ impl<'a> Data<'a> {
 const SHARE: u64 = 10;
 /// Steady states that a densely measured series takes, about.
 const DENSE: usize = 100;
-
-/// Steady states of a single slider that one of a model costs, as measured: a continuum of sliders has its own solution by
-/// itself, and none beside another law of the contact.
-fn cost(model: &Model) -> u64 {
-    match (model.has_continuum(), model.effects.len()) {
-        (false, _) => 1,
-        (true, 1) => 3,
-        (true, _) => 1000,
-    }
-}
 
 /// Typical size of residuals, at least that of the noise.
 pub fn typical_of(residuals: &DVector<f64>) -> f64 {

@@ -96,8 +96,10 @@ pub fn compatible(model: &Model, additions: &[Addition]) -> bool {
 /// A sum of squares over all points that its own fit has not reached.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
-    /// The sum of squares.
+    /// The sum of squares, large ones counted less.
     pub square: f64,
+    /// The plain sum of squares.
+    pub chi2: f64,
     /// Where it comes from.
     pub basis: Basis,
 }
@@ -153,6 +155,11 @@ impl Hypothesis {
     /// Whether its fit is to all of so many points.
     pub fn is_full(&self, points: usize) -> bool {
         self.estimate.is_none() && self.fit.evaluation.predictions.len() == points
+    }
+
+    /// Sum of squares over all points, or what it would be.
+    pub fn chi2(&self) -> f64 {
+        self.estimate.map_or_else(|| self.fit.evaluation.chi2(), |estimate| estimate.chi2)
     }
 
     /// What its sum of squares rests on.

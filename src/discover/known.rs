@@ -44,6 +44,17 @@ impl Known {
         self.parents.iter().any(|known| known.len() == additions.len() && known.iter().all(|a| additions.contains(a)))
     }
 
+    /// What was fitted to all points with these additions, in this order of them.
+    pub fn with(&self, additions: &[Addition]) -> Vec<Hypothesis> {
+        let same = |h: &&Hypothesis| {
+            h.estimate.is_none()
+                && h.additions.len() == additions.len()
+                && additions.iter().all(|a| h.additions.contains(a))
+        };
+        let found = self.entries.iter().map(|e| &e.hypothesis).filter(same).cloned();
+        found.map(|h| Hypothesis { additions: additions.to_vec(), ..h }).collect()
+    }
+
     /// What was fitted to all points with one addition more than these, that last.
     pub fn beside(&self, additions: &[Addition]) -> Vec<Hypothesis> {
         let one_more = |h: &&Hypothesis| {

@@ -30,7 +30,7 @@ impl<'a> Parent<'a> {
         let parameters = from.fit.parameters.clone();
         let mut problem = Problem::new(from.model.clone(), data.some(points), parameters, Tolerance::COARSE);
         let evaluation = problem.evaluate(&values, true);
-        data.count(&from.model, problem.solved);
+        data.count(problem.solved);
         let rows = evaluation.residuals.len();
         let mut span = DMatrix::zeros(rows, 0);
         if evaluation.jacobian.ncols() > 0 {
@@ -92,7 +92,7 @@ pub fn look(data: &Data<'_>, parents: &[Parent<'_>], from: &Hypothesis, addition
         let model = shares.of(data, &parent.model, addition);
         let mut problem = parent.problem.of(model.clone());
         let residuals = problem.evaluate(&[], false).residuals;
-        data.count(&model, problem.solved);
+        data.count(problem.solved);
         let rest = parent.rest();
         let change = parent.without(&(&residuals - &parent.evaluation.residuals));
         let size = change.norm_squared();

@@ -6,6 +6,9 @@ use super::next::Bounds;
 /// both were as likely before (Kass and Raftery 1995).
 pub const MARGIN: f64 = 6.0;
 
+/// Chance at which the right one of rival additions may leave a race for good, since on the readings seen so far another is better.
+pub const MISTAKE: f64 = 1e-3;
+
 /// The policy of a search, whole. `docs/search.md` tells what each is for.
 #[derive(Debug, Clone)]
 pub struct SearchOptions {
@@ -28,7 +31,7 @@ pub struct SearchOptions {
     pub survivors: usize,
     /// Hypotheses to which a further addition is looked for. Looks in proportion.
     pub beam: usize,
-    /// Steady states that may be solved, a continuum of sliders counted by its sliders. When they are spent the best so far is
+    /// Steady states that may be solved, each counted by what it costs: a joint's as three. When they are spent the best so far is
     /// reported as that.
     pub budget: u64,
     /// Where the next measurement may be.
@@ -88,12 +91,12 @@ impl Default for SearchOptions {
             seed: 0,
             starts: 12,
             entrants: 8,
-            first_points: 32,
+            first_points: 64,
             first_evaluations: 4,
             kept: 0.25,
             survivors: 6,
             beam: 4,
-            budget: 500_000,
+            budget: 1_000_000,
             bounds: Bounds::default(),
         }
     }

@@ -31,25 +31,45 @@ pub(super) struct Runner<'s, 'a> {
     /// What the last round took off its badness.
     gain: f64,
     /// Above what it is of no use.
-    pub bar: Bar,
+    pub bar: Bar<'s>,
+    /// Sum of squares on the same readings by which a rival has to be better for this one to leave.
+    sure: f64,
 }
 
-/// Criterion above which a fit is of no use.
-#[derive(Clone, Copy, PartialEq)]
-pub(super) enum Bar {
+/// What a fit has to come below to be of use.
+#[derive(Clone, Copy)]
+pub(super) enum Bar<'s> {
     None,
-    /// That of the hypothesis that it adds to, which leaves nothing but noise, less the margin.
+    /// The hypothesis that it adds to, which leaves nothing but noise, less the margin.
     Parent,
-    /// This one.
-    At(f64),
+    /// This hypothesis.
+    At(&'s Hypothesis),
 }
 
 impl<'s, 'a> Runner<'s, 'a> {
     /// Before any fit.
-    pub fn new(data: &'s Data<'a>, (from, of): (&'s Hypothesis, usize), addition: Addition, start: Start) -> Self {
+    pub fn new(
+        data: &'s Data<'a>,
+        (from, of, sure): (&'s Hypothesis, usize, f64),
+        addition: Addition,
+        start: Start,
+    ) -> Self {
         let Start { model, values, residuals } = start;
         let parameters = data.beside(&model, from, addition);
-        Self { data, from, of, addition, model, parameters, values, residuals, fit: None, gain: 0.0, bar: Bar::None }
+        Self {
+            data,
+            from,
+            of,
+            addition,
+            model,
+            parameters,
+            values,
+            residuals,
+            fit: None,
+            gain: 0.0,
+            bar: Bar::None,
+            sure,
+        }
     }
 
     /// Readings over those that the residuals are of.
@@ -57,17 +77,18 @@ impl<'s, 'a> Runner<'s, 'a> {
         self.data.readings() as f64 / self.residuals.len().max(1) as f64
     }
 
-    /// The criterion of the hypothesis that it adds to, on the points that it was fitted to.
-    fn aim(&self) -> f64 {
+    /// The criterion of a hypothesis on the points that it was fitted to itself.
+    fn on_same_points(&self, other: &Hypothesis) -> f64 {
         let points = self.fit.as_ref().map_or(0, |fit| fit.evaluation.predictions.len());
-        let residuals = self.data.part(&self.from.fit.evaluation.residuals, points);
-        self.scale() * robust_chi2(&residuals, TAIL) + self.data.price(self.from.fit.parameters.len())
+        let residuals = self.data.part(&other.fit.evaluation.residuals, points);
+        self.scale() * robust_chi2(&residuals, TAIL) + self.data.price(other.fit.parameters.len())
     }
 
     /// As it stands; `full` where its fit is to all points.
     pub fn hypothesis(&self, full: bool) -> Hypothesis {
         let additions: Vec<Addition> = self.from.additions.iter().copied().chain([self.addition]).collect();
-        let own = self.scale() * robust_chi2(&self.residuals, TAIL);
+        let square = self.scale() * robust_chi2(&self.residuals, TAIL);
+        let chi2 = self.scale() * self.residuals.norm_squared();
         let basis = match &self.fit {
             Some(fit) => Basis::SomePoints(fit.evaluation.predictions.len()),
             None => Basis::Linear,
@@ -80,7 +101,7 @@ impl<'s, 'a> Runner<'s, 'a> {
             fit
         };
         let fit = self.fit.clone().unwrap_or_else(unfitted);
-        let estimate = (!full).then_some(Estimate { square: own, basis });
+        let estimate = (!full).then_some(Estimate { square, chi2, basis });
         Hypothesis { additions, model: self.model.clone(), fit, estimate, bic: f64::INFINITY }
     }
 }
@@ -118,13 +139,13 @@ impl Competitor for Runner<'_, '_> {
         let Some(fit) = &self.fit else { return false };
         // What it was fitted to is enough to tell, were it to gain in the next round, with twice the evaluations, twice as much.
         let gain = if fit.is_exhausted() { 2.0 * self.gain } else { 0.0 };
-        let above = |bar: f64| self.badness(1.0) - gain - bar > MARGIN * self.scale();
+        let above = |bar: f64| self.badness(1.0) - gain - bar > self.sure * self.scale();
         let count = first.residuals.len() as f64;
         let noise = robust_chi2(&first.residuals, TAIL) < count + NOISE * (2.0 * count).sqrt();
         let barred = match self.bar {
             Bar::None => false,
-            Bar::Parent => self.badness(1.0) + MARGIN >= self.aim(),
-            Bar::At(bar) => above(bar),
+            Bar::Parent => self.badness(1.0) + MARGIN >= self.on_same_points(self.from),
+            Bar::At(best) => above(self.on_same_points(best)),
         };
         barred || (noise && above(first.badness(1.0)))
     }

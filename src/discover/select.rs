@@ -1,12 +1,13 @@
 //! Forward selection with a beam, exchange and backward elimination, from the calibrated base to the explanation.
 
-use super::data::{Data, Effort};
+use super::Discovery;
+use super::data::{Data, Effort, typical_of};
 use super::hypothesis::{Addition, Basis, Estimate, Hypothesis, additions, compatible, extended, square};
 use super::known::{Entry, Known};
 use super::look::{Count, Look, Parent, look};
+use super::options::{MARGIN, MISTAKE, SearchOptions};
 use super::race::{Competitor, Race, Round};
 use super::runner::{Bar, COSTLY, Runner};
-use super::{Discovery, MARGIN, SearchOptions};
 use crate::compare::{self, Calibration, Whiteness};
 use crate::fit::{TAIL, robust_chi2};
 use crate::measurement::{Noise, Table};
@@ -19,13 +20,11 @@ use std::sync::atomic::AtomicU64;
 
 /// Evaluations of one continuation of a fit to all points.
 const CONTINUED: usize = 15;
-/// Starting points along each parameter beside what leaves nothing but noise.
-const FEW: usize = 2;
-/// Most continuations of a fit that ended for want of evaluations: it goes on while those that are left, each as good as the
-/// last, may bring it level with the best, ...
-const CONTINUATIONS: u32 = 8;
-/// ... and gain more than this in the criterion each.
+/// A fit that ended for want of evaluations goes on while that gains more than this in the criterion, and may bring it level with
+/// the best.
 const GAIN: f64 = 0.1;
+/// Part of the budget that is kept for intervals, one over this.
+const INTERVALS: u64 = 4;
 
 /// Finds what is missing in the model of a scenario, given its measurements.
 pub fn discover(scenario: &Scenario, table: &Table, options: &SearchOptions) -> Discovery {
@@ -62,7 +61,7 @@ pub fn explained(scenario: &Scenario, table: &Table, options: &SearchOptions, by
             *value = start.fit.values[own];
         }
     }
-    taken.estimate = Some(Estimate { square: f64::INFINITY, basis: Basis::Linear });
+    taken.estimate = Some(Estimate { square: f64::INFINITY, chi2: f64::INFINITY, basis: Basis::Linear });
     let mut taken = search.data.fitted(taken, CONTINUED);
     let aim = taken.clone();
     search.settle_all(vec![&mut taken], &aim);
@@ -101,11 +100,11 @@ pub(super) struct Search<'a> {
 
 /// Who goes on in a race.
 #[derive(Clone, Copy)]
-enum Field {
+enum Field<'h> {
     /// The best of all, from starting points of this part of the sequence.
     Best(usize),
-    /// Every candidate by itself, unless at its minimum it stays above this criterion.
-    Each(f64),
+    /// Every candidate by itself, unless it cannot come below this hypothesis.
+    Each(Option<&'h Hypothesis>),
 }
 
 impl<'a> Search<'a> {
@@ -153,9 +152,9 @@ impl<'a> Search<'a> {
         self.conclude(start, &chosen, explanation, &known, &ties, noise)
     }
 
-    /// Whether there is anything left to spend.
+    /// Whether there is anything left to spend on the search; the rest is for intervals.
     pub(super) fn goes_on(&self) -> bool {
-        self.data.solved() < self.data.budget
+        self.data.solved() < self.data.budget - self.data.budget / INTERVALS
     }
 
     /// Adds to a hypothesis as long as that pays, and removes what that makes needless: all candidates race beside the leading
@@ -168,11 +167,16 @@ impl<'a> Search<'a> {
                 break;
             }
             let mut full = self.race(&beam.iter().collect::<Vec<_>>(), &self.pool, Field::Best(0), known);
-            // What leaves structure is held against everything that a user might add by hand, fitted as it would be then.
-            let best = self.pick(&full, true).unwrap_or_else(|| chosen.clone());
-            if self.structured(&best) && self.goes_on() {
-                full.extend(self.race(&[&chosen], &self.pool, Field::Each(self.bic(&best)), known));
+            // What leaves structure is held against everything else that a user might add by hand, fitted as it would be then.
+            let least = full.iter().min_by(|a, b| self.bic(a).total_cmp(&self.bic(b))).unwrap_or(&chosen).clone();
+            if self.structured(&least) && self.goes_on() {
+                let others = self.not_fitted_beside(&chosen, known);
+                full.extend(self.race(&[&chosen], &others, Field::Each(Some(&least)), known));
             }
+            // What explains less where readings are far off is no step towards an explanation.
+            let scale = TAIL * typical_of(&chosen.fit.evaluation.residuals);
+            let misfit = |h: &Hypothesis| robust_chi2(&h.fit.evaluation.residuals, scale);
+            full.retain(|h| !self.structured(h) || misfit(h) <= misfit(&chosen));
             let Some(best) = self.pick(&full, chosen.additions.is_empty()) else { break };
             if self.score(&chosen) - self.score(&best) <= MARGIN {
                 break;
@@ -197,8 +201,21 @@ impl<'a> Search<'a> {
         chosen
     }
 
+    /// Candidates of which no fit to all points is known beside a hypothesis.
+    fn not_fitted_beside(&self, from: &Hypothesis, known: &Known) -> Vec<Addition> {
+        let fitted = known.beside(&from.additions);
+        let is_fitted = |a: &Addition| fitted.iter().any(|h| h.additions.last() == Some(a));
+        self.pool.iter().copied().filter(|a| !is_fitted(a)).collect()
+    }
+
     /// The race of all candidates beside all parents; the hypotheses that came to its end, fitted to all points.
-    fn race(&self, parents: &[&Hypothesis], pool: &[Addition], entered: Field, known: &mut Known) -> Vec<Hypothesis> {
+    fn race(
+        &self,
+        parents: &[&Hypothesis],
+        pool: &[Addition],
+        entered: Field<'_>,
+        known: &mut Known,
+    ) -> Vec<Hypothesis> {
         let o = self.options;
         let all = self.data.points.len();
         let (field, mut entries) = self.line_up(parents, pool, entered, known);
@@ -238,13 +255,13 @@ impl<'a> Search<'a> {
         &'s self,
         parents: &[&'s Hypothesis],
         pool: &[Addition],
-        entered: Field,
+        entered: Field<'s>,
         known: &Known,
     ) -> (Vec<Runner<'s, 'a>>, Vec<Entry>) {
         let o = self.options;
         let (turn, kept, bar) = match entered {
             Field::Best(turn) => (turn, o.kept, Bar::None),
-            Field::Each(bar) => (0, 1.0, Bar::At(bar)),
+            Field::Each(best) => (0, 1.0, best.map_or(Bar::None, Bar::At)),
         };
         let of = |number: usize| pool.iter().map(move |addition| (number, *addition));
         let work: Vec<(usize, Addition)> = (0..parents.len())
@@ -268,18 +285,17 @@ impl<'a> Search<'a> {
                 let from = parents[*number];
                 let known = fitted.iter().find(|(a, _)| a == addition).map(|(_, model)| model);
                 let known = known.filter(|_| !from.additions.is_empty());
-                // Whether a weak trace of it is there any starting point tells; which basin, only many.
-                let starts = if self.structured(from) { o.starts } else { FEW };
-                let count = Count { known, starts, shared: parents.len(), turn, seed: o.seed };
+                let count = Count { known, starts: o.starts, shared: parents.len(), turn, seed: o.seed };
                 look(&self.data, &places[usize::from(costly(from, *addition))][*number], from, *addition, count)
             })
             .collect();
         let mut field: Vec<Runner<'s, 'a>> = Vec::new();
         let mut entries: Vec<Entry> = Vec::new();
+        let sure = MARGIN.max(2.0 * (self.pool.len() as f64 / MISTAKE).ln());
         for (of, ((number, addition), look)) in work.iter().zip(looks).enumerate() {
             let Look { starts, visibility, strongest } = look;
             let runners =
-                starts.into_iter().map(|start| Runner::new(&self.data, (parents[*number], of), *addition, start));
+                starts.into_iter().map(|start| Runner::new(&self.data, (parents[*number], of, sure), *addition, start));
             let mut runners: Vec<Runner<'s, 'a>> = runners.collect();
             // The starting points of a candidate compete with one another first: a linear estimate tells them apart, but little
             // of what candidates are worth.
@@ -300,7 +316,7 @@ impl<'a> Search<'a> {
         field.iter_mut().for_each(|runner| runner.bar = bar);
         // Beside what leaves nothing but noise only what would be decided for is worth a fit, unless it is asked for.
         if let [only] = parents
-            && bar == Bar::None
+            && matches!(bar, Bar::None)
             && !self.structured(only)
         {
             let rest = places[0][0][0].rest();
@@ -314,7 +330,7 @@ impl<'a> Search<'a> {
 
     /// The best fit of one addition to a hypothesis.
     pub(super) fn add(&self, from: &Hypothesis, addition: Addition, known: &mut Known) -> Option<Hypothesis> {
-        let found = self.race(&[from], &[addition], Field::Each(f64::INFINITY), known);
+        let found = self.race(&[from], &[addition], Field::Each(None), known);
         found.into_iter().min_by(|a, b| square(a).total_cmp(&square(b)))
     }
 
@@ -342,10 +358,7 @@ impl<'a> Search<'a> {
         let best = self.bic(best);
         all.par_iter_mut().for_each(|h| {
             let effort = Effort { points: self.data.points.len(), evaluations: CONTINUED };
-            for _ in 0..CONTINUATIONS {
-                if !h.fit.is_exhausted() || !self.data.affords(&h.model, effort) {
-                    break;
-                }
+            while h.fit.is_exhausted() && self.data.affords(&h.model, effort) {
                 let before = self.bic(h);
                 **h = self.data.fitted((*h).clone(), CONTINUED);
                 let gain = before - self.bic(h);
@@ -412,7 +425,7 @@ impl<'a> Search<'a> {
         let points = self.data.some(self.data.points.len());
         let mut problem = crate::fit::Problem::new(model.clone(), points, fit.parameters.clone(), Tolerance::FIT);
         fit.evaluation = problem.evaluate(&fit.values, true);
-        self.data.count(&model, problem.solved);
+        self.data.count(problem.solved);
         Hypothesis { additions, model, fit, estimate: None, bic: f64::INFINITY }
     }
 

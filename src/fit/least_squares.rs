@@ -39,6 +39,12 @@ pub struct Fit {
 }
 
 impl Fit {
+    /// Schwarz's criterion in units of the noise, less a constant common to all fits of the same readings, of which there are so
+    /// many; smaller is better.
+    pub fn schwarz(&self, readings: usize) -> f64 {
+        schwarz(robust_chi2(&self.evaluation.residuals, TAIL), self.parameters.len(), readings)
+    }
+
     /// Whether it ended for want of evaluations, not at a minimum.
     pub fn is_exhausted(&self) -> bool {
         self.termination == format!("{:?}", TerminationReason::LostPatience)
@@ -48,6 +54,11 @@ impl Fit {
 /// Sum of squares with residuals beyond `threshold` counted with their logarithm.
 pub fn robust_chi2(residuals: &DVector<f64>, threshold: f64) -> f64 {
     residuals.iter().map(|&r| soften(r, threshold).0.powi(2)).sum()
+}
+
+/// Schwarz's criterion of so many parameters and a sum of squares over so many readings, less a constant: smaller is better.
+pub fn schwarz(square: f64, parameters: usize, readings: usize) -> f64 {
+    square + parameters as f64 * (readings as f64).ln()
 }
 
 /// Residual whose square is the loss, r^2 up to the threshold t and t^2 (1 + 2 ln(r/t)) beyond it (both and their slopes meet

@@ -122,60 +122,85 @@ pub fn correlations(fit: &Fit) -> Vec<Correlation> {
     strong
 }
 
-/// Profile-likelihood intervals (95 %) of all parameters of a fit, and the fit itself: where a profile comes below it, it was
-/// no minimum, and is made again from there. `noise` is the factor by which the standard deviations of the data are to be
-/// multiplied, given a fit; `problem` moves the parameters of the fit.
+/// Intervals of a fit by profile likelihood.
+#[derive(Debug, Clone)]
+pub struct Profiles {
+    /// The fit: where a profile comes below it, it was no minimum, and is made again from there.
+    pub fit: Fit,
+    /// One interval for each of its parameters.
+    pub intervals: Vec<Interval>,
+    /// Ends that are of the curvature, since the steady states allowed were spent.
+    pub unfinished: usize,
+    /// Steady states solved.
+    pub solved: u64,
+}
+
+/// Profile-likelihood intervals (95 %) of all parameters of a fit. `noise` is the factor by which the standard deviations of the
+/// data are to be multiplied, given a fit; `problem` moves the parameters of the fit. All ends are looked for in step, so that
+/// what is done does not depend on the number of threads; once as many steady states as are `allowed` were solved, those not found
+/// yet are put where the curvature of the sum of squares has them.
 pub fn profiled(
     fit: &Fit,
     noise: impl Fn(&Fit) -> f64,
     threshold: f64,
     problem: &mut Problem<'_>,
-) -> (Fit, Vec<Interval>) {
+    allowed: u64,
+) -> Profiles {
     let mut fit = fit.clone();
-    let mut moves = 0;
+    let (mut solved, mut moves) = (0, 0);
     loop {
         let covariance = covariance(&fit);
         // The sum of squares at the accuracy of the problem, which need not be that of the fit.
-        let least = robust_chi2(&problem.evaluate(&fit.values, false).residuals, threshold);
+        let mut again = problem.at(&fit.values, Vec::new());
+        let least = robust_chi2(&again.evaluate(&[], false).residuals, threshold);
+        solved += again.solved;
         let goal = RISE * noise(&fit).powi(2);
         let profile = Profile { fit: &fit, goal, least, threshold, covariance: &covariance, problem };
-        let sides: Vec<Side> = (0..fit.parameters.len())
+        let mut sides: Vec<Side> = (0..fit.parameters.len())
             .flat_map(|i| [-1.0, 1.0].map(|direction| Side::new(&profile, i, direction)))
             .collect();
-        let first: Vec<Option<Refit>> = sides.par_iter().map(Side::first).collect();
-        let best = first.iter().flatten().min_by(|a, b| a.rise.total_cmp(&b.rise));
-        if let Some(best) = best.filter(|best| moves < MOVES && best.rise < -BETTER * goal) {
-            moves += 1;
+        if solved < allowed {
+            sides.par_iter_mut().for_each(Side::begin);
+            solved += spent(&mut sides);
+        }
+        let lowest = sides.iter().filter_map(|side| side.refit.as_ref()).min_by(|a, b| a.rise.total_cmp(&b.rise));
+        if let Some(lowest) = lowest.filter(|lowest| moves < MOVES && lowest.rise < -BETTER * goal && solved < allowed)
+        {
             let settings = Settings { evaluations: EVALUATIONS, threshold, converged: super::CONVERGED };
-            let moved = minimise(&mut problem.clone(), &best.values, &settings);
+            let mut again = problem.at(&fit.values, fit.parameters.clone());
+            let moved = minimise(&mut again, &lowest.values, &settings);
+            solved += again.solved;
+            moves += 1;
             if moved.objective < least {
                 fit = moved;
                 continue;
             }
         }
-        let mut ends: Vec<End> = sides.par_iter().zip(first).map(|(side, first)| side.end(first)).collect();
+        solved += in_step(&mut sides, allowed.saturating_sub(solved));
         // A profile runs along a valley where others may have lost it: what one has found to be as good as the ends lies in the
         // intervals of all.
-        let inside: Vec<Refit> = ends.iter().flat_map(|end| end.inside.iter().cloned()).collect();
-        let beyond = |(side, end): (&Side, End)| {
-            let steps = inside.iter().map(|refit| Refit { step: side.step(&refit.values), ..refit.clone() });
-            let far = steps.max_by(|a, b| a.step.total_cmp(&b.step));
-            far.filter(|far| far.step > end.step * (1.0 + CLOSE)).map_or(end, |far| side.end(Some(far)))
-        };
-        ends = sides.par_iter().zip(ends).map(beyond).collect();
-        let ends: Vec<(f64, bool)> =
-            sides.iter().zip(&ends).map(|(side, end)| (side.at(end.step), end.closed)).collect();
-        let interval = |(value, ends): (&f64, &[(f64, bool)])| {
-            let identified = match (ends[0].1, ends[1].1) {
-                (true, true) => Identified::Yes,
-                (false, false) => Identified::No,
-                _ => Identified::OneSided,
-            };
-            Interval { value: *value, low: ends[0].0.min(ends[1].0), high: ends[0].0.max(ends[1].0), identified }
-        };
-        let intervals = fit.values.iter().zip(ends.chunks(2)).map(interval).collect();
-        return (fit, intervals);
+        let inside: Vec<Refit> = sides.iter().flat_map(|side| side.inside.iter().cloned()).collect();
+        sides.iter_mut().for_each(|side| side.resume(&inside));
+        solved += in_step(&mut sides, allowed.saturating_sub(solved));
+        let unfinished = sides.iter().filter(|side| side.end.is_none()).count();
+        let intervals = sides.chunks(2).map(|pair| Side::interval(&pair[0], &pair[1])).collect();
+        return Profiles { fit, intervals, unfinished, solved };
     }
+}
+
+/// Takes all sides a step further in turn, until each has its end or as many steady states were solved as are allowed.
+fn in_step(sides: &mut [Side<'_, '_>], allowed: u64) -> u64 {
+    let mut solved = 0;
+    while solved < allowed && sides.iter().any(|side| side.end.is_none()) {
+        sides.par_iter_mut().for_each(Side::advance);
+        solved += spent(sides);
+    }
+    solved
+}
+
+/// Steady states that the sides solved since they were last asked.
+fn spent(sides: &mut [Side<'_, '_>]) -> u64 {
+    sides.iter_mut().map(|side| std::mem::take(&mut side.solved)).sum()
 }
 
 /// What the profiles of a fit have in common.
@@ -189,24 +214,30 @@ struct Profile<'p, 'a> {
     problem: &'p Problem<'a>,
 }
 
-/// One parameter from its estimate in one direction.
+/// One parameter from its estimate in one direction, on the way to the end of its interval.
 struct Side<'p, 'a> {
     of: &'p Profile<'p, 'a>,
     i: usize,
     direction: f64,
     /// The other parameters.
     others: Vec<usize>,
-    /// The bound of the search.
-    bound: f64,
-}
-
-/// The end of an interval on one side.
-struct End {
-    step: f64,
-    /// Whether it is the data's, not the bound of the search.
-    closed: bool,
-    /// What was found on the way to be no worse than the ends.
+    /// Distance of the bound of the search on the natural scale.
+    room: f64,
+    /// The last refit; `None` where the data do not depend on the parameter.
+    refit: Option<Refit>,
+    /// From where the others are tied, the last refit inside the interval: one beyond its end may have gone astray.
+    tie: Option<Refit>,
+    /// What was found to be no worse than the ends.
     inside: Vec<Refit>,
+    /// The farthest step inside and the rise there, the nearest outside.
+    near: (f64, f64),
+    outside: Option<(f64, f64)>,
+    /// Refits so far.
+    trials: usize,
+    /// The end: its step, and whether it is the data's rather than the bound of the search.
+    end: Option<(f64, bool)>,
+    /// Steady states solved since they were last counted.
+    solved: u64,
 }
 
 /// All parameters but one fitted again with that one held at a step from its estimate.
@@ -221,35 +252,53 @@ struct Refit {
 impl<'p, 'a> Side<'p, 'a> {
     fn new(of: &'p Profile<'p, 'a>, i: usize, direction: f64) -> Self {
         let fit = of.fit;
-        let others: Vec<usize> = (0..fit.parameters.len()).filter(|&j| j != i).collect();
         let bound = fit.parameters[i].moved(fit.values[i], direction * 1e3);
-        Self { of, i, direction, others, bound }
-    }
-
-    /// Distance of the bound on the natural scale.
-    fn room(&self) -> f64 {
-        self.of.fit.parameters[self.i].natural_distance(self.of.fit.values[self.i], self.bound)
+        Self {
+            of,
+            i,
+            direction,
+            others: (0..fit.parameters.len()).filter(|&j| j != i).collect(),
+            room: fit.parameters[i].natural_distance(fit.values[i], bound),
+            refit: None,
+            tie: None,
+            inside: Vec::new(),
+            near: (0.0, 0.0),
+            outside: None,
+            trials: 0,
+            end: None,
+            solved: 0,
+        }
     }
 
     fn at(&self, step: f64) -> f64 {
         self.of.fit.parameters[self.i].moved(self.of.fit.values[self.i], self.direction * step)
     }
 
-    /// The step to where the curvature puts the end; `None` where the data do not depend on the parameter.
-    fn first(&self) -> Option<Refit> {
+    /// The step to where the curvature puts the end.
+    fn curvature(&self) -> f64 {
+        (self.of.goal * self.of.covariance[(self.i, self.i)]).sqrt().min(self.room)
+    }
+
+    /// Refits where the curvature puts the end.
+    fn begin(&mut self) {
         let (fit, i) = (self.of.fit, self.i);
         let sensitive = fit.evaluation.jacobian.column(i).norm() * fit.parameters[i].natural_slope(fit.values[i]).abs();
-        let step = (self.of.goal * self.of.covariance[(i, i)]).sqrt();
+        if sensitive < 1e-9 {
+            self.end = Some((self.room, false));
+            return;
+        }
         // The others as the curvature at the optimum ties them.
         let covariance = self.of.covariance;
         let slope = |&j: &usize| covariance[(i, j)] / covariance[(i, i)] * self.direction;
-        (sensitive >= 1e-9).then(|| self.refit(step, &self.others.iter().map(slope).collect::<Vec<_>>()))
+        let slopes: Vec<f64> = self.others.iter().map(slope).collect();
+        let refit = self.refitted(self.curvature(), &slopes);
+        (self.tie, self.refit) = (Some(refit.clone()), Some(refit));
     }
 
     /// Fits the others again at a step, from where they are if they move by `slopes` per step on their natural scales.
-    fn refit(&self, step: f64, slopes: &[f64]) -> Refit {
+    fn refitted(&mut self, step: f64, slopes: &[f64]) -> Refit {
         let fit = self.of.fit;
-        let step = step.min(self.room());
+        let step = step.min(self.room);
         let mut values = fit.values.clone();
         values[self.i] = self.at(step);
         let moving: Vec<Parameter> = self.others.iter().map(|&j| fit.parameters[j].clone()).collect();
@@ -272,6 +321,8 @@ impl<'p, 'a> Side<'p, 'a> {
             }
         }
         self.others.iter().zip(&refit.values).for_each(|(&j, &value)| values[j] = value);
+        self.solved += constrained.solved;
+        self.trials += 1;
         Refit { step, rise: refit.objective - self.of.least, values }
     }
 
@@ -281,52 +332,82 @@ impl<'p, 'a> Side<'p, 'a> {
         self.direction * fit.parameters[self.i].natural_step(fit.values[self.i], values[self.i])
     }
 
-    /// The end of the interval, from a refit at some step.
-    fn end(&self, first: Option<Refit>) -> End {
-        let (goal, room) = (self.of.goal, self.room());
-        let open = |inside: Vec<Refit>| End { step: room, closed: false, inside };
-        let Some(mut refit) = first else { return open(Vec::new()) };
+    /// Goes on from the farthest of the refits of all sides where that lies beyond what this one took for its end.
+    fn resume(&mut self, inside: &[Refit]) {
+        let steps = inside.iter().map(|refit| Refit { step: self.step(&refit.values), ..refit.clone() });
+        let Some(far) = steps.max_by(|a, b| a.step.total_cmp(&b.step)) else { return };
+        if self.end.is_some_and(|(step, _)| far.step > step * (1.0 + CLOSE)) {
+            (self.tie, self.refit) = (Some(far.clone()), Some(far));
+            (self.inside, self.near, self.outside, self.trials, self.end) = (Vec::new(), (0.0, 0.0), None, 0, None);
+        }
+    }
+
+    /// Judges the last refit, and makes the next one or ends.
+    fn advance(&mut self) {
+        let (goal, room) = (self.of.goal, self.room);
+        if self.end.is_some() {
+            return;
+        }
+        let (Some(refit), Some(mut tie)) = (self.refit.clone(), self.tie.clone()) else { return };
+        let Refit { step, rise, .. } = refit;
+        if (rise / goal - 1.0).abs() < CLOSE {
+            self.end = Some((step, true));
+            return;
+        }
+        if rise < goal || (self.near.0 == 0.0 && step < tie.step) {
+            tie.clone_from(&refit);
+        }
+        if rise < goal {
+            self.inside.push(refit);
+            if step >= room * (1.0 - 1e-9) {
+                self.end = Some((room, false));
+                return;
+            }
+            self.near = (step, rise.max(0.0));
+        } else {
+            self.outside = Some((step, rise));
+        }
+        if self.trials >= TRIALS {
+            // Not found: rather too wide than too narrow.
+            self.end = Some(self.outside.map_or((room, false), |(far, _)| (far, true)));
+            return;
+        }
+        let next = self.next(step, rise);
         let fit = self.of.fit;
-        let mut inside: Vec<Refit> = Vec::new();
-        let mut near = (0.0, 0.0);
-        let mut outside: Option<(f64, f64)> = None;
-        // From where the others are tied, the last refit inside the interval: one beyond its end may have gone astray.
-        let mut tie = refit.clone();
-        for _ in 0..TRIALS {
-            let Refit { step, rise, .. } = refit;
-            if (rise / goal - 1.0).abs() < CLOSE {
-                return End { step, closed: true, inside };
-            }
-            if rise < goal || (near.0 == 0.0 && step < tie.step) {
-                tie = refit.clone();
-            }
-            if rise < goal {
-                inside.push(refit);
-                if step >= room * (1.0 - 1e-9) {
-                    return open(inside);
-                }
-                near = (step, rise.max(0.0));
-            } else {
-                outside = Some((step, rise));
-            }
-            // The rise goes nearly as a power of the step, at first as its square.
-            let power = match outside {
-                Some((far, much)) if near.1 > 0.0 => (much / near.1).ln() / (far / near.0).ln(),
-                _ => 2.0,
-            };
-            let scaled = step * (goal / rise.max(1e-3 * goal)).powf(1.0 / power);
-            let next = match outside {
-                Some((far, _)) if inside.len() % 2 == 1 => 0.5 * (near.0 + far),
-                Some((far, _)) => scaled.clamp(0.95 * near.0 + 0.05 * far, 0.05 * near.0 + 0.95 * far),
-                None => scaled.clamp(1.2 * step, 8.0 * step),
-            };
-            let slope = |&j: &usize| fit.parameters[j].natural_step(fit.values[j], tie.values[j]) / tie.step;
-            refit = self.refit(next, &self.others.iter().map(slope).collect::<Vec<_>>());
+        let slope = |&j: &usize| fit.parameters[j].natural_step(fit.values[j], tie.values[j]) / tie.step;
+        let slopes: Vec<f64> = self.others.iter().map(slope).collect();
+        self.refit = Some(self.refitted(next, &slopes));
+        self.tie = Some(tie);
+    }
+
+    /// The step at which the rise is expected to reach its goal: it goes nearly as a power of the step, at first as its square.
+    fn next(&self, step: f64, rise: f64) -> f64 {
+        let (near, goal) = (self.near, self.of.goal);
+        let power = match self.outside {
+            Some((far, much)) if near.1 > 0.0 => (much / near.1).ln() / (far / near.0).ln(),
+            _ => 2.0,
+        };
+        let scaled = step * (goal / rise.max(1e-3 * goal)).powf(1.0 / power);
+        match self.outside {
+            Some((far, _)) if self.inside.len() % 2 == 1 => 0.5 * (near.0 + far),
+            Some((far, _)) => scaled.clamp(0.95 * near.0 + 0.05 * far, 0.05 * near.0 + 0.95 * far),
+            None => scaled.clamp(1.2 * step, 8.0 * step),
         }
-        // Not found: rather too wide than too narrow.
-        match outside {
-            Some((far, _)) => End { step: far, closed: true, inside },
-            None => open(inside),
-        }
+    }
+
+    /// The interval between the ends on two sides; those not found are of the curvature.
+    fn interval(below: &Self, above: &Self) -> Interval {
+        let of = |side: &Self| {
+            let (step, closed) = side.end.unwrap_or((side.curvature(), side.curvature() < side.room));
+            (side.at(step), closed)
+        };
+        let ends = (of(below), of(above));
+        let identified = match (ends.0.1, ends.1.1) {
+            (true, true) => Identified::Yes,
+            (false, false) => Identified::No,
+            _ => Identified::OneSided,
+        };
+        let value = below.of.fit.values[below.i];
+        Interval { value, low: ends.0.0.min(ends.1.0), high: ends.0.0.max(ends.1.0), identified }
     }
 }

@@ -10,6 +10,7 @@ pub mod lumps;
 mod scales;
 pub mod system;
 
+use crate::dual::Dual;
 use crate::effects::{self, Effect};
 use crate::parameter::{FIRST_CONTACT_PARAMETER, FIRST_INSTRUMENT_PARAMETER, ParameterInfo, Scales};
 use crate::scenario::parameters::CONTACT;
@@ -78,6 +79,12 @@ impl Model {
     /// Whether an effect makes the contact a continuum of sliders.
     pub fn has_continuum(&self) -> bool {
         self.effects.iter().any(|(effect, p)| effect.continuum(p).is_some())
+    }
+
+    /// Whether an effect is a joint that slips bit by bit.
+    pub fn has_joint(&self) -> bool {
+        let joint = |p: &[f64]| p.iter().map(|&x| Dual::constant(x)).collect::<Vec<_>>();
+        self.effects.iter().any(|(effect, p)| effect.joint(&joint(p)).is_some())
     }
 
     /// The parameter number `index`: rig, contact, instrument, operating point ([`crate::parameter`] states where each begins), then
