@@ -1,6 +1,7 @@
 //! `stickslip add`: one effect fitted and written into a scenario, or taken out of it.
 
 use super::compare::{interval_words, parameter, with_measurements};
+use super::plot::{self, Plot};
 use super::{Global, extension, say, target};
 use crate::compare::{Compared, Comparison, Metrics, words as condition};
 use crate::discover::{Change, fit_addition, fit_removal};
@@ -31,6 +32,8 @@ pub struct Job<'a> {
     pub remove: bool,
     /// Seed of the search.
     pub seed: u32,
+    /// Whether plots in characters are wanted.
+    pub plot: Plot,
 }
 
 /// Fits the effect to the scenario's measurements and writes the changed scenario; everything that can be wrong with the
@@ -56,6 +59,13 @@ pub fn execute(job: &Job<'_>, global: &Global) -> Result<()> {
     let text = extension::fitted(job, effect, &scenario, &change, &file, &target)?;
     for line in words(job, &change) {
         say(global, &line)?;
+    }
+    if job.plot.wanted() {
+        let models = [('.', "model before", &change.before), ('*', "model after", &change.after)];
+        plot::curves(&models).iter().try_for_each(|line| say(global, line))?;
+        let steps = [("before", &change.before), ("after", &change.after)];
+        let steps = steps.map(|(name, c)| (name.to_string(), c.overall.chi2_per_point));
+        plot::fall(&steps).iter().try_for_each(|line| say(global, line))?;
     }
     if job.dry_run {
         return terminal::print(&difference(file.text(), &text, job.path, &target.path));

@@ -46,6 +46,9 @@ pub fn execute(from: &Path, arguments: &Arguments, global: &Global) -> Result<()
     for path in std::iter::once(target.as_path()).chain(extras) {
         say(global, &format!("wrote {}", path.display()))?;
     }
+    if arguments.open {
+        super::page::open(&target);
+    }
     gates::passed(&judged(&view))
 }
 

@@ -4,15 +4,18 @@ use super::bounds::Limits;
 use super::compare::{
     interval_words, parameter, stands_out, uncalibrated, verdict, with_measurements, without_outliers,
 };
+use super::drawn::Drawn;
+use super::folder::Folder;
 use super::gates::{self, GateLimits, Verdicts};
-use super::{Global, Json, Stamped, progress, say};
+use super::plot::{self, Plot};
+use super::{Global, Json, Stamped, page, progress, say, simulate};
 use crate::compare;
 use crate::discover::{self, Candidate, Discovery, SearchOptions, Verdict};
 use crate::error::Result;
-use crate::gate;
+use crate::gate::{self, Judged};
 use crate::measurement::Table;
 use crate::units::Frequencies;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Candidates shown on the terminal.
 const CANDIDATES: usize = 6;
@@ -29,11 +32,21 @@ pub const TERMS: &str = "What is printed: chi2 is the mean square of the residua
     the evidence. tied: the data do not tell them apart. nested in: a special case of. docs/search.md tells how the search goes and from \
     which figures each verdict follows. A budget that is spent ends with what is best so far, is said, and is no failure: exit status 0.";
 
-/// Searches for what is missing in a scenario's model, and holds the result to its gates; the JSON goes to `json` where
-/// given.
+/// What of the result is wanted besides its words.
+#[derive(Debug, Clone, Copy)]
+pub struct Wanted<'a> {
+    /// Where the JSON goes, if anywhere.
+    pub json: Option<&'a Json>,
+    /// Folder of the page and the figures, if they are wanted.
+    pub out: Option<(&'a Path, &'a Drawn)>,
+    /// Whether plots in characters are.
+    pub plot: Plot,
+}
+
+/// Searches for what is missing in a scenario's model, and holds the result to its gates.
 pub fn execute(
     path: &Path,
-    json: Option<&Json>,
+    Wanted { json, out, plot }: Wanted<'_>,
     (options, bounds): (&SearchOptions, &Limits),
     (limits, verdict): (&GateLimits, &Verdicts),
     global: &Global,
@@ -42,8 +55,10 @@ pub fn execute(
     limits.apply(&mut scenario.gate);
     verdict.apply(&mut scenario.gate);
     if let Some(json) = json {
-        json.free(discover::SCHEMA, None)?;
+        json.free(discover::SCHEMA, out.map(|(out, _)| out))?;
     }
+    let inputs = || [path, table.file.as_path()];
+    let out = out.map(|(out, drawn)| Folder::open(out, drawn, inputs())).transpose()?;
     let options = SearchOptions { bounds: bounds.of(&scenario, &table)?, ..options.clone() };
     let discovery = progress::of_search(global, options.budget, |solved| {
         discover::discover_counted(&scenario, &table, &options, solved)
@@ -53,14 +68,37 @@ pub fn execute(
     if let Some(json) = json {
         json.write(&Stamped::new(&discover::json(&discovery), &judged), discover::SCHEMA)?;
     }
+    let page = out.map(|out| written(&discovery, &judged, path, &out)).transpose()?;
     if !json.is_some_and(Json::to_standard_output) {
         for line in words(&discovery) {
             say(global, &line)?;
         }
+        if plot.wanted() {
+            plots(&discovery).iter().try_for_each(|line| say(global, line))?;
+        }
+        page.iter().try_for_each(|page| say(global, &format!("wrote {}", page.display())))?;
         gates::told(&judged, global)?;
         gates::claims_elsewhere(&scenario.gate, global)?;
     }
     gates::passed(&judged)
+}
+
+/// The page of a discovery, with the comparison that it began with.
+fn written(d: &Discovery, judged: &[Judged], path: &Path, out: &Folder) -> Result<PathBuf> {
+    let base = &d.steps[0].comparison;
+    let (compared, discovered) = (simulate::comparison(base, out)?, simulate::discovery(d, out)?);
+    let section = page::section(&base.scenario).with_comparison(base, &compared).with_discovery(d, &discovered);
+    page::write(section, judged, &format!("stickslip discover {}", path.display()), out)
+}
+
+/// The curve before and after, and the fall of the error, in characters.
+fn plots(d: &Discovery) -> Vec<String> {
+    let (base, end) = (&d.steps[0].comparison, &d.explanation().comparison);
+    let models = [('.', "model before", base), ('*', "model, corrected", end)];
+    let mut lines = plot::curves(if d.steps.len() > 1 { &models } else { &models[..1] });
+    let steps: Vec<_> = d.steps.iter().map(|step| (step.name(), step.comparison.overall.chi2_per_point)).collect();
+    lines.extend(plot::fall(&steps));
+    lines
 }
 
 /// The discovery in lines of text.
@@ -70,6 +108,7 @@ pub(super) fn words(d: &Discovery) -> Vec<String> {
     let mut lines = vec![format!("{}: {}", scenario.title, discover::sentence(d))];
     let notes = end.comparison.table.notes.iter().chain(&d.notes);
     lines.extend(notes.cloned().chain(uncalibrated(scenario)).map(|note| format!("note: {note}")));
+    lines.extend(compare::shifts(&d.steps[0].comparison).iter().map(|shift| format!("  before: {shift}")));
     lines.push("ladder:                                chi2   rms error  left-out".into());
     for step in &d.steps {
         let c = &step.comparison.overall;

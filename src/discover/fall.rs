@@ -164,6 +164,9 @@ mod tests {
         assert_eq!(parts(1), [[true]]);
         assert_eq!(parts(3).len(), 7);
         assert_eq!(parts(3).last().unwrap(), &[true; 3]);
-        assert_eq!(parts(4), [[true, false, false, false], [true, true, false, false], [true, true, true, false], [true; 4]]);
+        assert_eq!(
+            parts(4),
+            [[true, false, false, false], [true, true, false, false], [true, true, true, false], [true; 4]]
+        );
     }
 }

@@ -2,7 +2,9 @@
 
 use super::anchor;
 use super::comparison::{fitted, none, outlier, shown, tie};
-use super::discovery_view::{CandidateView, DiscoveryView, FallPartView, FallView, NextView, NotTestableView, StepView};
+use super::discovery_view::{
+    CandidateView, DiscoveryView, FallPartView, FallView, NextView, NotTestableView, StepView,
+};
 use super::format::{quantity, setting};
 use super::scenario::{FigureInput, figure};
 use super::verdict::Found;

@@ -7,7 +7,6 @@ use super::sigma::{BAND, Sigma};
 use super::words::{self, Amplitude};
 
 use crate::compare::{Compared, Comparison};
-use crate::fit::Prediction;
 use crate::figures::axes::{Axis, Panel, range};
 use crate::figures::canvas::{Canvas, Point, Stroke};
 use crate::figures::legend::{Entry, Key};
@@ -15,6 +14,7 @@ use crate::figures::marks::Mark;
 use crate::figures::resonance::{phase_axis, unbroken};
 use crate::figures::style::{Color, INK, SHADE, SLIP, STATIC, count};
 use crate::figures::{Drawing, Figure, FigureError};
+use crate::fit::Prediction;
 use std::f64::consts::PI;
 
 /// Standard deviations on either side of a point that its bar spans.

@@ -67,7 +67,8 @@ impl<'a> Shown<'a> {
     /// The panels, and the one of the fall.
     fn panels(&self, top: f64) -> (Vec<Panel>, Option<Panel>) {
         let all = self.conditions.len() + usize::from(self.fall.is_some());
-        let gaps = GAP * (self.conditions.len().saturating_sub(1)) as f64 + if self.fall.is_some() { APART } else { 0.0 };
+        let gaps =
+            GAP * (self.conditions.len().saturating_sub(1)) as f64 + if self.fall.is_some() { APART } else { 0.0 };
         let width = (WIDTH - LEFT - RIGHT - gaps) / all as f64;
         let points = self.base.comparison.points.iter().filter(|p| self.conditions.contains(&p.condition));
         let x = frequencies("frequency f", points.map(|p| p.point.frequency));
@@ -111,7 +112,8 @@ impl<'a> Shown<'a> {
 
     fn legend(&self) -> Vec<Entry> {
         let mut entries = vec![(Key::Mark(Mark::Circle, INK, true), MEASURED.to_string())];
-        entries.extend(strokes().into_iter().take(self.data.len()).map(|(name, stroke)| (Key::Line(stroke), name.into())));
+        entries
+            .extend(strokes().into_iter().take(self.data.len()).map(|(name, stroke)| (Key::Line(stroke), name.into())));
         if self.fall.is_some() {
             entries.push((Key::Line(Stroke::dashed(INK, 1.4, DASH_SLIP)), NOISE.into()));
         }
@@ -226,7 +228,10 @@ impl Figure<Discovery> for BeforeAfter {
                 ),
             ),
             None => (
-                format!("Measured {what} with 95 % bars and the calibrated model, {conditions}: χ² per reading {}.", chi2[0]),
+                format!(
+                    "Measured {what} with 95 % bars and the calibrated model, {conditions}: χ² per reading {}.",
+                    chi2[0]
+                ),
                 format!("Measured {what} against frequency with the curve of the calibrated model, {conditions}."),
             ),
         };

@@ -13,8 +13,14 @@ use super::{Figure, FigureError, canvas::Dash};
 use crate::discover::{Discovery, Step};
 
 /// Every figure of a discovery, in the order in which a report shows them.
-pub static REGISTRY: &[&dyn Figure<Discovery>] =
-    &[&before_after::BeforeAfter, &ladder::Ladder, &overlay::Overlay, &fingerprint::Fingerprint, &parameters::Parameters, &ranking::Ranking];
+pub static REGISTRY: &[&dyn Figure<Discovery>] = &[
+    &before_after::BeforeAfter,
+    &ladder::Ladder,
+    &overlay::Overlay,
+    &fingerprint::Fingerprint,
+    &parameters::Parameters,
+    &ranking::Ranking,
+];
 
 /// Colour of a step: from pale to dark along the ladder.
 fn color(index: usize, count: usize) -> Color {
