@@ -37,6 +37,11 @@ pub fn end_line() {
     }
 }
 
+/// Whether standard output is a terminal, where a reader sees plots.
+pub fn shows_results() -> bool {
+    std::io::stdout().is_terminal()
+}
+
 /// Whether standard error is a terminal, where progress is shown.
 pub fn shows_progress() -> bool {
     std::io::stderr().is_terminal()

@@ -631,7 +631,7 @@
         plot.replace(AFTER, panel, drawn ? null : points.map((point) => plot.at(panel, point)));
       }
       const side = panels.find((panel) => panel.x.name === "strength");
-      const path = (states ?? [now]).map((state) => plot.at(side, [state.strength, state.chi2]));
+      const path = (states ?? parts.get(whole)).map((state) => plot.at(side, [state.strength, state.chi2]));
       plot.replace(FALL, side, path);
       plot.put(HERE, side, plot.at(side, [states ? strength : 0, chi2]));
       const of = states ? `${strength} % of ${chosen}` : "nothing added";

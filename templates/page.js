@@ -147,7 +147,7 @@
   // Contents beside the text are unfolded, above it they are folded.
   const contents = document.querySelector(".contents details");
   const wide = matchMedia("(min-width: 64rem)");
-  const unfold = () => { contents.open = wide.matches; };
+  const unfold = () => { if (contents) contents.open = wide.matches; };
   wide.addEventListener("change", unfold);
   unfold();
 

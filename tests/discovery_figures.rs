@@ -58,7 +58,7 @@ fn a_ladder_of_one_step_has_no_figure_of_steps() {
     let all: Vec<String> = REGISTRY.iter().map(|figure| figure.name().to_string()).collect();
     assert_eq!(names(&variants()[0].1), all);
     assert_eq!(variants()[2].1.verdict, Verdict::NothingMissing);
-    assert_eq!(names(&variants()[2].1), ["parameters", "ranking"]);
+    assert_eq!(names(&variants()[2].1), ["before-after", "parameters", "ranking"]);
 }
 
 #[test]
@@ -81,6 +81,24 @@ fn tables_hold_the_numbers_of_the_discovery() {
     let of = |kind: &str| overlay.iter().filter(|row| row[0] == kind).count();
     assert_eq!(of("reading"), end.comparison.points.len());
     assert_eq!(of("error"), d.steps.len() * end.comparison.points.len());
+}
+
+#[test]
+fn the_first_picture_has_every_state_on_the_way_for_the_page_to_draw() {
+    let d = &variants()[0].1;
+    let fall = d.fall().unwrap();
+    let drawing = figures::find(REGISTRY, "before-after").unwrap().draw(d).unwrap();
+    let table = rows(&drawing);
+    let states = table.iter().filter(|row| !row[1].is_empty()).collect::<Vec<_>>();
+    assert_eq!(states.len(), fall.parts.len() * stickslip::discover::STRENGTHS);
+    let end = states.last().unwrap();
+    assert_eq!(end[2].parse::<f64>().unwrap(), d.explanation().comparison.overall.chi2_per_point);
+    assert!(table.iter().all(|row| row.len() == table[0].len() && row.len() > 4));
+    // The last state is the explanation: its values are those of the model at the readings shown.
+    let (measured, last) = (table.iter().find(|row| row[0].starts_with("measured ")).unwrap(), end);
+    let off = |i: usize| (last[i].parse::<f64>().unwrap() / measured[i].parse::<f64>().unwrap() - 1.0).abs();
+    assert!((4..last.len()).all(|i| off(i) < 0.1));
+    assert!(variants()[2].1.fall().is_none());
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use super::compare::{interval_words, parameter, with_measurements};
 use super::destination::{self, Job};
+use super::plot;
 use super::{Global, changed_scenario, say};
 use crate::compare::{Compared, Comparison, Metrics, words as condition};
 use crate::discover::{Change, fit_addition, fit_removal};
@@ -41,6 +42,13 @@ pub fn execute(job: &Job<'_>, global: &Global) -> Result<()> {
     let text = changed_scenario::fitted(job, effect, &scenario, &change, &file, &target)?;
     for line in words(job, &change) {
         say(global, &line)?;
+    }
+    if job.plot.wanted() {
+        let models = [('.', "model before", &change.before), ('*', "model after", &change.after)];
+        plot::curves(&models).iter().try_for_each(|line| say(global, line))?;
+        let steps = [("before", &change.before), ("after", &change.after)];
+        let steps = steps.map(|(name, c)| (name.to_string(), c.overall.chi2_per_point));
+        plot::fall(&steps).iter().try_for_each(|line| say(global, line))?;
     }
     if job.dry_run {
         return terminal::print(&difference(file.text(), &text, job.path, &target.path));

@@ -3,7 +3,8 @@
 use super::figure_output::FigureOutput;
 use super::folder::Folder;
 use super::gates::{self, GateLimits};
-use super::{Global, Json, Stamped, say, simulate};
+use super::plot::{self, Plot};
+use super::{Global, Json, Stamped, page, say, simulate};
 use crate::compare::{self, Comparison, Options, Outlier, outlier_words};
 use crate::error::{Error, Result};
 use crate::figures::style::{budget_percent, count};
@@ -30,11 +31,13 @@ pub struct Job<'a> {
     pub seed: u32,
     /// Gates in place of the scenario's own.
     pub limits: &'a GateLimits,
+    /// Whether plots in characters are wanted.
+    pub plot: Plot,
 }
 
 /// Compares a scenario with its measurements, and holds the comparison to its gates.
 pub fn execute(job: &Job<'_>, global: &Global) -> Result<()> {
-    let Job { path, json, out, seed, limits } = *job;
+    let Job { path, json, out, seed, limits, plot } = *job;
     let (mut scenario, table) = with_measurements(path)?;
     limits.apply(&mut scenario.gate);
     if let Some(json) = json {
@@ -49,14 +52,21 @@ pub fn execute(job: &Job<'_>, global: &Global) -> Result<()> {
         json.write(&Stamped::new(&compare::json(&comparison), &judged), compare::SCHEMA)?;
     }
     let drawn = out.map(|out| simulate::comparison(&comparison, out)).transpose()?;
+    let command = format!("stickslip compare {} --seed {seed}", path.display());
+    let section = || page::section(&comparison.scenario).with_comparison(&comparison, drawn.as_deref().unwrap_or(&[]));
+    let written = out.map(|out| page::write(section(), &judged, &command, out)).transpose()?;
     if !json.is_some_and(Json::to_standard_output) {
         for line in words(&comparison) {
             say(global, &line)?;
+        }
+        if plot.wanted() {
+            plot::curves(&[('.', "model", &comparison)]).iter().try_for_each(|line| say(global, line))?;
         }
         let names = drawn.iter().flatten().flat_map(|figure| &figure.files);
         for (name, out) in names.zip(std::iter::repeat(out)) {
             say(global, &format!("  {}", out.map_or_else(|| name.into(), |out| out.path().join(name)).display()))?;
         }
+        written.iter().try_for_each(|page| say(global, &format!("wrote {}", page.display())))?;
         gates::told(&judged, global)?;
         gates::claims_elsewhere(&scenario.gate, global)?;
         let open = scenario.gate.needs_discovery();
@@ -166,6 +176,7 @@ pub(super) fn words(c: &Comparison) -> Vec<String> {
         budget_percent(b.numerical_percent)
     ));
     lines.push(verdict(c));
+    lines.extend(compare::shifts(c).iter().map(|shift| format!("  {shift}")));
     if !c.regions.is_empty() {
         lines.push("where it fails:".into());
         lines.extend(c.regions.iter().take(REGIONS).map(|region| format!("  {}", region.sentence)));

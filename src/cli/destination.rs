@@ -21,6 +21,8 @@ pub struct Job<'a> {
     pub remove: bool,
     /// Seed of the search.
     pub seed: u32,
+    /// Whether plots in characters are wanted.
+    pub plot: super::plot::Plot,
 }
 
 /// A place to write a scenario to.

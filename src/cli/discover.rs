@@ -4,16 +4,19 @@ use super::bounds::Limits;
 use super::compare::{
     interval_words, parameter, stands_out, uncalibrated, verdict, with_measurements, without_outliers,
 };
+use super::figure_output::FigureOutput;
+use super::folder::Folder;
 use super::gates::{self, GateLimits, Verdicts};
-use super::{Global, Json, Stamped, progress, say};
+use super::plot::{self, Plot};
+use super::{Global, Json, Stamped, page, progress, say, simulate};
 use crate::compare;
 use crate::discover::{self, Candidate, Discovery, SearchOptions, Verdict};
 use crate::error::Result;
-use crate::free_form;
-use crate::gate;
+use crate::free_form::{self, FreeForm};
+use crate::gate::{self, Judged};
 use crate::measurement::Table;
 use crate::units::Frequencies;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Candidates shown on the terminal.
 const CANDIDATES: usize = 6;
@@ -36,8 +39,12 @@ pub struct Job<'a> {
     pub path: &'a Path,
     /// Where its JSON goes.
     pub json: Option<&'a Json>,
+    /// Folder of the page and the figures, if they are wanted.
+    pub out: Option<(&'a Path, &'a FigureOutput)>,
     /// Whether the free form is told whatever the verdict.
     pub free_form: bool,
+    /// Whether plots in characters are wanted.
+    pub plot: Plot,
 }
 
 /// A discovery with the free form beside it, in JSON.
@@ -52,7 +59,7 @@ struct Told<'a> {
 /// Searches for what is missing in a scenario's model, and holds the result to its gates; the JSON goes to `json` where
 /// given.
 pub fn execute(
-    &Job { path, json, free_form }: &Job<'_>,
+    &Job { path, json, out, free_form, plot }: &Job<'_>,
     (options, bounds): (&SearchOptions, &Limits),
     (limits, verdict): (&GateLimits, &Verdicts),
     global: &Global,
@@ -61,8 +68,10 @@ pub fn execute(
     limits.apply(&mut scenario.gate);
     verdict.apply(&mut scenario.gate);
     if let Some(json) = json {
-        json.free(discover::SCHEMA, None)?;
+        json.free(discover::SCHEMA, out.map(|(out, _)| out))?;
     }
+    let inputs = || [path, table.file.as_path()];
+    let out = out.map(|(out, drawn)| Folder::open(out, drawn, inputs())).transpose()?;
     let options = SearchOptions { bounds: bounds.of(&scenario, &table)?, ..options.clone() };
     let discovery = progress::of_search(global, options.budget, |solved| {
         discover::discover_counted(&scenario, &table, &options, solved)
@@ -75,15 +84,47 @@ pub fn execute(
         let told = Told { discovery: &discover::json(&discovery), free_form };
         json.write(&Stamped::new(&told, &judged), discover::SCHEMA)?;
     }
+    let page = out.map(|out| written((&discovery, free_form.as_ref()), &judged, path, &out)).transpose()?;
     if !json.is_some_and(Json::to_standard_output) {
         for line in words(&discovery) {
             say(global, &line)?;
         }
         free_form.iter().flat_map(free_form::lines).try_for_each(|line| say(global, &line))?;
+        if plot.wanted() {
+            plots(&discovery).iter().try_for_each(|line| say(global, line))?;
+        }
+        page.iter().try_for_each(|page| say(global, &format!("wrote {}", page.display())))?;
         gates::told(&judged, global)?;
         gates::claims_elsewhere(&scenario.gate, global)?;
     }
     gates::passed(&judged)
+}
+
+/// The page of a discovery, with the comparison that it began with.
+fn written(
+    (d, free_form): (&Discovery, Option<&FreeForm>),
+    judged: &[Judged],
+    path: &Path,
+    out: &Folder,
+) -> Result<PathBuf> {
+    let base = &d.steps[0].comparison;
+    let (compared, discovered) = (simulate::comparison(base, out)?, simulate::discovery(d, out)?);
+    let section = page::section(&base.scenario).with_comparison(base, &compared).with_discovery(d, &discovered);
+    let section = match free_form {
+        Some(found) => section.with_free_form(found, &simulate::free_form(found, &base.scenario.id, out)?),
+        None => section,
+    };
+    page::write(section, judged, &format!("stickslip discover {}", path.display()), out)
+}
+
+/// The curve before and after, and the fall of the error, in characters.
+fn plots(d: &Discovery) -> Vec<String> {
+    let (base, end) = (&d.steps[0].comparison, &d.explanation().comparison);
+    let models = [('.', "model before", base), ('*', "model, corrected", end)];
+    let mut lines = plot::curves(if d.steps.len() > 1 { &models } else { &models[..1] });
+    let steps: Vec<_> = d.steps.iter().map(|step| (step.name(), step.comparison.overall.chi2_per_point)).collect();
+    lines.extend(plot::fall(&steps));
+    lines
 }
 
 /// The discovery in lines of text.
@@ -93,6 +134,7 @@ pub(super) fn words(d: &Discovery) -> Vec<String> {
     let mut lines = vec![format!("{}: {}", scenario.title, discover::sentence(d))];
     let notes = end.comparison.table.notes.iter().chain(&d.notes);
     lines.extend(notes.cloned().chain(uncalibrated(scenario)).map(|note| format!("note: {note}")));
+    lines.extend(compare::shifts(&d.steps[0].comparison).iter().map(|shift| format!("  before: {shift}")));
     lines.push("ladder:                                chi2   rms error  left-out".into());
     for step in &d.steps {
         let c = &step.comparison.overall;

@@ -19,6 +19,8 @@ pub mod init;
 mod json;
 mod ledger;
 mod new;
+mod page;
+mod plot;
 mod progress;
 mod question;
 mod record;
@@ -88,11 +90,13 @@ enum Command {
         /// Write the comparison as JSON; - for standard output
         #[arg(long, value_name = "FILE")]
         json: Option<PathBuf>,
-        /// Write the figures below this folder, as SVG, PNG and CSV
+        /// Write a page of it (report.html) and its figures below this folder
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
         #[command(flatten)]
         drawn: figure_output::FigureOutput,
+        #[command(flatten)]
+        plot: plot::Plot,
         /// Seed of the quasi-random starts of the fit
         #[arg(long, value_name = "N", default_value_t = 0)]
         seed: u32,
@@ -115,6 +119,13 @@ enum Command {
         /// Write the discovery as JSON; - for standard output
         #[arg(long, value_name = "FILE")]
         json: Option<PathBuf>,
+        /// Write a page of it (report.html) and its figures below this folder
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+        #[command(flatten)]
+        drawn: figure_output::FigureOutput,
+        #[command(flatten)]
+        plot: plot::Plot,
         /// Most effects in one explanation
         #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(0..=6))]
         max_effects: u8,
@@ -152,6 +163,8 @@ enum Command {
         /// Seed of the quasi-random samples
         #[arg(long, value_name = "N", default_value_t = 0)]
         seed: u32,
+        #[command(flatten)]
+        plot: plot::Plot,
     },
     /// Make a report the baseline of later ones, after saying what differs
     Accept(accept::Arguments),
@@ -247,21 +260,35 @@ pub fn run(cli: Cli) -> Result<()> {
     match cli.command {
         Command::Report(arguments) => report::execute(&arguments, &global),
         Command::Run { scenario, out, drawn } => run::execute(&scenario, (&out, &drawn), &global),
-        Command::Compare { scenario, json, out, drawn, seed, gates } => {
+        Command::Compare { scenario, json, out, drawn, plot, seed, gates } => {
             let json = json.map(Json::from);
             let (json, out) = (json.as_ref(), out.as_deref().map(|out| (out, &drawn)));
-            compare::execute(&compare::Job { path: &scenario, json, out, seed, limits: &gates }, &global)
+            compare::execute(&compare::Job { path: &scenario, json, out, seed, limits: &gates, plot }, &global)
         }
         Command::New { table, output } => new::execute(&table, output.as_deref(), &global),
-        Command::Discover { scenario, json, max_effects, seed, search, free_form, gates, verdict, limits } => {
+        Command::Discover {
+            scenario,
+            json,
+            out,
+            drawn,
+            plot,
+            max_effects,
+            seed,
+            search,
+            free_form,
+            gates,
+            verdict,
+            limits,
+        } => {
             let options = trial::searched(&search, max_effects, seed)?;
             let json = json.map(Json::from);
-            let job = discover::Job { path: &scenario, json: json.as_ref(), free_form };
+            let out = out.as_deref().map(|out| (out, &drawn));
+            let job = discover::Job { path: &scenario, json: json.as_ref(), out, free_form, plot };
             discover::execute(&job, (&options, &limits), (&gates, &verdict), &global)
         }
-        Command::Add { effect, scenario, output, dry_run, remove, seed } => {
-            let job =
-                destination::Job { effect: &effect, path: &scenario, output: output.as_deref(), dry_run, remove, seed };
+        Command::Add { effect, scenario, output, dry_run, remove, seed, plot } => {
+            let output = output.as_deref();
+            let job = destination::Job { effect: &effect, path: &scenario, output, dry_run, remove, seed, plot };
             add::execute(&job, &global)
         }
         Command::Accept(arguments) => accept::execute(&arguments, &global),

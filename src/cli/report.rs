@@ -37,9 +37,12 @@ pub struct Arguments {
     /// Make the page again from the report.json of an earlier run and the files beside it; nothing is simulated
     #[arg(long, value_name = "FILE", conflicts_with_all = ["scenarios", "max_rms_error", "max_chi2", "verdict"])]
     from: Option<PathBuf>,
-    /// Compare with an earlier run: its folder or its report.json
-    #[arg(long, value_name = "DIR|FILE", conflicts_with = "from")]
+    /// Compare with an earlier run, its folder or its report.json: what improved, what got worse, which pictures changed
+    #[arg(long, visible_alias = "against", value_name = "DIR|FILE", conflicts_with = "from")]
     baseline: Option<PathBuf>,
+    /// Show the page in the browser ($BROWSER, or that of the desktop)
+    #[arg(long)]
+    pub open: bool,
     /// Gate: nothing may be worse than in the baseline
     #[arg(long, requires = "baseline")]
     no_regression: bool,
@@ -59,10 +62,21 @@ pub struct Arguments {
 
 /// Simulates the scenarios, draws, judges claims and gates, and writes `report.html` and `report.json`.
 pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
-    let Arguments { scenarios: paths, out, from, baseline, no_regression, history, extras, limits, verdict, cache } =
-        arguments;
+    let Arguments {
+        scenarios: paths,
+        out,
+        from,
+        baseline,
+        open,
+        no_regression,
+        history,
+        extras,
+        limits,
+        verdict,
+        cache,
+    } = arguments;
     if let Some(from) = from {
-        return rerender::execute(from, out.as_deref(), extras, global);
+        return rerender::execute(from, (out.as_deref(), *open), extras, global);
     }
     let out = out.as_deref().unwrap_or(Path::new("output"));
     let scenarios = selected_scenarios(paths, limits, verdict, global.quiet)?;
@@ -107,6 +121,9 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     }
     say(global, &format!("wrote {} and {}", out.join("report.html").display(), out.join("report.json").display()))?;
     extras.iter().try_for_each(|path| say(global, &format!("wrote {}", path.display())))?;
+    if *open {
+        super::page::open(&out.join("report.html"));
+    }
     gates::passed(&judged)
 }
 

@@ -14,7 +14,7 @@ const LARGEST: usize = 4_900_000;
 const MAX_BYTES: u64 = 1 << 28;
 
 /// Writes `report.html` into `--out`, or beside the JSON, and what else was asked for.
-pub fn execute(from: &Path, out: Option<&Path>, extras: &Extras, global: &Global) -> Result<()> {
+pub fn execute(from: &Path, (out, open): (Option<&Path>, bool), extras: &Extras, global: &Global) -> Result<()> {
     let from = if from.is_dir() { from.join("report.json") } else { from.to_path_buf() };
     let mut view = load(&from)?;
     let folder = from.parent().unwrap_or(Path::new("")).to_path_buf();
@@ -46,6 +46,9 @@ pub fn execute(from: &Path, out: Option<&Path>, extras: &Extras, global: &Global
     say(global, &view.summary.sentence)?;
     for path in std::iter::once(target.as_path()).chain(written) {
         say(global, &format!("wrote {}", path.display()))?;
+    }
+    if open {
+        super::page::open(&target);
     }
     gates::passed(&judged(&view))
 }

@@ -10,6 +10,7 @@ mod fingerprint;
 mod json;
 mod metrics;
 mod regions;
+mod shifts;
 mod whiteness;
 
 pub use budget::ErrorBudget;
@@ -20,6 +21,7 @@ pub use fingerprint::{ContactPoint, fingerprint};
 pub use json::{ComparisonJson, ForceJson, ParameterJson, SCHEMA, SettingJson, json, of_contact, units_of_force};
 pub use metrics::{ConditionMetrics, Metrics, Peak, peak};
 pub use regions::{Region, regions, words};
+pub use shifts::shifts;
 pub use whiteness::{Whiteness, scatter, whiteness};
 
 use crate::fit::{

@@ -166,7 +166,7 @@ fn sentence(region: &Region, condition: &ConditionMetrics, part: &[&Compared], d
 }
 
 /// Shift of a resonance, in its width, up to which nothing is said of it.
-const SHIFTED: f64 = 0.03;
+pub(super) const SHIFTED: f64 = 0.03;
 
 /// A phase that runs through the measured one is on neither side of it.
 fn phase_words(mean: f64, part: &[&Compared], digits: &Frequencies) -> String {
@@ -224,13 +224,14 @@ pub fn words(setting: &Setting) -> String {
         let speed = if setting.speed == 0.0 { "0 mm/s".into() } else { units::format(setting.speed, "m/s") };
         parts.push(format!("V = {speed}, W = {} N", setting.load));
     }
-    let Signal { symbol, unit, .. } = setting.signal;
-    // Those of the paper's actuator are as somebody set them; others are often measured.
-    let measured = setting.signal != Signals::ARM.drive;
-    let drive =
-        if measured { format!("{:.3e}", setting.drive).parse().unwrap_or(setting.drive) } else { setting.drive };
-    parts.push(format!("{symbol} = {}", units::format(drive, unit)));
+    parts.push(format!("{} = {}", setting.signal.symbol, drive(setting.drive, &setting.signal)));
     parts.join(", ")
+}
+
+/// A drive with its unit. Those of the paper's actuator are as somebody set them; others are often measured.
+pub(super) fn drive(value: f64, signal: &Signal) -> String {
+    let rounded = || format!("{value:.3e}").parse().unwrap_or(value);
+    units::format(if *signal == Signals::ARM.drive { value } else { rounded() }, signal.unit)
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use super::verdict::{Completeness, Match};
 use super::view::{
     ComparisonView, FigureView, FittedView, MatchView, NoteView, OutlierView, PeakView, Quantity, ScenarioView,
 };
-use crate::compare::{Comparison, ConditionMetrics, Peak, outlier_words};
+use crate::compare::{self, Comparison, ConditionMetrics, Peak, outlier_words};
 use crate::figures::style::budget_percent;
 use crate::fit::{Identified, Interval, Parameter};
 use crate::scenario::Signals;
@@ -62,6 +62,7 @@ pub fn comparison_view(c: &Comparison, figures: &[FigureInput]) -> ComparisonVie
         anchor: anchor::comparison(id),
         verdict,
         sentence: sentence(c, verdict),
+        shifts: compare::shifts(c),
         tests: tests(c),
         signals: super::rig::signals(signals),
         file: c.table.file.display().to_string(),

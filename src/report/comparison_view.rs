@@ -14,6 +14,9 @@ pub struct ComparisonView {
     pub verdict: Match,
     /// The same with its numbers.
     pub sentence: String,
+    /// Which way its resonances are off, in a few words; empty where they are right.
+    #[serde(default)]
+    pub shifts: Vec<String>,
     /// The tests behind the verdict.
     pub tests: String,
     /// What drives the rig and what was read of it, where it is not the paper's.

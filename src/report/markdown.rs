@@ -2,7 +2,7 @@
 
 use super::baseline_view::ChangeView;
 use super::verdict::{Change, Tone};
-use super::view::{Headline, ReportView};
+use super::view::{FigureView, Headline, ReportView, ScenarioView};
 
 /// Most changes in the summary.
 const CHANGES: usize = 30;
@@ -39,6 +39,7 @@ pub fn markdown(view: &ReportView) -> String {
             text += &format!("| {} {words} | {} |\n", Tone::of(words).symbol(), cells.join(" | "));
         }
     }
+    text += &pictures(view);
     if let Some(history) = &view.history {
         text += &format!("\n## History\n\n{}\n", escape(&history.sentence));
     }
@@ -53,6 +54,23 @@ pub fn markdown(view: &ReportView) -> String {
         escape(&p.generated)
     );
     text
+}
+
+/// Files of the pictures to look at: the first of every table, and those that changed.
+fn pictures(view: &ReportView) -> String {
+    let png = |figure: &FigureView| figure.files.iter().find(|file| file.kind == "PNG").map(|file| file.name.clone());
+    let first = |scenario: &ScenarioView| {
+        let discovery = scenario.discovery.as_ref()?;
+        let name = png(discovery.figures.iter().find(|figure| figure.name == "before-after")?)?;
+        Some(format!("- {}: {}\n", escape(&scenario.title), escape(&name)))
+    };
+    let changed = view.baseline.iter().flat_map(|baseline| &baseline.pictures).filter_map(|picture| {
+        let now = view.figures().into_iter().find(|figure| figure.anchor == picture.anchor)?;
+        let (title, before, now) = (escape(&picture.title), escape(&picture.before), escape(&png(now)?));
+        Some(format!("- changed: {title}: before {before}, now {now}\n"))
+    });
+    let lines: String = view.scenarios.iter().filter_map(first).chain(changed.take(CHANGES)).collect();
+    if lines.is_empty() { lines } else { format!("\n## Pictures\n\n{lines}") }
 }
 
 fn list(title: &str, lines: &[Headline]) -> String {

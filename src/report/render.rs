@@ -37,6 +37,7 @@ const TEMPLATES: &[(&str, &str)] = &[
     ("headline.html.j2", include_str!("../../templates/partials/headline.html.j2")),
     ("measured.html.j2", include_str!("../../templates/partials/measured.html.j2")),
     ("simulated.html.j2", include_str!("../../templates/partials/simulated.html.j2")),
+    ("run.html.j2", include_str!("../../templates/partials/run.html.j2")),
     ("sweep.html.j2", include_str!("../../templates/partials/sweep.html.j2")),
     ("comparison.html.j2", include_str!("../../templates/partials/comparison.html.j2")),
     ("discovery.html.j2", include_str!("../../templates/partials/discovery.html.j2")),
@@ -71,7 +72,7 @@ pub const PAGES: [&str; 3] = [MAIN.0, TRIALS.0, CHECKS.0];
 
 /// The main page.
 pub fn render(view: &ReportView) -> Result<String, RenderError> {
-    page(view, MAIN.1, &view.figures_of_page())
+    page(view, MAIN.1, (&view.figures_of_page(), &view.glossary))
 }
 
 /// Every page but the main one, with the names of their files: the trials and the checks, where there are any.
@@ -79,11 +80,15 @@ pub fn others(view: &ReportView) -> Result<Vec<(&'static str, String)>, RenderEr
     let trials: Vec<&FigureView> = view.trust.iter().flat_map(|trust| &trust.figures).collect();
     let wanted = [(TRIALS, view.trust.is_some(), trials), (CHECKS, !view.verification.is_empty(), Vec::new())];
     let wanted = wanted.into_iter().filter(|(_, there, _)| *there);
-    wanted.map(|((file, template), _, figures)| Ok((file, page(view, template, &figures)?))).collect()
+    wanted.map(|((file, template), _, figures)| Ok((file, page(view, template, (&figures, &[]))?))).collect()
 }
 
-/// A page with these figures.
-fn page(view: &ReportView, template: &str, figures: &[&FigureView]) -> Result<String, RenderError> {
+/// A page with these figures, and with these symbols that texts lead to.
+fn page(
+    view: &ReportView,
+    template: &str,
+    (figures, symbols): (&[&FigureView], &[SymbolView]),
+) -> Result<String, RenderError> {
     let drawing = |figure: &FigureView| {
         let svg = svg::inline(&figure.svg, &format!("{}--", figure.anchor)).unwrap_or_default();
         (figure.anchor.clone(), Value::from_safe_string(svg))
@@ -91,7 +96,7 @@ fn page(view: &ReportView, template: &str, figures: &[&FigureView]) -> Result<St
     let table = |figure: &FigureView| (figure.anchor.clone(), packed::packed(&figure.csv));
     let drawings: BTreeMap<String, Value> = figures.par_iter().map(|figure| drawing(figure)).collect();
     let tables: BTreeMap<String, String> = figures.par_iter().map(|figure| table(figure)).collect();
-    let environment = environment(&view.glossary)?;
+    let environment = environment(symbols)?;
     let page = environment.get_template(template)?;
     let pictures = view.baseline.iter().flat_map(|baseline| &baseline.pictures);
     let earlier: BTreeMap<&str, String> = pictures.map(|p| (p.before.as_str(), packed::packed(&p.svg))).collect();

@@ -11,8 +11,20 @@ use super::view::{
 use crate::units;
 
 /// Ids of the page's own sections.
-pub const SECTIONS: [&str; 10] =
-    ["top", "content", "summary", "baseline", "history", "claims", "atlas", "verification", "symbols", SECTION];
+pub const SECTIONS: [&str; 12] = [
+    "top",
+    "content",
+    "summary",
+    "run",
+    "baseline",
+    "history",
+    "claims",
+    "atlas",
+    "trust",
+    "verification",
+    "symbols",
+    SECTION,
+];
 
 const PAPER: &str = "The experiment of Nakano and others (Frontiers in Mechanical Engineering 5:9, 2019), simulated from its printed \
     values: what each claim comes to, the figures with their numbers, and how far these can be trusted.";

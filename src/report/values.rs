@@ -79,6 +79,10 @@ fn of_scenario(s: &ScenarioView) -> Vec<Value> {
         let added = Value::verdict(&s.id, "added by the explanation", effects, &d.anchor);
         list.push(Value { tone: None, ..added });
         list.push(Value::number(&s.id, "χ² per reading, explained", &d.after, Some(true), &d.anchor));
+        for parameter in &d.parameters {
+            let what = format!("{}, explained", parameter.key);
+            list.push(Value::number(&s.id, &what, &parameter.value, None, &d.anchor));
+        }
         if let Some(step) = d.steps.last() {
             let what = "rms error of the amplitude, explained";
             list.push(Value::number(&s.id, what, &step.error, Some(true), &d.anchor));

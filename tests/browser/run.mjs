@@ -20,11 +20,11 @@ let checks = 0;
 const check = (condition, words) => { checks += 1; assert.ok(condition, words); };
 
 // A page that fails the run for any error, and for any request beyond the file itself.
-const open = async (path, options = {}) => {
+const open = async (path, options = {}, name = "report.html") => {
   const context = await browser.newContext({ viewport: DESKTOP, acceptDownloads: true, ...options });
   const page = await context.newPage();
   const bad = [];
-  const address = pathToFileURL(join(path, "report.html")).href;
+  const address = pathToFileURL(join(path, name)).href;
   page.on("console", (message) => { if (["error", "warning"].includes(message.type())) bad.push(message.text()); });
   page.on("pageerror", (error) => bad.push(String(error)));
   page.on("dialog", (dialog) => { bad.push(`dialog: ${dialog.message()}`); dialog.dismiss(); });
@@ -108,6 +108,108 @@ try {
     check(new Set(colours).size === 2, "the themes look alike");
   });
 
+  await step("the page is short, its figures follow the theme and can be read on a phone", async () => {
+    const page = await open(folder, { viewport: { width: 1280, height: 800 }, colorScheme: "dark" });
+    const screens = (await page.evaluate(() => document.documentElement.scrollHeight)) / 800;
+    console.log(`    ${screens.toFixed(1)} screens of 1280 x 800`);
+    check(screens <= 20, `${screens} screens before anything is unfolded`);
+    const filter = await page.locator(".drawing > svg").first().evaluate((svg) => getComputedStyle(svg).filter);
+    check(filter.includes("invert"), "figures are light in the dark theme");
+    check((await text(page, ".tallies a[href='trials.html']")).length > 5, "no link to the trials");
+    await page.finish();
+    const phone = await open(folder, { viewport: PHONE });
+    const small = await phone.locator("figure.before-after .drawing").first().evaluate((drawing) => {
+      const [svg] = drawing.children;
+      const scale = svg.getBoundingClientRect().width / svg.viewBox.baseVal.width;
+      return Math.min(...[...svg.querySelectorAll("[data-ticks] text")].map((one) => +one.getAttribute("font-size") * scale));
+    });
+    check(small >= 9.5, `text of the axes has ${small} px`);
+    await phone.finish();
+  });
+
+  await step("the error falls: strength and switches redraw curve and number, and the number is the JSON's", async () => {
+    const page = await open(folder);
+    const { scenarios } = JSON.parse(readFileSync(join(folder, "report.json"), "utf8"));
+    const found = scenarios.filter((one) => one.discovery?.fall);
+    check(found.length >= 2, `falls: ${found.length}`);
+    for (const { discovery } of found) {
+      const { anchor } = discovery.figures.find((one) => one.name === "before-after");
+      const root = page.locator(`[id="${anchor}"]`);
+      await root.scrollIntoViewIfNeeded();
+      await root.locator(".watch").waitFor();
+      const slider = root.getByRole("slider");
+      const curve = () => root.evaluate((one) => [...one.querySelectorAll('[data-s="model, corrected"] :is(polyline, path)')]
+        .filter((line) => line.style.display !== "none").map((line) => line.getAttribute("points") ?? line.getAttribute("d")).join());
+      const numbers = () => root.locator("output data").evaluateAll((all) => all.map((one) => +one.value));
+      const { parts, strengths } = discovery.fall;
+      const whole = parts.at(-1);
+      const seen = new Set([await curve()]);
+      assert.deepEqual(await numbers(), [whole.chi2_per_point.at(-1), whole.rms_error_percent.at(-1)]);
+      check((await slider.getAttribute("aria-valuetext")).includes("100 %"), "the slider does not say its strength");
+      await slider.focus();
+      for (const [back, key] of [[1, "ArrowLeft"], [2, "ArrowLeft"], [strengths.length - 1, "Home"]]) {
+        await page.keyboard.press(key);
+        const at = strengths.length - 1 - back;
+        assert.deepEqual(await numbers(), [whole.chi2_per_point[at], whole.rms_error_percent[at]]);
+        seen.add(await curve());
+        checks += 1;
+      }
+      check(seen.size === 4, "the curve does not follow the strength");
+      await picture(page, `fall-${anchor}`);
+      await page.keyboard.press("End");
+      const boxes = await root.getByRole("checkbox").all();
+      check(boxes.length === whole.additions.length, "a switch for each addition");
+      for (const box of boxes) await box.uncheck();
+      assert.deepEqual(await numbers(), [whole.chi2_per_point[0], whole.rms_error_percent[0]]);
+      for (const box of boxes) await box.check();
+      check(seen.has(await curve()), "the switches do not bring the curve back");
+      check((await root.locator(".watch").innerText()).includes("Nothing is interpolated"), "what is drawn is not said");
+    }
+    await page.finish();
+  });
+
+  await step("a reading tells its row, its condition, the model there and the error; frequencies are linked", async () => {
+    const page = await open(folder);
+    await page.evaluate(() => document.querySelectorAll(".measured details").forEach((one) => { one.open = true; }));
+    for (const name of ["before-after", "overlay"]) {
+      const root = page.locator(`.measured figure[id$="-${name}"]`).first();
+      await root.scrollIntoViewIfNeeded();
+      await root.locator(".tools").waitFor();
+      await page.waitForTimeout(500);
+      await root.locator(".canvas").evaluate((one) => one.scrollIntoView({ block: "center" }));
+      const at = await root.evaluate((one) => {
+        const { plot } = one;
+        const { x, y } = plot.points.filter(({ group }) => group.name.startsWith("measured"))[8];
+        const place = new DOMPoint(x, y).matrixTransform(plot.svg.getScreenCTM());
+        return { x: place.x, y: place.y };
+      });
+      await page.mouse.move(at.x, at.y);
+      const tip = await root.locator(".tip").innerText();
+      check(/row \d+/.test(tip) && /model: /.test(tip) && /σ/.test(tip) && /measured/.test(tip), `${name}: ${tip}`);
+      await picture(page, `reading-${name}`);
+    }
+    const [first, second] = ["overlay", "overlay-phase"].map((name) => page.locator(`.measured figure[id$="-${name}"]`).first());
+    await second.scrollIntoViewIfNeeded();
+    await second.locator(".tools").waitFor();
+    await first.locator(".canvas").focus();
+    await page.keyboard.press("ArrowRight");
+    await page.keyboard.press("+");
+    check((await zoomed(first)) && (await zoomed(second)), "the phases do not follow the amplitudes");
+    await page.keyboard.press("Escape");
+    check(!(await zoomed(second)), "nor back");
+    await page.finish();
+  });
+
+  await step("trials and checks have pages of their own", async () => {
+    for (const name of ["trials.html", "checks.html"]) {
+      const page = await open(folder, {}, name);
+      check((await page.locator("h1").innerText()).length > 5 && (await page.locator("table tbody tr").count()) > 3, name);
+      await narrow(page, name);
+      await violations(page);
+      await page.finish();
+    }
+  });
+
   await step("values under the pointer, curves on and off, zoom", async () => {
     const page = await open(folder);
     const root = await figure(page);
@@ -175,6 +277,7 @@ try {
     const page = await open(folder);
     const bare = [];
     let seen = 0;
+    await page.evaluate(() => document.querySelectorAll(".measured details").forEach((one) => { one.open = true; }));
     for (const root of await page.locator("figure:has(.canvas)").all()) {
       if (!(await root.isVisible())) continue;
       await root.locator(".canvas").focus();
@@ -203,13 +306,13 @@ try {
       `curves are named beside their colours: ${swatches}`);
     const widths = () => root.locator(".canvas").evaluate((one) => [one.scrollWidth, one.clientWidth]);
     const [whole, seen] = await widths();
-    check(whole <= seen + 1, "a phone shows the whole figure");
-    await picture(page, "whole");
-    await root.getByRole("button", { name: "Readable size" }).click();
-    check((await widths())[0] > 1.5 * seen, "and on demand one to be read");
+    check(whole > 1.5 * seen, "a phone shows what can be read");
     await picture(page, "readable");
     await root.getByRole("button", { name: "Fit to width" }).click();
-    check((await widths())[0] === whole, "and the whole one again");
+    check((await widths())[0] <= seen + 1, "and on demand the whole figure");
+    await picture(page, "whole");
+    await root.getByRole("button", { name: "Readable size" }).click();
+    check((await widths())[0] === whole, "and the readable one again");
     await page.finish();
   });
 
@@ -296,7 +399,7 @@ try {
     const page = await open(folder, { javaScriptEnabled: false });
     check((await text(page, "#summary")).length > 100, "the summary");
     check((await page.locator("figure svg").count()) > 3 && (await page.locator("math").count()) >= 0, "the drawings");
-    check((await page.locator(".sort, .tools").count()) === 0, "no dead controls");
+    check((await page.locator(".sort, .tools, .watch").count()) === 0, "no dead controls");
     await page.finish();
   });
 

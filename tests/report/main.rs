@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use base64::Engine as _;
 use serde_json::Value;
 use sha2::Digest as _;
-use stickslip::report::{ReportView, SCHEMA, json, render};
+use stickslip::report::{ReportView, SCHEMA, json, others, render};
 
 const TITLE: &str = "Transition between sticking and slipping";
 
@@ -175,7 +175,8 @@ fn what_the_json_says_the_page_shows() {
     let view = demo::report(TITLE);
     let data: Value = serde_json::from_str(&json(&view).unwrap()).unwrap();
     assert_eq!(data["schema"], SCHEMA);
-    let page = said(&render(&view).unwrap());
+    let page =
+        said(&render(&view).unwrap()) + &others(&view).unwrap().iter().map(|(_, page)| said(page)).collect::<String>();
     let mut found = Vec::new();
     leaves(&data, "", &mut found);
     assert!(found.len() > 300);
@@ -299,7 +300,9 @@ fn discoveries_are_told_and_summed_up() {
         let mut found = Vec::new();
         leaves(&scenario["discovery"], "", &mut found);
         assert!(found.len() > 80);
-        let silent = ["name", "value", "identified"];
+        // The fall of the error is in the packed table of the first figure; tests/browser reads it there.
+        let fall = ["strengths", "chi2_per_point", "rms_error_percent"];
+        let silent = [&["name", "value", "identified"][..], &fall].concat();
         for (key, text) in found.iter().filter(|(key, text)| text != "–" && !text.is_empty() && !silent.contains(key))
         {
             assert!(page.contains(text.as_str()), "{key}: {text} is not in the page");
@@ -331,6 +334,39 @@ fn what_stays_unexplained_is_a_failure_with_what_is_known() {
 }
 
 #[test]
+fn checks_have_a_page_of_their_own_that_needs_no_other() {
+    let view = demo::report(TITLE);
+    let pages = others(&view).unwrap();
+    assert_eq!(pages.iter().map(|(name, _)| *name).collect::<Vec<_>>(), ["checks.html"]);
+    let (main, checks) = (render(&view).unwrap(), &pages[0].1);
+    let ids: BTreeSet<&str> = attributes(checks, "id").into_iter().collect();
+    for check in &view.verification {
+        assert!(ids.contains(check.anchor.as_str()) && !attributes(&main, "id").contains(&check.anchor.as_str()));
+    }
+    for link in attributes(&main, "href").iter().filter_map(|link| link.strip_prefix("checks.html#")) {
+        assert!(ids.contains(link), "no target for checks.html#{link}");
+    }
+    for link in attributes(checks, "href") {
+        assert!(link.strip_prefix('#').map_or(["report.html", "report.json"].contains(&link), |id| ids.contains(id)));
+    }
+}
+
+#[test]
+fn the_error_falls_from_the_calibrated_base_to_the_fit() {
+    let view = discovered("Readings");
+    let discovery = view.scenarios[1].discovery.as_ref().unwrap();
+    let fall = discovery.fall.as_ref().unwrap();
+    assert_eq!((fall.strengths.len(), fall.strengths[0], fall.strengths[20]), (21, 0.0, 1.0));
+    let whole = fall.parts.last().unwrap();
+    assert_eq!(whole.additions, fall.additions);
+    let ends = [whole.chi2_per_point[0], whole.chi2_per_point[20]];
+    assert_eq!(ends, [discovery.before.value, discovery.after.value]);
+    // Every strength between is solved: none repeats its neighbour.
+    assert!(whole.chi2_per_point.windows(2).all(|pair| pair[0].is_some() && pair[0] != pair[1]));
+    assert!(view.scenarios[0].discovery.as_ref().unwrap().fall.is_none());
+}
+
+#[test]
 fn a_view_of_nothing_is_still_a_page() {
     let provenance = stickslip::report::Provenance::fixed("stickslip");
     let page = render(&ReportView::assemble("Nothing", vec![], vec![], vec![], vec![], &provenance)).unwrap();
@@ -342,11 +378,11 @@ fn the_atlas_has_a_section_per_effect() {
     let view = demo::report(TITLE);
     let page = unescape(&render(&view).unwrap());
     let at = |text: &str| page.find(text).unwrap_or_else(|| panic!("{text} is not in the page"));
-    assert!(at("<section id=\"atlas\"") < at("<section id=\"verification\""));
-    assert!(at("href=\"#atlas\"") < at("href=\"#verification\""));
+    assert!(at("<section id=\"atlas\"") < at("<section id=\"symbols\""));
+    assert!(at("href=\"#atlas\"") < at("href=\"checks.html\""));
     assert_eq!(view.atlas.len(), stickslip::effects::REGISTRY.len());
     for effect in &view.atlas {
-        assert!(at(&format!("href=\"#{}\"", effect.anchor)) < at(&format!("<div id=\"{}\"", effect.anchor)));
+        assert!(page.contains(&format!("<div id=\"{}\"", effect.anchor)));
         assert!(page.contains(&format!("href=\"atlas/{}.csv\"", effect.name)), "{}", effect.name);
     }
 }

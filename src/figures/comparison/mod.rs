@@ -10,10 +10,10 @@ pub(super) mod grid;
 pub(super) mod limits;
 mod map;
 pub(super) mod multiples;
-pub(super) mod overlay;
+pub(crate) mod overlay;
 mod peaks;
 pub(super) mod sigma;
-pub(super) mod words;
+pub(crate) mod words;
 
 use super::Figure;
 use crate::compare::Comparison;
