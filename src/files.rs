@@ -1,14 +1,24 @@
 //! Writing files whole or not at all: beside the target first, then moved there in one step.
 
-use std::io::Write as _;
+use std::io::{Read as _, Write as _};
 use std::path::Path;
 use tempfile::{NamedTempFile, PersistError};
 
 use crate::error::{Error, Result};
-use crate::{interrupt, results};
+use crate::interrupt;
 
 /// How names of files that are not yet whole begin and end.
 const UNFINISHED: (&str, &str) = (".stickslip-", ".tmp");
+
+/// Most that is read of a file to tell what it is.
+const BEGINNING: u64 = 1 << 20;
+
+/// The beginning of a file, as far as it is text.
+pub fn beginning(path: &Path) -> Option<String> {
+    let mut bytes = Vec::new();
+    std::fs::File::open(path).ok()?.take(BEGINNING).read_to_end(&mut bytes).ok()?;
+    Some(String::from_utf8_lossy(&bytes).into_owned())
+}
 
 /// Creates a folder for results and tries to write there, before the work that fills it.
 ///
@@ -70,7 +80,7 @@ pub fn free(path: &Path, ours: impl Fn(&str) -> bool) -> Result<()> {
         "is a folder"
     } else if !metadata.is_file() {
         "is not an ordinary file and is not overwritten"
-    } else if results::beginning(path).is_some_and(|text| text.is_empty() || ours(&text)) {
+    } else if beginning(path).is_some_and(|text| text.is_empty() || ours(&text)) {
         return Ok(());
     } else {
         "was not written by this command and is not overwritten"

@@ -1,33 +1,57 @@
 //! Simulation of a friction experiment, comparison with measurements, and the search for a missing effect.
 //!
 //! Data flows one way, in the order of the modules below: a scenario file becomes a validated [`scenario::Scenario`],
-//! that a [`model`], the model [steady states](solver::SteadyState), those a sweep [`sweep::Outcome`], figures and a report.
-//! Imports only go up this list (apart from [`error`], [`statistics`], [`units`], the finding of roots, and what every write
-//! goes through: [`files`], [`results`], [`terminal`], [`interrupt`]); `cli` assembles the steps.
+//! that a [`model::Model`], the model [steady states](solver::SteadyState), those a sweep's [`sweep::Outcome`], figures and a
+//! report. A module reads only those that come before it in this list, which `tests/architecture.rs` checks; [`cli`]
+//! assembles the steps.
 //!
-//! * [`scenario`] - raw serde TOML to validated scenario in SI: what was written and what is meant are two types.
-//! * [`measurement`] - tables of measured steady states with their uncertainties, from files that are only read.
+//! What everything may use:
+//!
+//! * [`error`] - what can go wrong, and the exit status of each.
+//! * [`interrupt`], [`terminal`], [`files`], [`results`] - what every write goes through.
+//! * [`statistics`], [`dual`], `roots` - medians and angles, numbers with gradients, zeros of functions.
+//! * [`units`] - numbers with units, read and written.
+//! * [`parameter`] - what is known of a number of the model: key, symbol, unit, bounds, scale, and its index.
+//!
+//! From a file to steady states:
+//!
 //! * [`effects`] - one registry; everything else knows an effect only through it.
+//! * [`scenario`] - raw TOML to a validated scenario in SI: what was written and what is meant are two types.
+//! * [`measurement`] - tables of measured steady states with their uncertainties, from files that are only read.
 //! * [`model`] - rig, contact and effects assembled; no numerics.
 //! * [`solver`] - knows no physics: closed forms, Euler procedure, harmonic balance, shooting.
 //! * [`sweep`] - rayon over cases, input order preserved, progress.
-//! * [`atlas`] - what each effect of the registry does to resonance curves, by strength.
+//!
+//! What measurements say of the model:
+//!
+//! * [`fit`] - parameters by least squares, their intervals by profiles of the likelihood.
+//! * [`compare`] - the model calibrated, and what it leaves judged.
+//! * [`discover`] - the search for a missing effect.
+//! * [`free_form`] - on which variable what is missing depends, before any law is named.
 //! * [`question`] - which effects can make one curve look like another, ranked by how far they have to be strained.
+//! * [`trial`] - blind trials of the discovery: planted causes, sealed answers, scores.
+//!
+//! Evidence:
+//!
+//! * [`atlas`] - what each effect of the registry does to resonance curves, by strength.
 //! * [`verification`] - numbers that prove the solvers in every run.
 //! * [`claims`] - the ledger of published statements, each computed and judged.
 //! * [`gate`] - what a scenario or the command line demands, judged.
 //! * [`history`] - a record of every run, and where its values moved from one level to another.
-//! * [`trial`] - blind trials of the discovery: planted causes, sealed answers, scores.
-//! * [`free_form`] - on which variable what is missing depends, before any law is named.
-//! * [`figures`] - outcome or comparison in, SVG, PNG and CSV out; never simulates.
 //! * [`cache`] - results of earlier runs, kept under a hash of everything that they follow from.
+//!
+//! What people see:
+//!
+//! * [`figures`] - outcome or comparison in, SVG, PNG and CSV out; never simulates.
 //! * [`report`] - serialisable views, rendered as HTML and written as JSON.
+//! * [`cli`] - the commands.
 pub mod atlas;
 pub mod cache;
 pub mod claims;
 pub mod cli;
 pub mod compare;
 pub mod discover;
+pub mod dual;
 pub mod effects;
 pub mod error;
 pub mod figures;
@@ -39,6 +63,7 @@ pub mod history;
 pub mod interrupt;
 pub mod measurement;
 pub mod model;
+pub mod parameter;
 pub mod question;
 pub mod report;
 pub mod results;

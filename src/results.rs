@@ -4,7 +4,8 @@
 //! is; a run holds a lock on it. A folder of an earlier version has no such list: what it holds is told by its content.
 
 use crate::error::{Error, Result};
-use crate::{files, interrupt, terminal};
+use crate::files::{self, beginning};
+use crate::{interrupt, terminal};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{File, TryLockError};
 use std::io::{Read as _, Write as _};
@@ -15,8 +16,6 @@ use std::sync::{Mutex, PoisonError};
 pub const LIST: &str = ".stickslip";
 /// First line of the list.
 const HEAD: &str = "stickslip results/1: files written here by the program, which it may replace\n";
-/// Most that is read of a file to tell what it is.
-const BEGINNING: u64 = 1 << 20;
 
 /// A locked folder of results.
 #[derive(Debug)]
@@ -216,13 +215,6 @@ fn drawn(text: &str) -> bool {
 /// Whether this is the header of `curves.csv`.
 fn curves(line: &str) -> bool {
     line.ends_with(",cycles,periodicity_error,status,branch")
-}
-
-/// The beginning of a file, as far as it is text.
-pub fn beginning(path: &Path) -> Option<String> {
-    let mut bytes = Vec::new();
-    File::open(path).ok()?.take(BEGINNING).read_to_end(&mut bytes).ok()?;
-    Some(String::from_utf8_lossy(&bytes).into_owned())
 }
 
 #[cfg(test)]

@@ -1,26 +1,10 @@
-"use strict";
-// The page without scripts has all words, numbers and drawings. This one adds to the drawings: values under the pointer and
-// under the arrow keys, curves switched off, zoom, and files out of the page itself.
+// Drawings: values under the pointer and under the arrow keys, curves switched off, zoom, and files out of the page itself.
 (() => {
   const FINE = 16; // Units of a drawing per logical pixel.
-  const all = (selector, root = document) => Array.from(root.querySelectorAll(selector));
-  const element = (name, attributes = {}, text = "") => {
-    const made = document.createElement(name);
-    for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
-    made.textContent = text;
-    return made;
-  };
-  const shape = (name, attributes, parent, text = "") => {
-    const made = document.createElementNS("http://www.w3.org/2000/svg", name);
-    for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
-    made.textContent = text;
-    return parent.appendChild(made);
-  };
-  const status = document.body.appendChild(element("div", { role: "status", class: "hidden" }));
+  const plots = [];
   const keys = element("p", { class: "hidden", id: "keys" }, "Left and right arrow keys read along a curve, up and down go to "
     + "another curve, plus and minus zoom, Escape returns to the whole view.");
   document.querySelector("main").append(keys);
-  const say = (text) => { status.textContent = text; };
 
   // Numbers: as many digits as `step` resolves.
   const written = (value, step) => {
@@ -136,6 +120,36 @@
   const MARK = 24 * FINE; // Closed shapes up to this size are marks: they move, they do not grow.
   const isMark = (outline) => outline.closed && extent(outline.points, 0) < MARK && extent(outline.points, 1) < MARK;
 
+  // What stands in the table of a figure about each reading that it shows: found by the place of its mark.
+  const readings = (plot) => {
+    const found = [];
+    const factors = { Hz: 1, kHz: 1e3, MHz: 1e6 };
+    tableOf(plot.figure).then(([head = [], ...rows]) => {
+      const column = (start) => head.findIndex((name) => name.startsWith(start));
+      const [f, model, error] = ["frequency", "model ", "error [sigma]"].map(column);
+      if (head[0] !== "kind" || Math.min(f, model, error) < 0) return;
+      for (const cells of rows.filter(([kind]) => kind === "reading")) {
+        const [, condition, row] = cells;
+        const value = +cells[f + 1];
+        found.push({
+          is: (panel, x, y) => {
+            const [across, up] = plot.at(panel, [+cells[f] / (factors[panel.x.unit] ?? 1), value]);
+            return Math.hypot(across - x, up - y) < FINE;
+          },
+          words: () => reading({ row, condition, f: `${cells[f]} Hz`, value, model: +cells[model], sigma: +cells[error], label: head[f + 1] }),
+        });
+      }
+    });
+    return found;
+  };
+  // A reading in lines: its row, its condition, what was measured, what the model says, and how far apart they are.
+  const reading = ({ row, condition, f, value, model, sigma, label }) => {
+    const [, name, unit] = /^(.*?)\s*(?:\[(.*)\])?$/.exec(label);
+    const number = (one) => `${written(one, 10 ** (Math.floor(Math.log10(Math.abs(one) || 1)) - 3))}${unit && unit !== "1" ? ` ${unit}` : ""}`;
+    return [`row ${row}`, condition, `f: ${f}`, `${name}, measured: ${number(value)}`, `model: ${number(model)}`,
+      `error: ${sigma > 0 ? "+" : ""}${written(sigma, 0.1)} σ`];
+  };
+
   // A drawing with its panels, series and view.
   class Plot {
     constructor(figure) {
@@ -156,6 +170,9 @@
       this.listen();
       this.frame.setAttribute("aria-describedby", "keys");
       figure.asFile = () => this.file();
+      figure.plot = this;
+      plots.push(this);
+      this.rows = readings(this);
     }
     panel(node) {
       const [left, top, width, height] = node.dataset.box.split(" ").map(Number);
@@ -278,15 +295,28 @@
         if (y && other.y.key === keyY && other.y.kind !== "rows") other.y.set(...y);
       }
       this.redraw();
+      this.lead(panel);
       say(`${this.title}: ${[panel.x, panel.y].map((axis) => this.span(axis)).filter(Boolean).join("; ")}`);
+    }
+    // The figures of the same section that have the same frequencies show the same part of them.
+    lead({ x }) {
+      const section = this.figure.closest("section");
+      if (!x.name.startsWith("frequency")) return;
+      for (const other of plots.filter((plot) => plot !== this && plot.figure.closest("section") === section)) {
+        const same = Array.from(other.panels.values()).filter((panel) => panel.x.key === x.key);
+        for (const panel of same) panel.x.set(x.from, x.to);
+        if (same.length) other.redraw();
+      }
     }
     span(axis) {
       const words = [axis.from, axis.to].map((share) => axis.words(share));
       return words[0] && `${words[0]} to ${words[1].replace(`${axis.name}: `, "")}`;
     }
     unzoom() {
+      const zoomed = Array.from(this.panels.values()).find(({ x }) => x.zoomed());
       for (const panel of this.panels.values()) for (const axis of [panel.x, panel.y]) axis.set(0, 1);
       this.redraw();
+      if (zoomed) this.lead(zoomed);
       say(`${this.title}: whole view`);
     }
     // Position of an event in the units of the drawing, and the panel there.
@@ -315,9 +345,47 @@
       }
       return best;
     }
-    words({ x, y, group: { panel, name } }) {
+    words(point) {
+      const { x, y, group: { panel, name } } = point;
+      const row = name.startsWith("measured") && this.rows.find?.((one) => one.is(panel, x, y));
+      if (row) return row.words();
       const across = panel.x.words((x - panel.left) / panel.width);
       return [name, across, panel.y.words((panel.top + panel.height - y) / panel.height)].filter(Boolean);
+    }
+    // A curve in place of the one that a series has in a panel; without points the one that was drawn.
+    replace(name, panel, points) {
+      const group = this.groups.find((one) => one.name === name && one.panel === panel);
+      if (!group) return;
+      group.drawn ??= group.parts;
+      group.line?.remove();
+      for (const { part } of group.drawn) part.style.display = points ? "none" : "";
+      group.parts = group.drawn;
+      if (points) {
+        const look = getComputedStyle(group.drawn.find(({ part }) => part.localName !== "text").part);
+        const { stroke, strokeWidth } = look;
+        const text = points.map((point) => point.join(",")).join(" ");
+        group.line = shape("polyline", { points: text, fill: "none", stroke, "stroke-width": strokeWidth, "clip-path": `url(#${this.clip(panel)})` }, group.node);
+        group.parts = [{ part: group.line, outlines: [{ points, closed: false }], moved: "" }];
+      }
+      this.reread(group);
+    }
+    // The mark of a series moved to a place.
+    put(name, panel, [x, y]) {
+      const group = this.groups.find((one) => one.name === name && one.panel === panel);
+      for (const one of group?.parts ?? []) {
+        one.part.setAttribute("cx", x);
+        one.part.setAttribute("cy", y);
+        one.outlines = [{ points: [[x, y]], closed: true, circle: true }];
+      }
+      if (group) this.reread(group);
+    }
+    reread(group) {
+      this.points = this.points.filter((point) => point.group !== group).concat(this.read(group));
+      this.redraw();
+    }
+    // A place in a drawing for values of a panel.
+    at({ left, top, width, height, x, y }, [across, up]) {
+      return [left + width * x.share(across), top + height * (1 - y.share(up))];
     }
     show(point) {
       this.ring?.remove();
@@ -369,11 +437,10 @@
       }
       this.reset = element("button", { type: "button", class: "reset", hidden: "" }, "Whole view");
       this.reset.addEventListener("click", () => { this.unzoom(); this.frame.focus(); });
-      // A phone shows the whole figure first; without this script it scrolls.
+      // A phone shows what can be read, and scrolls; the whole figure on demand.
       this.fit = element("button", { type: "button", hidden: "" }, "Fit to width");
       const turn = () => { this.fit.textContent = this.drawing.classList.toggle("whole") ? "Readable size" : "Fit to width"; };
       this.fit.addEventListener("click", turn);
-      if (this.frame.scrollWidth > this.frame.clientWidth + 1) turn();
       new ResizeObserver(() => {
         const wider = this.frame.scrollWidth > this.frame.clientWidth + 1;
         this.fit.hidden = !wider && !this.drawing.classList.contains("whole");
@@ -508,8 +575,88 @@
     }
   }
 
+  // The fall of the error: the curves of the first picture redrawn from what was solved, for a strength and a part of what was
+  // found. Nothing is read between two solutions.
+  const [AFTER, FALL, HERE] = ["model, corrected", "error on the way", "error at this strength"];
+  const watch = (plot, rows) => {
+    const [head, ...body] = rows;
+    const row = (start) => body.find(([what]) => what.startsWith(start))?.slice(4) ?? [];
+    const [where, conditions, f, measured, sd] = ["panel", "condition", "frequency", "measured ", "sd"].map(row);
+    const label = body.find(([what]) => what.startsWith("measured "))?.[0].slice(9) ?? "";
+    const parts = new Map();
+    for (const [what, strength, chi2, error, ...values] of body.filter(([, strength]) => strength !== "")) {
+      if (!parts.has(what)) parts.set(what, []);
+      parts.get(what).push({ strength: +strength, chi2: +chi2, error: +error, values });
+    }
+    const panels = Array.from(plot.panels.values());
+    const place = where.map((number) => panels[number - 1]);
+    const whole = Array.from(parts.keys()).at(-1);
+    let now = whole && parts.get(whole).at(-1);
+    const model = (i) => (now ? +now.values[i] : NaN);
+    plot.rows = where.map((_, i) => ({
+      is: (panel, x, y) => panel === place[i] && Math.hypot(...plot.at(panel, [+f[i], +measured[i]]).map((one, k) => one - [x, y][k])) < FINE,
+      words: () => {
+        const told = reading({ row: head[i + 4].replace("row ", ""), condition: conditions[i], f: `${f[i]} ${place[i].x.unit}`,
+          value: +measured[i], model: model(i), sigma: (model(i) - measured[i]) / sd[i], label });
+        return now ? told : told.slice(0, 4);
+      },
+    }));
+    if (!whole) return;
+    const names = whole.split(" + ");
+    const box = element("div", { class: "watch", role: "group", "aria-label": "Watch the error fall" });
+    const label1 = element("label", { class: "strength" }, "Strength ");
+    const last = parts.get(whole).length - 1;
+    const slider = label1.appendChild(element("input", { type: "range", min: 0, max: last, step: 1, value: last }));
+    const switches = names.map((name) => {
+      const one = element("label", { class: "switch" });
+      const input = one.appendChild(element("input", { type: "checkbox", checked: "", value: name }));
+      one.append(` ${name}`);
+      return { one, input };
+    });
+    const output = element("output", { "aria-live": "polite" });
+    const note = element("p", { class: "small" }, `Drawn are solutions of the model at ${last + 1} strengths, through the readings' frequencies: from `
+      + "the calibrated base to the fit all parameters go in equal steps. Nothing is interpolated between two laws.");
+    box.append(label1, ...switches.map(({ one }) => one), output, note);
+    const data = (value, text) => element("data", { value }, text);
+    const digits = (value) => written(value, 10 ** (Math.floor(Math.log10(value || 1)) - 2));
+    const draw = () => {
+      const chosen = switches.filter(({ input }) => input.checked).map(({ input }) => input.value).join(" + ");
+      const states = parts.get(chosen);
+      now = states ? states[slider.value] : parts.get(whole)[0];
+      const { strength, chi2, error } = now;
+      const drawn = chosen === whole && strength === 100;
+      for (const panel of new Set(place)) {
+        const points = place.map((one, i) => [one, i]).filter(([one, i]) => one === panel && now.values[i] !== "")
+          .map(([, i]) => [+f[i], +now.values[i]]).sort((a, b) => a[0] - b[0]);
+        plot.replace(AFTER, panel, drawn ? null : points.map((point) => plot.at(panel, point)));
+      }
+      const side = panels.find((panel) => panel.x.name === "strength");
+      const path = (states ?? [now]).map((state) => plot.at(side, [state.strength, state.chi2]));
+      plot.replace(FALL, side, path);
+      plot.put(HERE, side, plot.at(side, [states ? strength : 0, chi2]));
+      const of = states ? `${strength} % of ${chosen}` : "nothing added";
+      output.replaceChildren(`${of}: χ² per reading `, data(chi2, digits(chi2)), ", error of the amplitude ", data(error, digits(error)), " %");
+      slider.setAttribute("aria-valuetext", output.textContent);
+    };
+    slider.addEventListener("input", draw);
+    for (const [k, { input }] of switches.entries()) {
+      input.addEventListener("change", () => {
+        // Of many additions only those are solved together that the ladder passes.
+        if (parts.size < 2 ** names.length - 1) switches.forEach(({ input: other }, i) => { other.checked = input.checked ? i <= k : i < k; });
+        draw();
+      });
+    }
+    plot.figure.querySelector(".tools").before(box);
+    draw();
+  };
+
   const near = new IntersectionObserver((entries) => {
-    for (const { isIntersecting, target } of entries) if (isIntersecting) { near.unobserve(target); new Plot(target); }
+    for (const { isIntersecting, target } of entries) {
+      if (!isIntersecting) continue;
+      near.unobserve(target);
+      const plot = new Plot(target);
+      if (target.classList.contains("before-after")) tableOf(target).then((rows) => { if (rows.length) watch(plot, rows); });
+    }
   }, { rootMargin: "300px" });
   all("figure").filter((figure) => figure.querySelector(".drawing svg")).forEach((figure) => near.observe(figure));
 })();

@@ -1,15 +1,5 @@
 // What the page does besides its drawings: sorted tables, hints on symbols, files out of itself, links to copy, folded parts.
 (() => {
-  const all = (selector, root = document) => Array.from(root.querySelectorAll(selector));
-  const element = (name, attributes = {}, text = "") => {
-    const made = document.createElement(name);
-    for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
-    made.textContent = text;
-    return made;
-  };
-  const status = document.body.appendChild(element("div", { role: "status", class: "hidden" }));
-  const say = (text) => { status.textContent = text; };
-
   // Tables: a button in every head of a column; the last row of totals stays last.
   const value = (row, column) => {
     const cell = row.cells[column];
@@ -74,11 +64,6 @@
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 10000);
     say(`${name} saved`);
-  };
-  const unpack = async (text) => {
-    const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
-    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
-    return new Response(stream).blob();
   };
   const pixels = async (svg) => {
     const image = new Image();

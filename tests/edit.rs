@@ -43,7 +43,7 @@ fn estimate(key: &str, value: f64, unit: &'static str) -> Estimate {
         unit,
         low: Some(0.99 * value),
         high: Some(1.01 * value),
-        felt: f64::INFINITY,
+        detectable_change: f64::INFINITY,
         contradicted: false,
     }
 }

@@ -4,8 +4,8 @@ mod common;
 
 use common::{EULER_STEPS, Random, paper_model, steady};
 use stickslip::effects::{Effect, Law, Measure, ParameterInfo, REGISTRY, find, fits_rig, typical};
-use stickslip::model::lumps::FIRST_EFFECT_PARAMETER;
 use stickslip::model::{Model, Operation};
+use stickslip::parameter::FIRST_EFFECT_PARAMETER;
 use stickslip::scenario::Formulation::Series;
 use stickslip::solver::{Solution, Status, Warm, cycle::Tolerance, solve};
 use stickslip::units;

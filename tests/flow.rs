@@ -66,7 +66,9 @@ fn a_cycle_on_exact_flows_has_the_tangents_of_fine_steps() {
         let start = problem.initial_state();
         let cycle = |tolerance: &Tolerance| Integrator::new(&problem, tolerance).cycle(&start, None).unwrap();
         let (exact, fine) = (cycle(&Tolerance::default()), cycle(&FINE));
-        assert!(exact.legs > 1 && exact.legs == exact.steps && fine.legs == 0 && exact.events == fine.events);
+        assert!(
+            exact.segments > 1 && exact.segments == exact.steps && fine.segments == 0 && exact.events == fine.events
+        );
         let scales = problem.scales();
         for i in 0..problem.states() {
             assert!((exact.end[i] - fine.end[i]).abs() < 1e-8 * scales[i], "{operation:?} state {i}");

@@ -9,9 +9,9 @@ use stickslip::model::continuum::Element;
 use stickslip::model::system::{Forcing, Linear, SliderSystem};
 use stickslip::model::{Model, Operation};
 use stickslip::scenario::Formulation::Series;
-use stickslip::solver::analytic::wrap;
 use stickslip::solver::parallel::{self, Demand};
 use stickslip::solver::time::{self, Plan};
+use stickslip::statistics::wrap;
 
 /// The reference table.
 const TABLE: &str = include_str!("data/effects.csv");

@@ -185,7 +185,7 @@ fn ranges_meet_both_ends() {
 fn optional_axes_fall_back_on_the_scenario() {
     let sweep = sound(SWEEP).sweep.expect("a sweep");
     assert_eq!((sweep.friction, sweep.formulation), (vec![0.5], vec![Formulation::Series]));
-    assert_eq!(sweep.euler_steps, [stickslip::sweep::DEFAULT_EULER_STEPS]);
+    assert_eq!(sweep.euler_steps, [stickslip::scenario::DEFAULT_EULER_STEPS]);
     let text =
         format!("{SWEEP}friction = ['20 %', 0.3]\nformulation = ['series', 'paper']\neuler_steps = [2000, 8000]\n");
     let sweep = sound(&text).sweep.expect("a sweep");

@@ -8,8 +8,9 @@ pub use strength::{strengths, varied};
 
 use crate::effects::{Effect, REGISTRY, fits_rig};
 use crate::model::Model;
+use crate::scenario::DEFAULT_EULER_STEPS;
 use crate::scenario::{Formulation, Scenario};
-use crate::sweep::{Condition, Curve, DEFAULT_EULER_STEPS, curve};
+use crate::sweep::{Condition, Curve, curve};
 use rayon::prelude::*;
 
 /// Conditions of the atlas: their names for the base law, and (speed \[m/s\], load \[N\], drive \[m\]).

@@ -2,11 +2,12 @@
 
 use super::{CurveText, QuantityText};
 use crate::model::{Model, Operation};
+use crate::scenario::DEFAULT_EULER_STEPS;
 use crate::scenario::{Formulation, Scenario};
 use crate::solver::analytic::Oscillator;
 use crate::solver::cycle::Tolerance;
 use crate::solver::{LANES, Warm, solve, solve_paper};
-use crate::sweep::{DEFAULT_EULER_STEPS, LimitingCase, limiting_oscillator};
+use crate::sweep::{LimitingCase, limiting_oscillator};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 

@@ -1,7 +1,7 @@
 //! `stickslip accept`: the present report becomes the baseline of later ones.
 
 use super::baseline::{self, Baseline};
-use super::{Global, again, say, simulate};
+use super::{Global, rerender, say, simulate};
 use crate::error::{Error, Result};
 use crate::report::Passed;
 use crate::results::Results;
@@ -47,14 +47,14 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
         say(global, &format!("note: {failed} of {} gates failed in this run", now.view.gates.len()))?;
     }
     let json = if report.is_dir() { report.join("report.json") } else { report.clone() };
-    let text = again::text(&json)?;
+    let text = rerender::text(&json)?;
     let figures = now.view.figures();
     let drawings = figures.iter().filter(|figure| !figure.svg.is_empty()).flat_map(|figure| {
         figure.files.iter().filter(|file| file.kind == "SVG").map(|file| (file.name.clone(), figure.svg.clone()))
     });
     let ids = now.view.scenarios.iter().map(|scenario| simulate::curves_name(&scenario.id));
     let curves = ids.filter(|name| baseline::inside(name)).filter_map(|name| {
-        let text = again::text(&from.join(&name)).ok()?;
+        let text = rerender::text(&from.join(&name)).ok()?;
         Some((name, text))
     });
     let files: Vec<(String, String)> = drawings.chain(curves).collect();

@@ -1,7 +1,8 @@
 //! `stickslip add`: one effect fitted and written into a scenario, or taken out of it.
 
 use super::compare::{interval_words, parameter, with_measurements};
-use super::{Global, extension, say, target};
+use super::destination::{self, Job};
+use super::{Global, changed_scenario, say};
 use crate::compare::{Compared, Comparison, Metrics, words as condition};
 use crate::discover::{Change, fit_addition, fit_removal};
 use crate::effects::{self, Effect, REGISTRY};
@@ -9,29 +10,13 @@ use crate::error::{Error, Result};
 use crate::scenario::Scenario;
 use crate::scenario::diagnostic::{nearest, quote, whole_file};
 use crate::scenario::edit::Editable;
-use crate::scenario::parameters::BASE_KEYS;
+use crate::scenario::parameters::base_keys;
 use crate::{files, terminal};
+use imara_diff::{Algorithm, BasicLineDiffPrinter, Diff, InternedInput, UnifiedDiffConfig};
 use std::path::Path;
 
 /// Conditions and regions shown on the terminal.
 const SHOWN: usize = 5;
-
-/// What is asked for.
-#[derive(Debug, Clone, Copy)]
-pub struct Job<'a> {
-    /// Name of the effect.
-    pub effect: &'a str,
-    /// The scenario.
-    pub path: &'a Path,
-    /// Another file to write to.
-    pub output: Option<&'a Path>,
-    /// Whether to show the difference and write nothing.
-    pub dry_run: bool,
-    /// Whether the effect is to be taken out.
-    pub remove: bool,
-    /// Seed of the search.
-    pub seed: u32,
-}
 
 /// Fits the effect to the scenario's measurements and writes the changed scenario; everything that can be wrong with the
 /// input is found before the fit.
@@ -39,9 +24,9 @@ pub fn execute(job: &Job<'_>, global: &Global) -> Result<()> {
     let effect = known(job.effect)?;
     let (scenario, table) = with_measurements(job.path)?;
     let file = Editable::open(job.path)?;
-    fits(job, &scenario, &file)?;
-    let target = target::find(job, &file, &table.file)?;
-    extension::trial(job, effect, &scenario, &file, &target)?;
+    check_applicable(job, &scenario, &file)?;
+    let target = destination::find(job, &file, &table.file)?;
+    changed_scenario::trial(job, effect, &scenario, &file, &target)?;
     if !global.quiet {
         let points = table.points.len();
         terminal::tell(&format!(
@@ -53,7 +38,7 @@ pub fn execute(job: &Job<'_>, global: &Global) -> Result<()> {
     } else {
         fit_addition(&scenario, &table, effect, job.seed)
     };
-    let text = extension::fitted(job, effect, &scenario, &change, &file, &target)?;
+    let text = changed_scenario::fitted(job, effect, &scenario, &change, &file, &target)?;
     for line in words(job, &change) {
         say(global, &line)?;
     }
@@ -72,7 +57,7 @@ fn known(name: &str) -> Result<&'static dyn Effect> {
     effects::find(name).ok_or_else(|| {
         let names = || REGISTRY.iter().map(|effect| effect.name());
         let help = match nearest(name, names()) {
-            _ if BASE_KEYS.contains(&name) || name.starts_with("contact.") => {
+            _ if base_keys().iter().any(|key| key == name) || name.starts_with("contact.") => {
                 format!("it is a number of the model: to fit it, name it in [fit] free = [\"{name}\"]")
             }
             Some(near) => format!("did you mean `{near}`?"),
@@ -83,7 +68,7 @@ fn known(name: &str) -> Result<&'static dyn Effect> {
 }
 
 /// Whether the effect can be put in or taken out here.
-fn fits(job: &Job<'_>, scenario: &Scenario, file: &Editable) -> Result<()> {
+fn check_applicable(job: &Job<'_>, scenario: &Scenario, file: &Editable) -> Result<()> {
     let refuse = |title: String, help: &str| Err(Error::Input(whole_file(&title, help)));
     let (name, path) = (job.effect, job.path.display());
     if let Some(other) = file.effects_elsewhere() {
@@ -177,7 +162,12 @@ fn judgement(job: &Job<'_>, change: &Change) -> String {
     }
 }
 
+/// Lines that differ, in the unified format.
 fn difference(old: &str, new: &str, from: &Path, to: &Path) -> String {
-    let diff = similar::TextDiff::from_lines(old, new);
-    diff.unified_diff().header(&from.display().to_string(), &to.display().to_string()).to_string()
+    let input = InternedInput::new(old, new);
+    let mut diff = Diff::compute(Algorithm::Histogram, &input);
+    diff.postprocess_lines(&input);
+    let printer = BasicLineDiffPrinter(&input.interner);
+    let hunks = diff.unified_diff(&printer, UnifiedDiffConfig::default(), &input);
+    format!("--- {}\n+++ {}\n{hunks}", from.display(), to.display())
 }

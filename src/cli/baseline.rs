@@ -1,7 +1,7 @@
 //! An earlier run: read before anything is written, then held against this one.
 
 use super::folder::Folder;
-use super::{again, simulate};
+use super::{rerender, simulate};
 use crate::error::{Error, Result};
 use crate::figures::FigureError;
 use crate::figures::baseline::{Pair, draw};
@@ -34,18 +34,18 @@ impl Baseline {
     /// [`Error::Input`] where that is not the report of this version of the program.
     pub fn load(path: &Path) -> Result<Self> {
         let file = if path.is_dir() { path.join("report.json") } else { path.to_path_buf() };
-        let mut view = again::load(&file)?;
+        let mut view = rerender::load(&file)?;
         // What that run was held against is no part of it.
         (view.baseline, view.history, view.provenance.times) = (None, None, None);
         let folder = file.parent().unwrap_or(Path::new("")).to_path_buf();
         for figure in report::figures(&mut view) {
             let svg = figure.files.iter().find(|file| file.kind == "SVG");
             // A report alone is a baseline too: its numbers are compared, its figures are not.
-            figure.svg = svg.and_then(|file| again::text(&folder.join(&file.name)).ok()).unwrap_or_default();
+            figure.svg = svg.and_then(|file| rerender::text(&folder.join(&file.name)).ok()).unwrap_or_default();
         }
         let mut curves = BTreeMap::new();
         for scenario in view.scenarios.iter().filter(|scenario| inside(&scenario.id)) {
-            if let Ok(text) = again::text(&folder.join(simulate::curves_name(&scenario.id))) {
+            if let Ok(text) = rerender::text(&folder.join(simulate::curves_name(&scenario.id))) {
                 curves.insert(scenario.id.clone(), parse(&text).0);
             }
         }
@@ -65,7 +65,7 @@ impl Baseline {
         let mut view = self.numbers(now);
         for scenario in &now.scenarios {
             let (Some(before), true) = (self.curves.get(&scenario.id), view.figures.len() < DRAWN) else { continue };
-            let Ok(text) = again::text(&out.path().join(simulate::curves_name(&scenario.id))) else { continue };
+            let Ok(text) = rerender::text(&out.path().join(simulate::curves_name(&scenario.id))) else { continue };
             let (after, reading) = parse(&text);
             let pairs = after.into_iter().filter_map(|(name, after)| {
                 let before = before.iter().find(|(other, _)| *other == name)?.1.clone();

@@ -1,6 +1,6 @@
 //! `stickslip compare`: the model against measurements, and where it fails.
 
-use super::drawn::Drawn;
+use super::figure_output::FigureOutput;
 use super::folder::Folder;
 use super::gates::{self, GateLimits};
 use super::{Global, Json, Stamped, say, simulate};
@@ -25,7 +25,7 @@ pub struct Job<'a> {
     /// Where the JSON goes, if anywhere.
     pub json: Option<&'a Json>,
     /// Folder of the figures, if they are wanted.
-    pub out: Option<(&'a Path, &'a Drawn)>,
+    pub out: Option<(&'a Path, &'a FigureOutput)>,
     /// Seed of the fit.
     pub seed: u32,
     /// Gates in place of the scenario's own.

@@ -22,7 +22,7 @@ pub fn execute(name: Option<&str>) -> Result<()> {
 fn unknown(name: &str) -> Error {
     let known: Vec<_> = REGISTRY.iter().map(|effect| effect.name()).collect();
     let shown: String = name.chars().take(60).flat_map(char::escape_debug).collect();
-    let distance = |other: &&&str| units::edit_distance(&shown.to_lowercase(), other);
+    let distance = |other: &&&str| strsim::osa_distance(&shown.to_lowercase(), other);
     let near = known.iter().min_by_key(distance).filter(|other| distance(other) <= 1 + other.len() / 3);
     let hint = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
     Error::Input(format!(

@@ -1,6 +1,6 @@
 //! The folder of results: what was written there is remembered, so that a cache can keep it.
 
-use super::drawn::Drawn;
+use super::figure_output::FigureOutput;
 use crate::error::{Error, Result};
 use crate::results::Results;
 use base64::Engine as _;
@@ -11,13 +11,16 @@ use std::path::{Component, Path, PathBuf};
 use std::sync::Mutex;
 
 /// Names in the folder of a report that are no scenario's.
-pub const RESERVED: [&str; 3] = ["report.html", "report.json", crate::results::LIST];
+pub const RESERVED: [&str; 5] = {
+    let [main, trials, checks] = crate::report::PAGES;
+    [main, trials, checks, "report.json", crate::results::LIST]
+};
 
 /// A folder that files are written below.
 #[derive(Debug)]
 pub struct Folder {
     results: Results,
-    drawn: Drawn,
+    drawn: FigureOutput,
     written: Mutex<BTreeMap<String, Content>>,
 }
 
@@ -53,7 +56,7 @@ impl Folder {
     ///
     /// # Errors
     /// Those of [`Results::open`].
-    pub fn open<'a>(path: &Path, drawn: &Drawn, inputs: impl IntoIterator<Item = &'a Path>) -> Result<Self> {
+    pub fn open<'a>(path: &Path, drawn: &FigureOutput, inputs: impl IntoIterator<Item = &'a Path>) -> Result<Self> {
         Ok(Self { results: Results::open(path, inputs)?, drawn: drawn.clone(), written: Mutex::default() })
     }
 
@@ -75,7 +78,7 @@ impl Folder {
     }
 
     /// What is wanted of every figure.
-    pub fn drawn(&self) -> &Drawn {
+    pub fn drawn(&self) -> &FigureOutput {
         &self.drawn
     }
 

@@ -3,9 +3,10 @@
 use crate::cache::Key;
 use crate::claims::{self, Judged, Relation};
 use crate::error::{Error, Result};
-use crate::report::{ClaimView, Verdict, anchor, format};
+use crate::report::{ClaimView, Verdict, anchor};
 use crate::scenario::diagnostic::{nearest, quote, whole_file};
 use crate::scenario::{self, Scenario};
+use crate::units::readable as format;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

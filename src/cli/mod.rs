@@ -2,33 +2,33 @@
 
 pub mod accept;
 pub mod add;
-mod again;
 mod baseline;
 mod bounds;
+mod caching;
+mod changed_scenario;
 pub mod check;
 pub mod compare;
+mod destination;
 pub mod discover;
-mod drawn;
 pub mod effects;
-mod extension;
-mod extras;
+mod exports;
+mod figure_output;
 mod folder;
 mod gates;
 pub mod init;
 mod json;
-mod keep;
 mod ledger;
 mod new;
-mod past;
 mod progress;
 mod question;
+mod record;
 pub mod report;
+mod rerender;
 pub mod run;
 mod sections;
 mod select;
 mod shell;
 mod simulate;
-mod target;
 pub mod trial;
 
 use crate::error::{Error, Result};
@@ -79,7 +79,7 @@ enum Command {
         #[arg(long, default_value = "output", value_name = "DIR")]
         out: PathBuf,
         #[command(flatten)]
-        drawn: drawn::Drawn,
+        drawn: figure_output::FigureOutput,
     },
     /// Compare the model with measurements, and tell where it fails
     Compare {
@@ -92,7 +92,7 @@ enum Command {
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
         #[command(flatten)]
-        drawn: drawn::Drawn,
+        drawn: figure_output::FigureOutput,
         /// Seed of the quasi-random starts of the fit
         #[arg(long, value_name = "N", default_value_t = 0)]
         seed: u32,
@@ -188,7 +188,7 @@ enum Command {
 
 impl Cli {
     /// The command line of this process; ends the process with help or an error where that is what it asks for.
-    pub fn of_process() -> Self {
+    pub fn from_env() -> Self {
         let arguments = with_command(std::env::args_os().collect());
         let why = match Self::try_parse_from(&arguments) {
             Ok(cli) => return cli,
@@ -239,7 +239,10 @@ fn with_command(mut arguments: Vec<OsString>) -> Vec<OsString> {
 /// Whatever the command reports; [`Error::exit_code`] is the exit status.
 pub fn run(cli: Cli) -> Result<()> {
     let global = cli.global;
-    interrupt::watch();
+    interrupt::watch(|message| {
+        terminal::end_line();
+        terminal::tell(message);
+    });
     start_threads(&global)?;
     match cli.command {
         Command::Report(arguments) => report::execute(&arguments, &global),
@@ -257,7 +260,8 @@ pub fn run(cli: Cli) -> Result<()> {
             discover::execute(&job, (&options, &limits), (&gates, &verdict), &global)
         }
         Command::Add { effect, scenario, output, dry_run, remove, seed } => {
-            let job = add::Job { effect: &effect, path: &scenario, output: output.as_deref(), dry_run, remove, seed };
+            let job =
+                destination::Job { effect: &effect, path: &scenario, output: output.as_deref(), dry_run, remove, seed };
             add::execute(&job, &global)
         }
         Command::Accept(arguments) => accept::execute(&arguments, &global),

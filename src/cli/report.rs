@@ -1,21 +1,22 @@
 //! `stickslip report`: everything, and one page about it.
 
-use super::again;
 use super::baseline::{self, Baseline};
-use super::drawn::Drawn;
-use super::extras::Extras;
+use super::caching::{self, CacheOptions, Illustrated};
+use super::exports::Extras;
+use super::figure_output::FigureOutput;
 use super::folder::Folder;
 use super::gates::{self, GateLimits, Verdicts};
-use super::keep::{self, CacheOptions, Illustrated};
 use super::ledger::{Ledger, of_paper};
-use super::past::{self, Past};
+use super::record::{self, Past};
+use super::rerender;
 use super::sections::{self, Clock};
 use super::{Global, compare, say, select, simulate};
 use crate::cache::{Cache, Key};
 use crate::error::{Error, Result};
 use crate::gate::{self, Judged};
-use crate::report::{self, CheckView, EffectView, FigureView, Provenance, ReportView, format};
+use crate::report::{self, CheckView, EffectView, FigureView, Provenance, ReportView};
 use crate::scenario::{self, Scenario};
+use crate::units::readable as format;
 use crate::{figures, trial, verification};
 use clap::Args;
 use serde::{Deserialize, Serialize};
@@ -23,8 +24,6 @@ use std::path::{Path, PathBuf};
 
 /// Title of a page about the paper's kind of rig.
 const TITLE: &str = "Rubber in frictional contact: model and experiment";
-/// Bytes of a page that is still opened at once on a phone; drawings of an earlier run are left out beyond.
-const LARGEST: usize = 4_900_000;
 /// Shortest wall time \[s\] that a history keeps.
 const NOTED: f64 = 0.05;
 /// Arguments of the command.
@@ -63,7 +62,7 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     let Arguments { scenarios: paths, out, from, baseline, no_regression, history, extras, limits, verdict, cache } =
         arguments;
     if let Some(from) = from {
-        return again::execute(from, arguments, global);
+        return rerender::execute(from, out.as_deref(), extras, global);
     }
     let out = out.as_deref().unwrap_or(Path::new("output"));
     let mut scenarios = select::scenarios(paths, global.quiet)?;
@@ -85,20 +84,20 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     let baseline = baseline.as_deref().map(Baseline::load).transpose()?;
     let past = history.as_deref().map(Past::load).transpose()?;
     let inputs = scenarios.iter().zip(&tables).flat_map(|(scenario, table)| select::inputs(scenario, table.as_ref()));
-    let results = Folder::open(out, &Drawn::default(), inputs)?;
+    let results = Folder::open(out, &FigureOutput::default(), inputs)?;
     let cache = cache.open()?;
     let mut clock = Clock::start();
     let work: Vec<_> = scenarios.iter().zip(&tables).collect();
     let (sections, mut kept) = sections::make(&work, &cache, &results, &mut clock, global.quiet)?;
     let claims =
-        ledger.as_ref().map(|ledger| keep::or_compute(&cache, &ledger.key(), || ledger.views())).transpose()?;
+        ledger.as_ref().map(|ledger| caching::or_compute(&cache, &ledger.key(), || ledger.views())).transpose()?;
     clock.lap("claims");
     let atlas = of_paper(&scenarios).map(|_| atlas(&cache, &results)).transpose()?;
     clock.lap("atlas");
     // The checks are of the paper's rig: where no scenario is, those of the points at hand are left.
     let of_paper_kind = scenarios.iter().any(|scenario| scenario.rig.is_arm());
     let verified = match of_paper_kind {
-        true => keep::or_compute(&cache, &Key::of("verification", &scenario::paper()), || Ok(verified()))?,
+        true => caching::or_compute(&cache, &Key::of("verification", &scenario::paper()), || Ok(verified()))?,
         false => (Vec::new(), false),
     };
     clock.lap("verification");
@@ -138,10 +137,13 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     if let Some(past) = past {
         view = past.with(view, record.clone(), &results)?;
     }
-    let page = page(&view)?;
+    let page = rerender::page(&view)?;
     let json = report::json(&view).map_err(|why| Error::Unfinished(why.to_string()))?;
     results.write("report.json", json.as_bytes())?;
     results.write("report.html", page.as_bytes())?;
+    for (name, page) in rerender::others(&view)? {
+        results.write(name, page.as_bytes())?;
+    }
     if let Some(file) = file {
         crate::history::append(&file, &record)?;
     }
@@ -151,7 +153,7 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
         say(global, &format!("  {kept} of {parts} parts as an earlier run left them in {}", folder.display()))?;
     }
     view.baseline.iter().flat_map(baseline::words).try_for_each(|line| say(global, &line))?;
-    past::words(&view).iter().try_for_each(|line| say(global, line))?;
+    record::words(&view).iter().try_for_each(|line| say(global, line))?;
     for (part, seconds) in &provenance.timings {
         say(global, &format!("  {part}: {seconds:.2} s"))?;
     }
@@ -170,30 +172,15 @@ fn title(scenarios: &[Scenario]) -> String {
     }
 }
 
-/// The page with as many drawings of an earlier run as it may hold; all of them are among the files.
-pub(super) fn page(view: &ReportView) -> Result<String> {
-    let mut view = view.clone();
-    loop {
-        let page = report::render(&view).map_err(|why| Error::Unfinished(why.to_string()))?;
-        let pictures = view.baseline.iter_mut().flat_map(|baseline| &mut baseline.pictures);
-        let mut held: Vec<_> = pictures.filter(|picture| !picture.svg.is_empty()).collect();
-        if page.len() <= LARGEST || held.is_empty() {
-            return Ok(page);
-        }
-        let half = held.len() / 2;
-        held.drain(half..).for_each(|picture| picture.svg.clear());
-    }
-}
-
 /// The atlas of effects, and whether an earlier run has kept it.
 fn atlas(cache: &Cache, out: &Folder) -> Result<(Atlas, bool)> {
     let rig = scenario::paper();
     let key = Key::of("atlas", &rig);
-    if let Some(kept) = keep::get(cache, &key, out)? {
+    if let Some(kept) = caching::get(cache, &key, out)? {
         return Ok((kept, true));
     }
     let atlas = Atlas(simulate::atlas(&rig, out)?);
-    keep::put(cache, &key, &atlas, &[], out);
+    caching::put(cache, &key, &atlas, &[], out);
     Ok((atlas, false))
 }
 

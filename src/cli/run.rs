@@ -1,6 +1,6 @@
 //! `stickslip run`: simulate one scenario, compare it with its measurements, find what is missing, draw it.
 
-use super::drawn::Drawn;
+use super::figure_output::FigureOutput;
 use super::folder::Folder;
 use super::{Global, compare, gates, say, select, simulate};
 use crate::error::{Error, Result};
@@ -8,7 +8,7 @@ use crate::{discover, free_form, gate, question};
 use std::path::{Path, PathBuf};
 
 /// Simulates the scenario, compares it where it names measurements, writes its figures and `curves.csv` below `out`.
-pub fn execute(path: &Path, (out, drawn): (&Path, &Drawn), global: &Global) -> Result<()> {
+pub fn execute(path: &Path, (out, drawn): (&Path, &FigureOutput), global: &Global) -> Result<()> {
     if path.is_dir() {
         return Err(Error::Input(format!(
             "error: {} is a folder\n  = help: name one scenario file, or use `stickslip report {}`",

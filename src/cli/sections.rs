@@ -1,7 +1,7 @@
 //! The sections of a report, one per scenario: from the cache where nothing has changed, computed where something has.
 
+use super::caching::{self, Illustrated};
 use super::folder::Folder;
-use super::keep::{self, Illustrated};
 use super::{compare, question, simulate};
 use crate::cache::{Cache, Key};
 use crate::compare::Comparison;
@@ -50,14 +50,14 @@ pub fn make(
     quiet: bool,
 ) -> Result<(Vec<Section>, usize)> {
     let keys: Vec<Key> = work.iter().map(|both| Key::of("section", both)).collect();
-    let kept = keys.par_iter().map(|key| keep::get(cache, key, out)).collect::<Result<Vec<Option<Section>>>>()?;
+    let kept = keys.par_iter().map(|key| caching::get(cache, key, out)).collect::<Result<Vec<Option<Section>>>>()?;
     clock.lap("cache");
     let missing: Vec<usize> = (0..work.len()).filter(|&index| kept[index].is_none()).collect();
     let fresh: Vec<_> = missing.iter().map(|&index| work[index]).collect();
     let mut computed = compute(&fresh, out, clock, quiet)?.into_iter();
     missing.par_iter().zip(computed.as_slice()).for_each(|(&index, section)| {
         let curves = simulate::curves_name(&section.view.id);
-        keep::put(cache, &keys[index], section, &[curves], out);
+        caching::put(cache, &keys[index], section, &[curves], out);
     });
     let found = work.len() - missing.len();
     // As many were computed as are missing.

@@ -1,6 +1,6 @@
 //! From scenarios to outcomes, drawings and the files beside the report.
 
-use super::drawn::{Drawn, Format};
+use super::figure_output::{FigureOutput, Format};
 use super::folder::Folder;
 use crate::atlas;
 use crate::compare::Comparison;
@@ -22,11 +22,11 @@ const DEFAULT_FIGURES: [&str; 2] = ["resonance", "velocity-amplitude"];
 
 /// Solves every point of a scenario.
 pub fn outcome(scenario: &Scenario, quiet: bool) -> Outcome {
-    let orbits = chosen(scenario).iter().any(|figure| figure.needs_orbits());
+    let orbits = selected_figures(scenario).iter().any(|figure| figure.needs_orbits());
     sweep::run(scenario, &sweep::Options { orbits, progress: !quiet })
 }
 
-fn chosen(scenario: &Scenario) -> Vec<&'static dyn Figure> {
+fn selected_figures(scenario: &Scenario) -> Vec<&'static dyn Figure> {
     let find = |name: &str| figures::find(figures::REGISTRY, name);
     match &scenario.figures {
         Some(names) => names.iter().filter_map(|name| find(name)).collect(),
@@ -37,8 +37,10 @@ fn chosen(scenario: &Scenario) -> Vec<&'static dyn Figure> {
 /// Draws the figures of every outcome and writes them with the curves below `out`; what the report needs of them, per
 /// outcome.
 pub fn figures(outcomes: &[Outcome], out: &Folder) -> Result<Vec<Vec<FigureInput>>> {
-    let jobs: Vec<(&Outcome, &dyn Figure)> =
-        outcomes.iter().flat_map(|outcome| chosen(&outcome.scenario).into_iter().map(move |f| (outcome, f))).collect();
+    let jobs: Vec<(&Outcome, &dyn Figure)> = outcomes
+        .iter()
+        .flat_map(|outcome| selected_figures(&outcome.scenario).into_iter().map(move |f| (outcome, f)))
+        .collect();
     let drawn: Vec<Option<FigureInput>> = jobs
         .par_iter()
         .map(|(outcome, figure)| {
@@ -61,7 +63,7 @@ pub fn figures(outcomes: &[Outcome], out: &Folder) -> Result<Vec<Vec<FigureInput
         .filter(|outcome| !outcome.curves.is_empty())
         .try_for_each(|outcome| out.write(&curves_name(&outcome.scenario.id), curves(outcome).as_bytes()))?;
     let mut drawn = drawn.into_iter();
-    Ok(outcomes.iter().map(|o| drawn.by_ref().take(chosen(&o.scenario).len()).flatten().collect()).collect())
+    Ok(outcomes.iter().map(|o| drawn.by_ref().take(selected_figures(&o.scenario).len()).flatten().collect()).collect())
 }
 
 /// Draws the atlas of effects on the rig of `scenario` and writes it below `out`; the sections of the report.
@@ -116,7 +118,7 @@ pub fn committed_trials(main: &Series, others: &[Series], out: &Folder) -> Resul
 
 /// Writes those files of a drawing that are wanted into the folder `id` below `out`.
 pub(super) fn write(drawing: Drawing, id: &str, out: &Folder) -> Result<FigureInput> {
-    let Drawn { format, preset } = out.drawn();
+    let FigureOutput { format, preset } = out.drawn();
     let mut names = Vec::new();
     for kind in [Format::Svg, Format::Png, Format::Csv].into_iter().filter(|kind| format.contains(kind)) {
         let bytes = match (kind, preset) {

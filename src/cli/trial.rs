@@ -1,6 +1,6 @@
 //! `stickslip trial`: causes planted, hidden, searched for, and the searches scored.
 
-use super::drawn::Drawn;
+use super::figure_output::FigureOutput;
 use super::folder::Folder;
 use super::{Global, Json, say, simulate};
 use crate::discover::SearchOptions;
@@ -122,7 +122,7 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
             json.write(&summary, trial::SCHEMA)?;
         }
     }
-    let drawn = simulate::trial(&summary, &Folder::open(&options.out, &Drawn::default(), [])?)?;
+    let drawn = simulate::trial(&summary, &Folder::open(&options.out, &FigureOutput::default(), [])?)?;
     if !json.as_ref().is_some_and(Json::to_standard_output) {
         for line in words(&summary) {
             say(global, &line)?;

@@ -3,8 +3,9 @@
 use super::Setting;
 use crate::measurement::{Direction, Series};
 use crate::model::Model;
+use crate::scenario::DEFAULT_EULER_STEPS;
 use crate::scenario::Formulation;
-use crate::sweep::{self, Condition, DEFAULT_EULER_STEPS};
+use crate::sweep::{self, Condition};
 use rayon::prelude::*;
 
 /// Points of a curve.

@@ -29,8 +29,8 @@ use crate::measurement::{Point, Table};
 use crate::model::Model;
 use crate::scenario::{Scenario, Signal, Signals};
 use crate::solver::Status;
-use crate::solver::analytic::wrap;
 use crate::solver::cycle::Tolerance;
+use crate::statistics::wrap;
 use crate::units::count;
 use std::sync::OnceLock;
 
@@ -214,7 +214,8 @@ impl Comparison {
             return budget;
         }
         // Not while others wait for it: this thread may take up their work meanwhile.
-        let budget = budget::budget(&self.model, &self.points, &self.overall, (told(&self.whiteness), &self.outliers));
+        let budget =
+            budget::budget(&self.model, &self.points, &self.overall, (noise_scale(&self.whiteness), &self.outliers));
         self.error_budget.get_or_init(|| budget)
     }
 
@@ -279,7 +280,7 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
     let conditions: Vec<_> =
         settings.iter().enumerate().map(|(i, &setting)| ConditionMetrics::over(setting, &of(i))).collect();
     let whiteness = whiteness(&points, settings.len(), fit.parameters.len(), table.amplitude_noise);
-    let noise = told(&whiteness);
+    let noise = noise_scale(&whiteness);
     let regions = regions(&points, &conditions, noise);
     let (contact, contact_model) = fingerprint(&model, &points);
     let column = table.signals.reading.reading_column();
@@ -331,7 +332,7 @@ pub fn outlier_words(number: usize) -> String {
 }
 
 /// Noise of the readings over the stated one, where that is larger and nothing but noise is left.
-fn told(whiteness: &Whiteness) -> f64 {
+fn noise_scale(whiteness: &Whiteness) -> f64 {
     if whiteness.structured { 1.0 } else { whiteness.noise().max(1.0) }
 }
 

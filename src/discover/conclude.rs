@@ -8,6 +8,7 @@ use crate::compare::{self, Calibration, Comparison};
 use crate::fit::{Interval, TAIL, approximate_intervals};
 use crate::measurement::Noise;
 use rayon::prelude::*;
+use std::sync::OnceLock;
 
 /// A sum of squares that is larger by this than that of a smaller hypothesis shows a fit that did not come to its end.
 const WORSE: f64 = 1.0;
@@ -121,6 +122,7 @@ impl Search<'_> {
             spent,
             notes,
             steps,
+            fall: OnceLock::new(),
         }
     }
 

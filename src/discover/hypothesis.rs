@@ -4,7 +4,7 @@ use crate::effects::{self, Effect, REGISTRY, middle};
 use crate::fit::{Fit, Problem, TAIL, parameter, robust_chi2};
 use crate::measurement::Point;
 use crate::model::Model;
-use crate::scenario::parameters::BASE_KEYS;
+use crate::scenario::parameters::base_keys;
 use crate::solver::cycle::Tolerance;
 
 /// One thing to add to a model.
@@ -59,8 +59,10 @@ pub fn additions(model: &Model, free: &[String], with_phase: bool) -> Vec<Additi
             && !free.iter().any(|f| f == key)
             && (with_phase || *key != "instrument.phase_offset")
     };
-    let keys =
-        model.base_parameters().into_iter().filter_map(|(key, ..)| BASE_KEYS.iter().copied().find(|k| *k == key));
+    let keys = model
+        .base_parameters()
+        .into_iter()
+        .filter_map(|(key, ..)| base_keys().iter().map(String::as_str).find(|k| *k == key));
     let mut all: Vec<Addition> = keys.filter(movable).map(Addition::Recalibration).collect();
     let absent = |effect: &&&'static dyn Effect| !model.effects.iter().any(|(e, _)| e.name() == effect.name());
     let fits = |effect: &&&'static dyn Effect| effects::fits_rig(**effect, model.has_contact).is_ok();

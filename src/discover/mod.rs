@@ -6,6 +6,7 @@
 mod add;
 mod conclude;
 mod data;
+mod fall;
 mod held_out;
 mod hypothesis;
 mod json;
@@ -20,6 +21,7 @@ mod verdict;
 mod words;
 
 pub use add::{Change, fit_addition, fit_removal};
+pub use fall::{Fall, Part, STRENGTHS, State};
 pub use held_out::{HeldOut, held_out};
 pub use hypothesis::{Addition, Basis, Estimate, Hypothesis, additions, compatible, extended};
 pub use json::{DiscoveryJson, SCHEMA, json};
@@ -32,6 +34,7 @@ pub use words::{identified, open_ends, sentence};
 use crate::compare::{Comparison, Outlier};
 use crate::fit::{Correlation, Interval};
 use crate::measurement::Noise;
+use std::sync::OnceLock;
 
 /// What the data say.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -141,9 +144,20 @@ pub struct Discovery {
     pub spent: bool,
     /// Things said in plain words.
     pub notes: Vec<String>,
+    fall: OnceLock<Option<Fall>>,
 }
 
 impl Discovery {
+    /// The fall of the error as what was found grows; solved when first asked for, `None` where nothing was found.
+    pub fn fall(&self) -> Option<&Fall> {
+        if self.fall.get().is_none() {
+            // Not while others wait for it: this thread may take up their work meanwhile.
+            let fall = fall::fall(self);
+            self.fall.get_or_init(|| fall);
+        }
+        self.fall.get().and_then(Option::as_ref)
+    }
+
     /// The last rung: the explanation, or the calibrated base.
     pub fn explanation(&self) -> &Step {
         &self.steps[self.steps.len() - 1]

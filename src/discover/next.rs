@@ -4,9 +4,9 @@ use super::hypothesis::Hypothesis;
 use crate::compare::{Label, Setting, words};
 use crate::measurement::Table;
 use crate::model::{Model, Operation};
-use crate::solver::analytic::wrap;
 use crate::solver::cycle::Tolerance;
 use crate::solver::{Status, SteadyState, Warm, solve_steady};
+use crate::statistics::wrap;
 use crate::units;
 use rayon::prelude::*;
 

@@ -1,9 +1,9 @@
 //! The actuator follows its command like a low pass.
 
 use super::{Effect, Group, Measure, ParameterInfo, Zero};
-use crate::model::dual::Dual;
+use crate::dual::Dual;
 
-use crate::scenario::parameters::ZERO_OR_MORE;
+use crate::parameter::ZERO_OR_MORE;
 
 /// Lag of the actuator.
 pub struct ActuatorLag;

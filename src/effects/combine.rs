@@ -1,8 +1,8 @@
 //! Which effects go together. The rules follow from what effects contribute, not from their names.
 
 use super::{Effect, typical};
-use crate::model::dual::{Dual, MAX_PARAMETERS};
-use crate::model::lumps::FIRST_EFFECT_PARAMETER;
+use crate::dual::{Dual, MAX_PARAMETERS};
+use crate::parameter::FIRST_EFFECT_PARAMETER;
 
 /// A test of what an effect contributes, at the parameters given.
 type Contributes = fn(&dyn Effect, &[f64], &[Dual]) -> bool;

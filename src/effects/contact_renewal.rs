@@ -1,9 +1,9 @@
 //! Bristles leave the contact after a travel and are replaced unstretched.
 
 use super::{Effect, Group, Measure, ParameterInfo, Zero};
-use crate::model::dual::Dual;
+use crate::dual::Dual;
 
-use crate::scenario::parameters::POSITIVE;
+use crate::parameter::POSITIVE;
 
 /// Renewal of the contact (brush).
 pub struct ContactRenewal;

@@ -1,7 +1,7 @@
 //! A restoring torque or force that grows with the cube of the deflection.
 
 use super::{Effect, Group, Law, Measure, ParameterInfo, Zero};
-use crate::scenario::parameters::ANY;
+use crate::parameter::ANY;
 
 /// Cubic stiffness (Duffing).
 pub struct CubicStiffness;

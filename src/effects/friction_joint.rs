@@ -1,8 +1,8 @@
 //! Slip elements between the moving body and the ground: bolted joints, clamps, seals.
 
 use super::{Effect, Group, Measure, ParameterInfo, Zero};
-use crate::model::dual::Dual;
-use crate::scenario::parameters::{POSITIVE, ZERO_OR_MORE};
+use crate::dual::Dual;
+use crate::parameter::{POSITIVE, ZERO_OR_MORE};
 
 /// A joint that slips little by little.
 pub struct FrictionJoint;

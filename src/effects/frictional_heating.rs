@@ -1,9 +1,9 @@
 //! The interface heats up by its own friction and weakens.
 
 use super::{Effect, Group, Measure, ParameterInfo, Zero};
-use crate::model::dual::Dual;
+use crate::dual::Dual;
 
-use crate::scenario::parameters::POSITIVE;
+use crate::parameter::POSITIVE;
 
 /// Frictional heating.
 pub struct FrictionalHeating;

@@ -3,7 +3,7 @@
 use super::{Effect, Group, Law, Measure, ParameterInfo, Zero};
 use std::f64::consts::LN_10;
 
-use crate::scenario::parameters::POSITIVE;
+use crate::parameter::POSITIVE;
 
 /// Slip rate \[m/s\] that keeps the logarithm finite at rest.
 const SMALLEST: f64 = 1e-9;

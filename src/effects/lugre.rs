@@ -1,9 +1,9 @@
 //! A rate element in place of the slip interface.
 
 use super::{Effect, Group, Measure, ParameterInfo, Zero};
-use crate::model::dual::Dual;
+use crate::dual::Dual;
 
-use crate::scenario::parameters::ZERO_OR_MORE;
+use crate::parameter::ZERO_OR_MORE;
 
 /// Bristle rate element (LuGre).
 pub struct LuGre;

@@ -1,9 +1,9 @@
 //! A spring and a dashpot in series beside the bristles.
 
 use super::{Effect, Group, Measure, ParameterInfo, Zero};
-use crate::model::dual::Dual;
+use crate::dual::Dual;
 
-use crate::scenario::parameters::{POSITIVE, ZERO_OR_MORE};
+use crate::parameter::{POSITIVE, ZERO_OR_MORE};
 
 /// Viscoelastic branch (Maxwell).
 pub struct MaxwellBranch;

@@ -13,7 +13,6 @@ mod frictional_heating;
 mod grosch;
 mod lugre;
 mod maxwell_branch;
-mod metadata;
 mod normal_coupling;
 mod partial_slip;
 mod quadratic_damping;
@@ -23,11 +22,45 @@ mod roller_compliance;
 mod sensor_delay;
 mod stribeck;
 mod structural_damping;
+mod typical;
 
+pub use crate::parameter::{Measure, ParameterInfo, Scales};
 pub use combine::{compatible, enters_contact, fits_rig, in_paper_formulation};
-pub use metadata::{Group, Measure, ParameterInfo, Scales, Zero, middle, typical};
+pub use typical::{middle, typical};
 
-use crate::model::dual::Dual;
+use crate::dual::Dual;
+
+/// Part of the experiment that an effect belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Group {
+    /// The law of friction at the interface.
+    Interface,
+    /// The element between the interface and the arm.
+    Contact,
+    /// The arm, its drive, the roller's support, the reading.
+    RigAndInstrument,
+}
+
+impl Group {
+    /// Its name in running text.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Interface => "interface",
+            Self::Contact => "contact",
+            Self::RigAndInstrument => "rig and instrument",
+        }
+    }
+}
+
+/// A parameter and the value at which its effect vanishes; infinity means the limit.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Zero {
+    /// Index of the parameter.
+    pub parameter: usize,
+    /// The value.
+    pub value: f64,
+}
 
 /// A scalar law with its partial derivatives.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

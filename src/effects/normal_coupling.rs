@@ -1,9 +1,9 @@
 //! The motion of the arm changes the normal load.
 
 use super::{Effect, Group, Measure, ParameterInfo, Zero};
-use crate::model::dual::Dual;
+use crate::dual::Dual;
 
-use crate::scenario::parameters::ANY;
+use crate::parameter::ANY;
 
 /// Normal load coupled to the motion.
 pub struct NormalCoupling;

@@ -1,7 +1,7 @@
 //! A torque or force that grows with the square of the velocity.
 
 use super::{Effect, Group, Law, Measure, ParameterInfo, Zero};
-use crate::scenario::parameters::ZERO_OR_MORE;
+use crate::parameter::ZERO_OR_MORE;
 
 /// Quadratic damping.
 pub struct QuadraticDamping;

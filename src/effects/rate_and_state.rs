@@ -1,7 +1,7 @@
 //! Rate-and-state friction with the ageing law.
 
 use super::{Effect, Group, Law, Measure, ParameterInfo, Zero};
-use crate::scenario::parameters::POSITIVE;
+use crate::parameter::POSITIVE;
 
 /// Rate-and-state friction (ageing law).
 pub struct RateAndState;

@@ -1,7 +1,7 @@
 //! Velocity strengthening: friction grows with the logarithm of the slip rate.
 
 use super::{Effect, Group, Law, Measure, ParameterInfo, Zero};
-use crate::scenario::parameters::POSITIVE;
+use crate::parameter::POSITIVE;
 
 /// Velocity strengthening (logarithmic).
 pub struct RateStrengthening;

@@ -1,9 +1,9 @@
 //! The roller gives way on its support.
 
 use super::{Effect, Group, Measure, ParameterInfo, Support, Zero};
-use crate::model::dual::Dual;
+use crate::dual::Dual;
 
-use crate::scenario::parameters::POSITIVE;
+use crate::parameter::POSITIVE;
 
 /// Compliance of the roller.
 pub struct RollerCompliance;

@@ -1,9 +1,9 @@
 //! The reading comes later than the motion.
 
 use super::{Effect, Group, Measure, ParameterInfo, Zero};
-use crate::model::dual::Dual;
+use crate::dual::Dual;
 
-use crate::scenario::parameters::ANY;
+use crate::parameter::ANY;
 
 /// Delay of the sensor.
 pub struct SensorDelay;

@@ -1,7 +1,7 @@
 //! Velocity weakening: friction falls as the interface slips faster.
 
 use super::{Effect, Group, Law, Measure, ParameterInfo, Zero};
-use crate::scenario::parameters::POSITIVE;
+use crate::parameter::POSITIVE;
 
 /// Velocity weakening (Stribeck).
 pub struct Stribeck;

@@ -1,7 +1,7 @@
 //! Damping in proportion to the stiffness, whatever the frequency.
 
 use super::{Effect, Group, Measure, ParameterInfo, Zero};
-use crate::model::dual::Dual;
+use crate::dual::Dual;
 
 /// Structural damping.
 pub struct StructuralDamping;

@@ -10,7 +10,7 @@ use super::scheme::draw_curve;
 use super::style::{INK, Table, Unit, WIDTH, cell, ramp, significant};
 use super::{Drawing, FigureError};
 use crate::atlas::{CONDITIONS, Entry, Strength, varied};
-use crate::effects::ParameterInfo;
+use crate::parameter::ParameterInfo;
 use crate::scenario::Signals;
 use crate::solver::SteadyState;
 use crate::sweep::Curve;

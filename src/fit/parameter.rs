@@ -1,8 +1,8 @@
 //! What a fit may move: one number of a model with its bounds, on a scale on which searching is natural.
 
-use crate::effects::ParameterInfo;
 use crate::model::Model;
-use crate::model::lumps::FIRST_EFFECT_PARAMETER;
+use crate::parameter::FIRST_EFFECT_PARAMETER;
+use crate::parameter::ParameterInfo;
 
 /// A contact is searched within this factor of its stated values.
 const CONTACT_FACTOR: f64 = 30.0;

@@ -3,11 +3,11 @@
 use super::Parameter;
 use super::dense::{Chain, Reading, Solved, chains};
 use crate::measurement::Point;
-use crate::model::lumps::FIRST_EFFECT_PARAMETER;
 use crate::model::{Model, Operation};
-use crate::solver::analytic::wrap;
+use crate::parameter::FIRST_EFFECT_PARAMETER;
 use crate::solver::cycle::Tolerance;
 use crate::solver::{Status, Warm, solve_steady};
+use crate::statistics::wrap;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};

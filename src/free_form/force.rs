@@ -1,9 +1,9 @@
 //! The free force itself: a stiffness and a damping that a fit gives every reading, evaluated by the same solvers as any effect.
 
+use crate::dual::Dual;
 use crate::effects::{Effect, Group, ParameterInfo, Zero};
 use crate::model::Model;
-use crate::model::dual::Dual;
-use crate::model::lumps::FIRST_EFFECT_PARAMETER;
+use crate::parameter::FIRST_EFFECT_PARAMETER;
 
 /// Force -(k + i w c) x on the coordinate. It is no effect of the catalogue: no scenario can name it.
 pub struct FreeForce;

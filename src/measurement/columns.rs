@@ -56,7 +56,13 @@ pub(crate) fn layout(
 ) -> Layout {
     let known = |index: usize| {
         let found = header::meaning(&sheet.headed(index), frame);
-        matches!(found, Meaning::Column(FREQUENCY, ..) | Meaning::Alias(FREQUENCY, ..) | Meaning::BadUnit(FREQUENCY, _))
+        matches!(
+            found,
+            Meaning::Column(FREQUENCY, ..)
+                | Meaning::Alias(FREQUENCY, ..)
+                | Meaning::Likely(FREQUENCY, _)
+                | Meaning::BadUnit(FREQUENCY, _)
+        )
     };
     let named = mapping.iter().any(|(key, _)| column_of(key) == Some(FREQUENCY));
     if !named && !(0..sheet.header.cells.len()).any(known) && samples::refuse(sheet, complaints) {

@@ -1,8 +1,8 @@
 //! What in a table is possible and yet not likely: said, not refused.
 
 use super::Point;
-use crate::solver::analytic::wrap;
 use crate::statistics::median;
+use crate::statistics::wrap;
 
 /// Points of a curve whose phases tell which way they turn, at least, and by how much they turn, at least \[rad\].
 const TURNING: (usize, f64) = (6, 0.5);

@@ -1,6 +1,7 @@
 //! What a header says: which column it is and in which unit its numbers are.
 
 use super::frame::{DRIVES, Frame, READINGS, kind};
+use super::likely::likely;
 use super::names::{ALIASES, NAMES, SAYING};
 use super::unit::{Unit, Wanted, gravity, known, suffix};
 use crate::scenario::parameters::MEASURED;
@@ -30,6 +31,8 @@ pub(crate) enum Meaning {
     Column(usize, Unit, bool),
     /// The same by another name, which serves where no column has the name itself.
     Alias(usize, Unit, bool),
+    /// What words and unit together speak for; serves where no column has one of the names.
+    Likely(usize, Unit),
     /// A column whose unit neither the header states nor the scenario implies.
     NoUnit(usize),
     /// A column whose unit does not serve, and why.
@@ -53,7 +56,9 @@ pub(crate) fn meaning(header: &str, frame: &Frame<'_>) -> Meaning {
         return Meaning::Harmonic;
     }
     match by_name(header, &name, bracket, frame) {
-        Meaning::Unknown => by_alias(header, &name, bracket, frame).unwrap_or(Meaning::Unknown),
+        Meaning::Unknown => by_alias(header, &name, bracket, frame)
+            .or_else(|| likely(&name, bracket).map(|(column, unit)| Meaning::Likely(column, unit)))
+            .unwrap_or(Meaning::Unknown),
         found => found,
     }
 }

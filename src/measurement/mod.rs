@@ -14,6 +14,7 @@ mod doubts;
 mod file;
 mod frame;
 mod header;
+mod likely;
 mod names;
 mod noise;
 mod pool;

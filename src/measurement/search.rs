@@ -68,6 +68,7 @@ impl Search<'_, '_> {
     fn find(&mut self) {
         let mut candidates: [Vec<Candidate>; NUMBERS] = Default::default();
         let mut aliases: [Vec<Candidate>; NUMBERS] = Default::default();
+        let mut likely: [Vec<Candidate>; NUMBERS] = Default::default();
         let mut unsuited = Vec::new();
         for index in 0..self.taken.len() {
             if self.taken[index] {
@@ -85,6 +86,11 @@ impl Search<'_, '_> {
                     if !self.told[column] && self.frame.serving(column).contains(&unit.si) =>
                 {
                     aliases[column].push(Candidate { index, unit, stated });
+                }
+                Meaning::Likely(column, unit)
+                    if !self.told[column] && self.frame.serving(column).contains(&unit.si) =>
+                {
+                    likely[column].push(Candidate { index, unit, stated: true });
                 }
                 Meaning::NoUnit(column) if !self.told[column] => {
                     unsuited.push((index, column, Ok("no unit is stated, and nothing else tells it".into())));
@@ -104,9 +110,10 @@ impl Search<'_, '_> {
         let contact = self.frame.has_contact() || self.frame.is_free() && !candidates[LOAD].is_empty();
         let roller = self.told[SPEED] || !candidates[SPEED].is_empty() || !aliases[SPEED].is_empty();
         let with_speed = !contact || roller;
-        for (column, (candidates, aliases)) in candidates.into_iter().zip(aliases).enumerate() {
+        for (column, ((candidates, aliases), likely)) in candidates.into_iter().zip(aliases).zip(likely).enumerate() {
             if candidates.is_empty() {
-                self.choose_alias(column, aliases, with_speed);
+                let others = if aliases.is_empty() { likely } else { aliases };
+                self.choose_alias(column, others, with_speed);
             } else {
                 self.choose(column, candidates);
             }

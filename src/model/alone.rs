@@ -1,10 +1,11 @@
 //! A rig without a contact, or at a load of zero: one mode with the torques of the effects and slip elements to ground.
 
-use super::dual::Dual;
-use super::lumps::{FIRST_EFFECT_PARAMETER, Lumps};
+use super::lumps::Lumps;
 use super::system::SingleMode;
 use super::{Model, Operation};
+use crate::dual::Dual;
 use crate::effects::Effect;
+use crate::parameter::FIRST_EFFECT_PARAMETER;
 
 /// The mode at one operating point.
 pub struct Alone {

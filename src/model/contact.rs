@@ -12,10 +12,12 @@ mod states;
 pub use parallel::Sliders;
 pub use states::LimitingState;
 
-use super::lumps::{FIRST_EFFECT_PARAMETER, Lumps};
+use super::lumps::Lumps;
 use super::system::{Forcing, HybridSystem, Mode};
-use super::{Model, Operation, dual::Dual};
+use super::{Model, Operation};
+use crate::dual::Dual;
 use crate::effects::{Effect, Law};
+use crate::parameter::FIRST_EFFECT_PARAMETER;
 
 /// Largest number of law parameters evaluated inside a cycle per effect.
 const LAW_PARAMETERS: usize = 4;
@@ -102,6 +104,11 @@ struct Point {
 }
 
 impl Problem {
+    /// Complex amplitude of the arm's motion without contact \[rad, m\].
+    pub fn free(&self) -> (f64, f64) {
+        self.free
+    }
+
     /// The equations of `model` at an operating point.
     pub fn new(model: &Model, at: &Operation) -> Self {
         let lumps = Lumps::new(model, at);

@@ -1,20 +1,12 @@
 //! The coefficients of the equations of motion as functions of all parameters, with gradients.
 
-use super::dual::Dual;
 use super::{Model, Operation};
+use crate::dual::Dual;
 use crate::effects::Support;
-use crate::scenario::{Dissipation, Elasticity, Excitation, Oscillator, RIG_PARAMETERS, Rig};
+use crate::parameter::{FIRST_CONTACT_PARAMETER, FIRST_EFFECT_PARAMETER, RIG_PARAMETERS};
+use crate::scenario::{Dissipation, Elasticity, Excitation, Oscillator, Rig};
 use crate::statistics::wrap;
 use std::f64::consts::{FRAC_PI_2, TAU};
-
-/// Index of the first parameter of the contact, after those of the rig.
-pub const FIRST_CONTACT_PARAMETER: usize = RIG_PARAMETERS;
-/// Index of the first parameter of the instrument.
-pub const FIRST_INSTRUMENT_PARAMETER: usize = FIRST_CONTACT_PARAMETER + 3;
-/// Index of the first number of the operating point: speed, load, drive.
-pub const FIRST_OPERATING_PARAMETER: usize = FIRST_INSTRUMENT_PARAMETER + 3;
-/// Index of the first effect parameter among the parameters of a model.
-pub const FIRST_EFFECT_PARAMETER: usize = FIRST_OPERATING_PARAMETER + 3;
 
 /// Coefficients at one operating point; symbols of the paper (Eqs. 1-8) where it has them.
 #[derive(Debug, Clone)]

@@ -6,13 +6,12 @@
 pub mod alone;
 pub mod contact;
 pub mod continuum;
-pub mod dual;
 pub mod lumps;
 mod scales;
 pub mod system;
 
-use crate::effects::ParameterInfo;
-use crate::effects::{self, Effect, Scales};
+use crate::effects::{self, Effect};
+use crate::parameter::{FIRST_CONTACT_PARAMETER, FIRST_INSTRUMENT_PARAMETER, ParameterInfo, Scales};
 use crate::scenario::parameters::CONTACT;
 use crate::scenario::{Contact, Instrument, Rig, Scenario, Signals};
 
@@ -81,10 +80,10 @@ impl Model {
         self.effects.iter().any(|(effect, p)| effect.continuum(p).is_some())
     }
 
-    /// The parameter number `index`: rig, contact, instrument, operating point ([`lumps`] states where each begins), then
+    /// The parameter number `index`: rig, contact, instrument, operating point ([`crate::parameter`] states where each begins), then
     /// the effects; or None where there is none of that number.
     pub fn parameter<'a>(&'a mut self, at: &'a mut Operation, index: usize) -> Option<&'a mut f64> {
-        use lumps::{FIRST_CONTACT_PARAMETER as CONTACT, FIRST_EFFECT_PARAMETER as EFFECT};
+        use crate::parameter::{FIRST_CONTACT_PARAMETER as CONTACT, FIRST_EFFECT_PARAMETER as EFFECT};
         let (contact, instrument) = (&mut self.contact, &mut self.instrument);
         if index < CONTACT {
             return self.rig.slot(index);
@@ -112,9 +111,9 @@ impl Model {
         };
         let rig = self.rig.parameters().into_iter().map(|(at, info)| keyed("rig", 0, at, info));
         let contact = CONTACT.iter().filter(|_| self.has_contact).enumerate();
-        let contact = contact.map(|(at, info)| keyed("contact", lumps::FIRST_CONTACT_PARAMETER, at, info));
+        let contact = contact.map(|(at, info)| keyed("contact", FIRST_CONTACT_PARAMETER, at, info));
         let instrument = self.instrument.parameters().into_iter().enumerate();
-        let instrument = instrument.map(|(at, info)| keyed("instrument", lumps::FIRST_INSTRUMENT_PARAMETER, at, info));
+        let instrument = instrument.map(|(at, info)| keyed("instrument", FIRST_INSTRUMENT_PARAMETER, at, info));
         rig.chain(contact).chain(instrument).collect()
     }
 

@@ -2,7 +2,7 @@
 
 use super::lumps::Lumps;
 use super::{Model, Operation};
-use crate::effects::Scales;
+use crate::parameter::Scales;
 use crate::statistics::median;
 
 /// Quality factor that stands for that of a rig without damping.

@@ -20,9 +20,10 @@ use crate::discover::{Addition, compatible};
 use crate::effects::{Effect, REGISTRY, fits_rig};
 use crate::measurement::Point;
 use crate::model::Model;
+use crate::scenario::DEFAULT_EULER_STEPS;
 use crate::scenario::{Formulation, Question, Scenario};
 use crate::solver::SteadyState;
-use crate::sweep::{Condition, Curve, DEFAULT_EULER_STEPS, LimitingCase, curve, limiting_oscillator};
+use crate::sweep::{Condition, Curve, LimitingCase, curve, limiting_oscillator};
 use features::Judge;
 use rayon::prelude::*;
 

@@ -56,9 +56,18 @@ pub fn claim(id: &str) -> String {
     format!("claim-{}", slug(id))
 }
 
+/// What anchors of the checks of the solvers begin with.
+const CHECK: &str = "check-";
+
 /// Anchor of a check of the solvers.
 pub fn check(name: &str) -> String {
-    format!("check-{}", slug(name))
+    format!("{CHECK}{}", slug(name))
+}
+
+/// Link from the main page to an anchor: checks have a page of their own.
+pub fn place(anchor: &str) -> String {
+    let page = if anchor.starts_with(CHECK) || anchor == "verification" { "checks.html" } else { "" };
+    format!("{page}#{anchor}")
 }
 
 /// Gives out every id once: a second `a` becomes `a-2`.

@@ -2,17 +2,21 @@
 
 use super::anchor;
 use super::comparison::{fitted, none, outlier, shown, tie};
-use super::discovery_view::{CandidateView, DiscoveryView, NextView, NotTestableView, StepView};
+use super::discovery_view::{
+    CandidateView, DiscoveryView, FallPartView, FallView, NextView, NotTestableView, StepView,
+};
 use super::format::{quantity, setting};
 use super::scenario::{FigureInput, figure};
 use super::verdict::Found;
 use super::view::{FigureView, Quantity, ScenarioView};
 use crate::compare::{Comparison, outlier_words};
-use crate::discover::{self, Candidate, Discovery, NextMeasurement, NotTestable, Step, Verdict, identified};
+use crate::discover::{
+    self, Candidate, Discovery, Fall, NextMeasurement, NotTestable, Part, STRENGTHS, Step, Verdict, identified,
+};
 use crate::units::Frequencies;
 
 /// Figures shown at once; the others are folded.
-const FIRST: [&str; 4] = ["ladder", "ladder-overlay", "fingerprint-before-after", "ranking"];
+const FIRST: [&str; 5] = ["before-after", "ladder", "ladder-overlay", "fingerprint-before-after", "ranking"];
 /// Candidates, ranges of misfit and outliers listed.
 const CANDIDATES: usize = 12;
 const REGIONS: usize = 8;
@@ -66,8 +70,26 @@ pub fn discovery_view(d: &Discovery, figures: &[FigureInput]) -> DiscoveryView {
         regions: c.regions.iter().take(REGIONS).map(|region| region.sentence.clone()).collect(),
         more_regions: c.regions.len().saturating_sub(REGIONS),
         contact: contact(d),
+        fall: d.fall().map(fall),
         figures: first,
         more,
+    }
+}
+
+fn fall(fall: &Fall) -> FallView {
+    let part = |part: &Part| {
+        let finite = |value: f64| Some(value).filter(|v| v.is_finite());
+        let names = fall.additions.iter().zip(&part.members).filter(|(_, is)| **is);
+        FallPartView {
+            additions: names.map(|(name, _)| name.clone()).collect(),
+            chi2_per_point: part.states.iter().map(|state| finite(state.chi2_per_point)).collect(),
+            rms_error_percent: part.states.iter().map(|state| finite(state.rms_error_percent)).collect(),
+        }
+    };
+    FallView {
+        additions: fall.additions.clone(),
+        strengths: (0..STRENGTHS).map(|k| k as f64 / (STRENGTHS - 1) as f64).collect(),
+        parts: fall.parts.iter().map(part).collect(),
     }
 }
 

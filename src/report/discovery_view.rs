@@ -51,10 +51,35 @@ pub struct DiscoveryView {
     pub more_regions: usize,
     /// What is known of the contact where something is left unexplained; may be empty.
     pub contact: String,
+    /// How the error falls as what was found grows to its fitted strength; absent where nothing was found.
+    #[serde(default)]
+    pub fall: Option<FallView>,
     /// Figures that carry the story.
     pub figures: Vec<FigureView>,
     /// Further figures.
     pub more: Vec<FigureView>,
+}
+
+/// How the error falls.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FallView {
+    /// What was found.
+    pub additions: Vec<String>,
+    /// Strengths, 0 for the calibrated base, 1 for the fit.
+    pub strengths: Vec<f64>,
+    /// The error for every part of it, the whole last.
+    pub parts: Vec<FallPartView>,
+}
+
+/// The error at every strength of a part of what was found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FallPartView {
+    /// What it has.
+    pub additions: Vec<String>,
+    /// Mean square of the residuals in standard deviations.
+    pub chi2_per_point: Vec<Option<f64>>,
+    /// Root mean square error of the amplitude \[%\].
+    pub rms_error_percent: Vec<Option<f64>>,
 }
 
 /// A rung of the ladder.

@@ -14,7 +14,6 @@ mod comparison;
 mod comparison_view;
 mod discovery;
 mod discovery_view;
-pub mod format;
 mod free_form;
 mod gates;
 mod glossary;
@@ -37,6 +36,8 @@ mod values;
 mod verdict;
 mod view;
 
+use crate::units::readable as format;
+
 pub use again::{figures, read};
 pub use atlas::effect_view;
 pub use baseline::{TOLERANCE, baseline};
@@ -50,7 +51,7 @@ pub use markdown::markdown;
 pub use parameters::formulation;
 pub use provenance::{Provenance, SECTION as PROVENANCE_SECTION};
 pub use question::question_view;
-pub use render::{RenderError, json, render};
+pub use render::{PAGES, RenderError, json, others, render};
 pub use scenario::{FigureInput, scenario_view};
 pub use trend::{Trend, figure_view};
 pub use values::{Value, values};

@@ -7,25 +7,37 @@ use minijinja::syntax::SyntaxConfig;
 use minijinja::value::{Serde, Value};
 use minijinja::{AutoEscape, Environment, UndefinedBehavior, context};
 
+use super::anchor;
 use super::glossary::Links;
 use super::verdict::Tone;
 use super::view::{FigureView, ReportView, SymbolView};
 use super::{glossary, mathml, packed, svg};
+use rayon::prelude::*;
 
 /// The style sheet and the scripts, which go into the page as they are.
 const STYLE: &str = include_str!("../../templates/report.css");
-const SCRIPT: &str = concat!(include_str!("../../templates/figures.js"), include_str!("../../templates/page.js"));
+const SCRIPT: &str = concat!(
+    include_str!("../../templates/common.js"),
+    include_str!("../../templates/figures.js"),
+    include_str!("../../templates/page.js")
+);
 
 /// Name in the environment and text of every template; all are escaped automatically.
 const TEMPLATES: &[(&str, &str)] = &[
+    ("page.html.j2", include_str!("../../templates/page.html.j2")),
     ("report.html.j2", include_str!("../../templates/report.html.j2")),
+    ("trials.html.j2", include_str!("../../templates/trials.html.j2")),
+    ("checks.html.j2", include_str!("../../templates/checks.html.j2")),
     ("macros.html.j2", include_str!("../../templates/partials/macros.html.j2")),
     ("summary.html.j2", include_str!("../../templates/partials/summary.html.j2")),
     ("gates.html.j2", include_str!("../../templates/partials/gates.html.j2")),
     ("baseline.html.j2", include_str!("../../templates/partials/baseline.html.j2")),
     ("history.html.j2", include_str!("../../templates/partials/history.html.j2")),
     ("claims.html.j2", include_str!("../../templates/partials/claims.html.j2")),
-    ("scenario.html.j2", include_str!("../../templates/partials/scenario.html.j2")),
+    ("headline.html.j2", include_str!("../../templates/partials/headline.html.j2")),
+    ("measured.html.j2", include_str!("../../templates/partials/measured.html.j2")),
+    ("simulated.html.j2", include_str!("../../templates/partials/simulated.html.j2")),
+    ("sweep.html.j2", include_str!("../../templates/partials/sweep.html.j2")),
     ("comparison.html.j2", include_str!("../../templates/partials/comparison.html.j2")),
     ("discovery.html.j2", include_str!("../../templates/partials/discovery.html.j2")),
     ("free_form.html.j2", include_str!("../../templates/partials/free_form.html.j2")),
@@ -49,18 +61,38 @@ pub enum RenderError {
     Json(#[from] serde_json::Error),
 }
 
-/// The page.
+/// A page of a report: name of its file, name of its template.
+type Page = (&'static str, &'static str);
+const MAIN: Page = ("report.html", "report.html.j2");
+const TRIALS: Page = ("trials.html", "trials.html.j2");
+const CHECKS: Page = ("checks.html", "checks.html.j2");
+/// Names of the files that the pages of a report have.
+pub const PAGES: [&str; 3] = [MAIN.0, TRIALS.0, CHECKS.0];
+
+/// The main page.
 pub fn render(view: &ReportView) -> Result<String, RenderError> {
+    page(view, MAIN.1, &view.figures_of_page())
+}
+
+/// Every page but the main one, with the names of their files: the trials and the checks, where there are any.
+pub fn others(view: &ReportView) -> Result<Vec<(&'static str, String)>, RenderError> {
+    let trials: Vec<&FigureView> = view.trust.iter().flat_map(|trust| &trust.figures).collect();
+    let wanted = [(TRIALS, view.trust.is_some(), trials), (CHECKS, !view.verification.is_empty(), Vec::new())];
+    let wanted = wanted.into_iter().filter(|(_, there, _)| *there);
+    wanted.map(|((file, template), _, figures)| Ok((file, page(view, template, &figures)?))).collect()
+}
+
+/// A page with these figures.
+fn page(view: &ReportView, template: &str, figures: &[&FigureView]) -> Result<String, RenderError> {
     let drawing = |figure: &FigureView| {
         let svg = svg::inline(&figure.svg, &format!("{}--", figure.anchor)).unwrap_or_default();
         (figure.anchor.clone(), Value::from_safe_string(svg))
     };
     let table = |figure: &FigureView| (figure.anchor.clone(), packed::packed(&figure.csv));
-    let all = view.figures();
-    let drawings: BTreeMap<String, Value> = all.iter().map(|figure| drawing(figure)).collect();
-    let tables: BTreeMap<String, String> = all.iter().map(|figure| table(figure)).collect();
+    let drawings: BTreeMap<String, Value> = figures.par_iter().map(|figure| drawing(figure)).collect();
+    let tables: BTreeMap<String, String> = figures.par_iter().map(|figure| table(figure)).collect();
     let environment = environment(&view.glossary)?;
-    let page = environment.get_template("report.html.j2")?;
+    let page = environment.get_template(template)?;
     let pictures = view.baseline.iter().flat_map(|baseline| &baseline.pictures);
     let earlier: BTreeMap<&str, String> = pictures.map(|p| (p.before.as_str(), packed::packed(&p.svg))).collect();
     let policy = format!(
@@ -79,8 +111,14 @@ pub fn json(view: &ReportView) -> Result<String, RenderError> {
 }
 
 impl ReportView {
-    /// Every figure of the page.
+    /// Every figure.
     pub fn figures(&self) -> Vec<&FigureView> {
+        let of_trust = self.trust.iter().flat_map(|trust| &trust.figures);
+        self.figures_of_page().into_iter().chain(of_trust).collect()
+    }
+
+    /// Every figure of the main page.
+    fn figures_of_page(&self) -> Vec<&FigureView> {
         let of_scenarios = self.scenarios.iter().flat_map(|scenario| &scenario.figures);
         let comparisons = self.scenarios.iter().filter_map(|scenario| scenario.comparison.as_ref());
         let of_comparisons = comparisons.flat_map(|comparison| comparison.figures.iter().chain(&comparison.more));
@@ -92,10 +130,9 @@ impl ReportView {
         let of_questions = questions.flat_map(|question| &question.figures);
         let of_effects = self.atlas.iter().map(|effect| &effect.figure);
         let of_baseline = self.baseline.iter().flat_map(|baseline| &baseline.figures);
-        let of_trust = self.trust.iter().flat_map(|trust| &trust.figures);
         let of_history = self.history.iter().flat_map(|history| &history.figures).chain(&self.provenance.times);
         let of_input = of_scenarios.chain(of_comparisons).chain(of_discoveries).chain(of_questions).chain(of_effects);
-        of_input.chain(of_trust).chain(of_baseline).chain(of_history).collect()
+        of_input.chain(of_baseline).chain(of_history).collect()
     }
 }
 
@@ -107,6 +144,7 @@ fn environment(symbols: &[SymbolView]) -> Result<Environment<'static>, minijinja
     environment.set_syntax(SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?);
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
     environment.add_filter("tone", |verdict: &str| Tone::of(verdict).class());
+    environment.add_filter("place", anchor::place);
     environment.add_filter("sign", |verdict: &str| Tone::of(verdict).symbol());
     environment.add_filter("symbol", move |text: &str| Value::from_safe_string(of_symbol.linked(text)));
     environment.add_filter("letters", |text: &str| Value::from_safe_string(glossary::set(text)));

@@ -9,18 +9,10 @@ pub use super::free_form::FreeFormView;
 pub use super::question_view::{AbleView, QuestionView, SettingView};
 pub use super::trust::TrustView;
 use super::verdict::{Agreement, Completeness, Passed, Verdict};
+pub use crate::units::readable::Quantity;
 
 /// Schema of `report.json`.
 pub const SCHEMA: &str = "stickslip.report/1";
-
-/// A number with its wording.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Quantity {
-    /// The value in SI; absent where there is none (not a number).
-    pub value: Option<f64>,
-    /// What the page shows, with unit.
-    pub text: String,
-}
 
 /// The whole report.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -4,13 +4,13 @@ use super::LoadOptions;
 use super::diagnostic::{nearest, quote, suggestion};
 use super::embedded;
 use super::parameters::{COLUMNS, CONTACT, RIG};
-use super::reader::{Reader, Table};
-use super::rig::{Coordinate, Rig};
+use super::reader::{Reader, Table, units};
+use super::rig::Rig;
 use super::source::Store;
 use super::types::{EffectSetting, Instrument, MeasurementSource, Scenario};
-use super::validate::units;
 use super::written::{Entry, Node, Value};
 use crate::effects::{Effect, ParameterInfo, compatible, find, fits_rig, in_paper_formulation};
+use crate::parameter::Coordinate;
 
 /// The list `[[effect]]`, each from the catalogue and none twice, for a rig with that coordinate and with a contact or without;
 /// `None` where the table of either is not sound.

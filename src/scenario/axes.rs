@@ -5,8 +5,10 @@ use super::parameters::{MAX_POINTS, SWEEP};
 use super::reader::{Reader, Table};
 use super::types::{Contact, Formulation, Sweep};
 use super::written::{Entry, Node, Value};
-use crate::effects::ParameterInfo;
-use crate::sweep::DEFAULT_EULER_STEPS;
+use crate::parameter::ParameterInfo;
+
+/// Steps per cycle of the Euler procedure where a scenario gives none.
+pub const DEFAULT_EULER_STEPS: usize = 20_000;
 
 /// An axis as it was written; ranges are not expanded before the product is known to be small enough.
 enum Axis {

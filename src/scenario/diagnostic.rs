@@ -1,11 +1,22 @@
 //! Problems of a scenario file, shown with file:line:column and the offending line.
 
 use std::ops::Range;
+use std::path::PathBuf;
 
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 
-use super::source::Source;
-use crate::units::edit_distance;
+use strsim::osa_distance;
+
+/// One file of a scenario.
+#[derive(Debug, Clone)]
+pub(crate) struct Source {
+    /// Name shown in messages.
+    pub name: String,
+    /// Where it is; measurement tables are found from its folder.
+    pub path: PathBuf,
+    /// Its text without a byte order mark.
+    pub text: String,
+}
 
 /// A place in one of the files that make up a scenario.
 #[derive(Debug, Clone, PartialEq)]
@@ -107,7 +118,7 @@ pub(crate) fn nearest<'a>(written: &str, names: impl IntoIterator<Item = &'a str
     names
         .into_iter()
         .filter(|name| name.chars().nth((letters + letters / 2 + 2).max(letters + 2)).is_none())
-        .map(|name| (edit_distance(&written, &name.to_lowercase().replace('-', "_")), name))
+        .map(|name| (osa_distance(&written, &name.to_lowercase().replace('-', "_")), name))
         .filter(|(distance, name)| *distance <= (name.chars().count() / 3).max(2))
         .min_by_key(|(distance, _)| *distance)
         .map(|(_, name)| name)

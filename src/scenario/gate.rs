@@ -6,7 +6,7 @@ use super::parameters::{GATE, VERDICTS};
 use super::reader::{Reader, Table};
 use super::types::Gate;
 use super::written::{Entry, Value};
-use crate::effects::ParameterInfo;
+use crate::parameter::ParameterInfo;
 use crate::units;
 
 /// Keys of the table that are no numbers.

@@ -25,7 +25,7 @@ pub struct Estimate {
     pub high: Option<f64>,
     /// A unit of the last digit that shows in the predictions, given the values of the other parameters: where estimates
     /// are tied together, it is smaller than their intervals. Infinite where nothing shows.
-    pub felt: f64,
+    pub detectable_change: f64,
     /// Whether the data contradict the model that it was fitted with.
     pub contradicted: bool,
 }
@@ -50,7 +50,9 @@ impl Estimate {
         let place = self.place(style.factor);
         // An end far below the estimate has digits of its own.
         let number = |value: f64| style.number(value / style.factor, place.min(shown(value / style.factor)));
-        let fine = (self.felt / style.factor).log10().floor().min(f64::from(place)).max(f64::from(place - MOST)) as i32;
+        let fine =
+            (self.detectable_change / style.factor).log10().floor().min(f64::from(place)).max(f64::from(place - MOST))
+                as i32;
         let value = style.number(self.value / style.factor, fine);
         let unit = if style.unit.is_empty() { String::new() } else { format!(" {}", style.unit) };
         let interval = match (self.low, self.high) {
@@ -146,7 +148,8 @@ mod tests {
 
     fn written(value: f64, half: f64, unit: &'static str, old: Option<&str>) -> (String, String) {
         let (low, high) = (Some(value - half), Some(value + half));
-        let one = Estimate { key: "k".into(), value, unit, low, high, felt: f64::INFINITY, contradicted: false };
+        let one =
+            Estimate { key: "k".into(), value, unit, low, high, detectable_change: f64::INFINITY, contradicted: false };
         let written = one.written(old);
         (written.literal, written.interval)
     }
@@ -180,7 +183,7 @@ mod tests {
             unit: "1",
             low,
             high,
-            felt: f64::INFINITY,
+            detectable_change: f64::INFINITY,
             contradicted: false,
         };
         assert_eq!(one(Some(0.1), None).written(None).interval, "at least 0.100");
@@ -192,8 +195,16 @@ mod tests {
     #[test]
     fn estimates_that_are_tied_together_keep_the_digits_that_show() {
         let (low, high) = (Some(0.1), Some(0.2));
-        let one = Estimate { key: "k".into(), value: 0.151_234, unit: "1", low, high, felt: 3e-5, contradicted: false }
-            .written(None);
+        let one = Estimate {
+            key: "k".into(),
+            value: 0.151_234,
+            unit: "1",
+            low,
+            high,
+            detectable_change: 3e-5,
+            contradicted: false,
+        }
+        .written(None);
         assert_eq!((one.literal.as_str(), one.interval.as_str()), ("0.15123", "0.100 to 0.200"));
         let one = Estimate {
             key: "k".into(),
@@ -201,7 +212,7 @@ mod tests {
             unit: "1",
             low: Some(0.1),
             high: None,
-            felt: 1.0,
+            detectable_change: 1.0,
             contradicted: true,
         };
         assert!(one.written(None).interval.ends_with(", were the model right"));
@@ -219,7 +230,7 @@ mod tests {
                         unit,
                         low: None,
                         high: None,
-                        felt: f64::INFINITY,
+                        detectable_change: f64::INFINITY,
                         contradicted: false,
                     };
                     let text = one.written(old).literal;

@@ -27,6 +27,8 @@ mod written;
 
 use std::path::Path;
 
+pub use crate::parameter::Coordinate;
+pub use axes::DEFAULT_EULER_STEPS;
 pub use embedded::{FILES as EMBEDDED_FILES, TEMPLATE, file as embedded_file, text as embedded_text};
 pub use listing::{discover, embedded_names};
 pub use rig::*;

@@ -1,14 +1,7 @@
 //! Every base parameter stated once: key, symbol, unit, physical range, meaning. Parser, documentation and reports follow it.
 
-use super::rig::Coordinate;
-use crate::effects::{Measure, ParameterInfo};
-
-/// Values that are positive, however small or large the rig.
-pub const POSITIVE: (f64, f64) = (f64::MIN_POSITIVE, f64::MAX);
-/// Values that are zero or more.
-pub const ZERO_OR_MORE: (f64, f64) = (0.0, f64::MAX);
-/// Values of either sign.
-pub const ANY: (f64, f64) = (-f64::MAX, f64::MAX);
+use crate::parameter::{ANY, Coordinate, Measure, POSITIVE, ParameterInfo, ZERO_OR_MORE};
+use std::sync::LazyLock;
 
 const fn info(
     (key, symbol, unit): (&'static str, &'static str, &'static str),
@@ -135,27 +128,22 @@ pub const SENSITIVITY: &[ParameterInfo] = &[
 ];
 
 /// Keys of all parameters that rigs and instruments may have, as in `[fit] free`.
-pub const BASE_KEYS: &[&str] = &[
-    "rig.inertia",
-    "rig.torsional_stiffness",
-    "rig.torsional_damping",
-    "rig.spring_stiffness",
-    "rig.spring_damping",
-    "rig.spring_arm",
-    "rig.contact_arm",
-    "rig.mass",
-    "rig.stiffness",
-    "rig.natural_frequency",
-    "rig.damping",
-    "rig.quality_factor",
-    "rig.damping_ratio",
-    "rig.contact_factor",
-    "instrument.drive_gain",
-    "instrument.drive_sensitivity",
-    "instrument.amplitude_gain",
-    "instrument.sensitivity",
-    "instrument.phase_offset",
-];
+pub fn base_keys() -> &'static [String] {
+    static KEYS: LazyLock<Vec<String>> = LazyLock::new(|| {
+        let tables = [
+            ("rig", &[RIG, OF_DISPLACEMENT, OF_ANGLE][..]),
+            ("instrument", &[INSTRUMENT, DRIVE_SENSITIVITY, SENSITIVITY]),
+        ];
+        let keys = |(table, lists): (&str, &[&[ParameterInfo]])| {
+            lists.concat().iter().map(|info| format!("{table}.{}", info.key)).collect::<Vec<_>>()
+        };
+        let mut all: Vec<String> = tables.into_iter().flat_map(keys).collect();
+        all.sort();
+        all.dedup();
+        all
+    });
+    &KEYS
+}
 
 /// The numeric axes of `[sweep]`; its key `formulation` is a list of words.
 pub const SWEEP: &[ParameterInfo] = &[

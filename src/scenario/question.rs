@@ -1,9 +1,8 @@
 //! The table `[question]`: a curve of the model itself that effects are asked to imitate at the speed of the sweep.
 
 use super::parameters::QUESTION;
-use super::reader::Reader;
+use super::reader::{Reader, units};
 use super::types::{Formulation, Question, Sweep};
-use super::validate::units;
 use super::written::Entry;
 
 /// Frequencies from which on a sweep has a peak to speak of.

@@ -3,11 +3,12 @@
 use super::axes;
 use super::diagnostic::{nearest, quote, suggestion};
 use super::parameters::{CONTACT, DRIVE_SENSITIVITY, INSTRUMENT, OSCILLATOR_WORDS, RIG, SENSITIVITY, oscillator};
-use super::reader::{Reader, Table};
-use super::rig::{Coordinate, Dissipation, Elasticity, Excitation, Oscillator, Rig, Signal, TorsionalArm};
+use super::reader::{Reader, Table, units};
+use super::rig::{Dissipation, Elasticity, Excitation, Oscillator, Rig, Signal, TorsionalArm};
 use super::types::{Contact, Formulation, Instrument};
 use super::written::{Entry, Value, inside};
-use crate::effects::ParameterInfo;
+use crate::parameter::Coordinate;
+use crate::parameter::ParameterInfo;
 use crate::units;
 
 /// Kinds of rigs.
@@ -73,7 +74,7 @@ fn numbers<const N: usize>(
     infos: &[ParameterInfo],
     optional: &[&str],
 ) -> Option<[f64; N]> {
-    reader.keys(table, &super::validate::units(infos), optional);
+    reader.keys(table, &units(infos), optional);
     let values: Vec<_> =
         infos.iter().map(|info| table.get(info.key).and_then(|node| reader.quantity(node, info))).collect();
     values.into_iter().collect::<Option<Vec<_>>>()?.try_into().ok()

@@ -1,9 +1,9 @@
 //! From written values to numbers and words: every reader either returns what was meant or notes a problem.
 
+use super::diagnostic::Source;
 use super::diagnostic::{Place, Problems, nearest, quote, suggestion};
-use super::source::Source;
 use super::written::{Entry, Node, Value};
-use crate::effects::ParameterInfo;
+use crate::parameter::ParameterInfo;
 use crate::units;
 
 /// Name of the file's top level in messages.
@@ -210,4 +210,9 @@ fn example(key: &str, unit: &str) -> String {
         (_, "N") => "\"20 N\"".into(),
         (_, unit) => format!("\"1 {unit}\""),
     }
+}
+
+/// Keys with their units.
+pub(crate) fn units(infos: &[ParameterInfo]) -> Vec<(&'static str, &'static str)> {
+    infos.iter().map(|info| (info.key, info.unit)).collect()
 }

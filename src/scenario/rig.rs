@@ -3,11 +3,8 @@
 //! Both are M x'' + C x' + K x = drive + q F(contact) with one coordinate x, an angle or a displacement.
 
 use super::parameters::RIG;
-use crate::effects::ParameterInfo;
+use crate::parameter::{Coordinate, ParameterInfo, RIG_PARAMETERS};
 use std::f64::consts::TAU;
-
-/// Most parameters that a rig has.
-pub const RIG_PARAMETERS: usize = 7;
 
 /// A rig, SI units.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -65,16 +62,6 @@ pub struct Oscillator {
     pub spring_damping: f64,
     /// q, motion at the contact per unit of the coordinate \[-, m/rad\].
     pub contact_factor: f64,
-}
-
-/// What the coordinate of an oscillator is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Coordinate {
-    /// A displacement \[m\].
-    Displacement,
-    /// An angle \[rad\].
-    Angle,
 }
 
 /// How an oscillator is driven (right-hand side of the equation of motion).

@@ -3,23 +3,13 @@
 use std::io::Read as _;
 use std::path::{Component, Path, PathBuf};
 
+pub(crate) use super::diagnostic::Source;
 use super::diagnostic::whole_file;
 use super::embedded;
 use crate::error::{Error, Result};
 
 /// Largest scenario file that is read.
 pub(crate) const MAX_BYTES: u64 = 1 << 20;
-
-/// One file of a scenario.
-#[derive(Debug, Clone)]
-pub(crate) struct Source {
-    /// Name shown in messages.
-    pub name: String,
-    /// Where it is; measurement tables are found from its folder.
-    pub path: PathBuf,
-    /// Its text without a byte order mark.
-    pub text: String,
-}
 
 /// Where files come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 
 use super::parameters::{DRIVE_SENSITIVITY, INSTRUMENT, SENSITIVITY};
 use super::rig::{Rig, Signals};
-use crate::effects::ParameterInfo;
+use crate::parameter::ParameterInfo;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 

@@ -9,13 +9,13 @@ use super::gate::gate;
 use super::question::question;
 use super::read_rig::{self, contact, instrument, rig};
 use super::reader::{Reader, TOP_LEVEL, Table, WHOLE};
-use super::rig::{Coordinate, Rig, Signals};
+use super::rig::{Rig, Signals};
 use super::source::Store;
 use super::types::{Formulation, Scenario, Sweep};
 use super::written::{Node, inside};
 use super::{LoadOptions, Role};
-use crate::effects::ParameterInfo;
 use crate::error::{Error, Result};
+use crate::parameter::Coordinate;
 
 /// Validates a document; all its problems are told at once.
 pub(crate) fn scenario(
@@ -144,9 +144,4 @@ fn title(reader: &mut Reader<'_>, node: &Node) -> Option<String> {
         return None;
     }
     Some(text)
-}
-
-/// Keys with their units.
-pub(crate) fn units(infos: &[ParameterInfo]) -> Vec<(&'static str, &'static str)> {
-    infos.iter().map(|info| (info.key, info.unit)).collect()
 }

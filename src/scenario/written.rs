@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use toml::de::{DeTable, DeValue};
 
+use super::diagnostic::Source;
 use super::diagnostic::{Place, render};
-use super::source::Source;
 use crate::error::{Error, Result};
 
 /// A value and its place.

@@ -14,7 +14,7 @@ mod stability;
 
 use super::exponential::{Square, unit};
 use super::harmonic::{Complex, resolvent, times};
-use super::shooting::Start;
+use super::period::Start;
 use super::tolerance::Tolerance;
 use crate::model::system::{Evaluation, Forcing, HybridSystem, MAX_STATES, Mode};
 use instants::{ROOTS, sum};

@@ -3,6 +3,11 @@
 // Indices run over several tables at once here.
 #![allow(clippy::needless_range_loop)]
 
+use crate::model::system::MAX_STATES;
+
+/// States of all systems are at most this many.
+pub type State = [f64; MAX_STATES];
+
 const SQRT6: f64 = 2.449_489_742_783_178;
 /// Nodes.
 pub const C: [f64; 3] = [(4.0 - SQRT6) / 10.0, (4.0 + SQRT6) / 10.0, 1.0];

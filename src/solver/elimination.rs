@@ -3,7 +3,7 @@
 // Indices run over several matrices at once here.
 #![allow(clippy::needless_range_loop)]
 
-use super::radau::{A, C, State};
+use super::collocation::{A, C, State};
 use crate::model::system::{Evaluation, Forcing, HybridSystem, MAX_NONLINEAR, MAX_STATES, Mode};
 use nalgebra::{Complex, ComplexField, Matrix3};
 use std::array::from_fn;

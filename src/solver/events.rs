@@ -1,7 +1,8 @@
 //! Where a mode ends within a step: the event function on the polynomial through its start and its stages.
 
+use super::dense::{Matrix, identity};
 use super::radau::{C, State, Stepper};
-use crate::model::system::{Forcing, HybridSystem, Mode};
+use crate::model::system::{Forcing, HybridSystem, MAX_STATES, Mode};
 
 /// Largest deviation of the event function from its polynomial over a step, relative to its own size: with more, a crossing
 /// could not be told from a wiggle of the polynomial.
@@ -29,6 +30,46 @@ const TRIALS: usize = 80;
 const SMOOTH_TRIALS: usize = 8;
 /// Fractions of a step at which the interpolated event function is looked at.
 const LOOKS: [f64; 12] = [0.02, 0.05, 0.1, C[0], 0.25, 0.35, 0.45, 0.55, C[1], 0.75, 0.88, 1.0];
+
+/// Where a mode that is followed approximately ends.
+#[derive(Debug, Clone, Copy)]
+pub struct Approximation {
+    /// Time \[s\].
+    pub time: f64,
+    /// States.
+    pub state: State,
+    /// Algebraic unknown.
+    pub slip: f64,
+    /// Whether the mode ended there.
+    pub ended: bool,
+}
+
+/// A point of an orbit that is followed from event to event.
+#[derive(Debug, Clone)]
+pub struct Jump {
+    /// Time \[s\].
+    pub time: f64,
+    /// States.
+    pub state: State,
+    /// Algebraic unknown.
+    pub slip: f64,
+    /// Derivative of the states by those at the start of the cycle, in units of their scales.
+    pub through: Matrix,
+    /// The smaller margin of the mode that led here.
+    pub margin: f64,
+    /// Its rate of change \[1/s\].
+    pub rate: f64,
+    /// Its derivatives by the states at the start of the cycle, in units of their scales.
+    pub margin_by_start: State,
+}
+
+impl Jump {
+    /// The start of a cycle.
+    pub fn new(state: State) -> Self {
+        let none = [0.0; MAX_STATES];
+        Self { time: 0.0, state, slip: 0.0, through: identity(), margin: 0.0, rate: 0.0, margin_by_start: none }
+    }
+}
 
 /// Value below which the event function has fallen through zero: a mode that begins a rounding below zero has not ended.
 fn floor(start: f64) -> f64 {

@@ -11,11 +11,11 @@
 use super::cubic::{between, crossing, cubic, turning_point};
 use super::dense::Matrix;
 use super::eliminated::Eliminated;
-use super::events::rising;
+use super::events::{Approximation, Jump, rising};
 use super::exponential::{Map, Square, apply, dot, exponential, multiply, norm};
 use super::harmonic::{Complex, particular, products, resolvent};
-use super::prediction::{Glance, Jump};
 use super::radau::State;
+use super::sensitivity::{Equations, Gradient, Stretch, gather};
 use crate::model::system::{Forcing, HybridSystem, MAX_STATES, Mode};
 
 /// Norm of M t up to which the power series of y is summed.
@@ -27,7 +27,7 @@ const CROSSED: f64 = -1e-11;
 
 /// What a stretch of one mode leaves behind.
 #[derive(Debug, Clone)]
-pub struct Leg {
+pub struct Segment {
     /// Time at the end \[s\].
     pub time: f64,
     /// States at the end.
@@ -54,13 +54,13 @@ pub struct Leg {
 pub trait Flow {
     /// Follows the mode from a state at a time to its end, or to the end of the period; the fundamental is that of
     /// state 0 less `offset`. Mean and force are gathered where they are to be observed.
-    fn leg(&self, start: f64, z: &State, period: f64, offset: f64, observe: bool) -> Leg;
+    fn segment(&self, start: f64, z: &State, period: f64, offset: f64, observe: bool) -> Segment;
     /// Follows the mode in whole steps; its end is known to a polynomial between them.
-    fn glance(&self, start: f64, z: &State, period: f64) -> Glance;
+    fn approximate_segment(&self, start: f64, z: &State, period: f64) -> Approximation;
     /// Continues an orbit in the mode to a stated time, whatever its margins.
     fn jump(&self, at: &mut Jump, end: f64);
     /// Adds the derivatives of an output by the coefficients of the equations over a stretch; see [`super::sensitivity`].
-    fn gather(&self, leg: &super::sensitivity::Stretch, into: &mut super::sensitivity::Gradient);
+    fn gather(&self, stretch: &Stretch, into: &mut Gradient);
 }
 
 /// a y + constant + sine sin wt + cosine cos wt, and the same for its slope.
@@ -88,14 +88,7 @@ impl<const N: usize> Reading<N> {
 
 /// The flow of one mode of a system of N states, in units of their scales.
 pub struct Affine<const N: usize> {
-    pub(super) omega: f64,
-    pub(super) scales: [f64; N],
-    pub(super) m: Square<N>,
-    pub(super) constant: [f64; N],
-    /// (ps, pc).
-    pub(super) particular: [[f64; N]; 2],
-    /// (iw - M)^-1.
-    pub(super) resolvent: [[Complex; N]; N],
+    equations: Equations<N>,
     step: f64,
     rotation: (f64, f64),
     ladder: Vec<Map<N>>,
@@ -173,12 +166,7 @@ impl<const N: usize> Affine<N> {
         let margins = [0, 1].map(|j| probe(&|forcing, z, s| system.margins(forcing, z, s, mode)[j]));
         let two_margins = margins[0].a != margins[1].a || margins[0].constant != margins[1].constant;
         let flow = Self {
-            omega,
-            scales,
-            m,
-            constant,
-            particular,
-            resolvent,
+            equations: Equations { omega, scales, m, constant, particular, resolvent },
             step,
             rotation: (omega * step).sin_cos(),
             ladder,
@@ -190,30 +178,6 @@ impl<const N: usize> Affine<N> {
             angle: probe(&|_, z, _| z[0]),
         };
         Some(flow)
-    }
-
-    /// y at a state.
-    pub(super) fn rest(&self, z: &State, (sine, cosine): (f64, f64)) -> [f64; N] {
-        let [ps, pc] = &self.particular;
-        std::array::from_fn(|i| z[i] / self.scales[i] - ps[i] * sine - pc[i] * cosine)
-    }
-
-    /// y'.
-    fn rate(&self, y: &[f64; N]) -> [f64; N] {
-        let mut out = apply(&self.m, y);
-        for i in 0..N {
-            out[i] += self.constant[i];
-        }
-        out
-    }
-
-    fn state(&self, y: &[f64; N], (sine, cosine): (f64, f64)) -> State {
-        let [ps, pc] = &self.particular;
-        let mut z = [0.0; MAX_STATES];
-        for i in 0..N {
-            z[i] = (y[i] + ps[i] * sine + pc[i] * cosine) * self.scales[i];
-        }
-        z
     }
 
     /// y after a part of a step.
@@ -234,9 +198,9 @@ impl<const N: usize> Affine<N> {
     fn series(&self, y: &[f64; N]) -> [[f64; N]; TERMS] {
         let mut series = [[0.0; N]; TERMS];
         series[0] = *y;
-        series[1] = self.rate(y);
+        series[1] = self.equations.rate(y);
         for k in 2..TERMS {
-            let next = apply(&self.m, &series[k - 1]);
+            let next = apply(&self.equations.m, &series[k - 1]);
             let inverse = 1.0 / k as f64;
             series[k] = next.map(|v| v * inverse);
         }
@@ -258,7 +222,7 @@ impl<const N: usize> Affine<N> {
         if least > 0.05 * before.abs().max(after.abs()) + 1e-6 {
             return false;
         }
-        let turn = (self.omega * (from.time + tau * size)).sin_cos();
+        let turn = (self.equations.omega * (from.time + tau * size)).sin_cos();
         reading.value(&self.after(&from.y, tau * size), turn) < CROSSED
     }
 
@@ -273,7 +237,7 @@ impl<const N: usize> Affine<N> {
             if time >= to.time {
                 continue;
             }
-            let middle = Sample { time, y: map.apply(&from.y), turn: (self.omega * time).sin_cos() };
+            let middle = Sample { time, y: map.apply(&from.y), turn: (self.equations.omega * time).sin_cos() };
             let (a, b) = (reading.value(&from.y, from.turn), reading.value(&middle.y, middle.turn));
             if self.falls(reading, &from, &middle, a, b) { to = middle } else { from = middle }
         }
@@ -281,7 +245,7 @@ impl<const N: usize> Affine<N> {
         let scalar: [f64; TERMS] = std::array::from_fn(|k| dot(&reading.a, &series[k]));
         let (sine, cosine) = from.turn;
         let value = |d: f64| {
-            let (s, c) = (self.omega * d).sin_cos();
+            let (s, c) = (self.equations.omega * d).sin_cos();
             let turn = (sine * c + cosine * s, cosine * c - sine * s);
             let (mut v, mut slope) = (0.0, 0.0);
             for k in (0..TERMS).rev() {
@@ -289,7 +253,7 @@ impl<const N: usize> Affine<N> {
                 v = v * d + scalar[k];
             }
             let (x, y) = (reading.sine, reading.cosine);
-            (v + reading.constant + x * turn.0 + y * turn.1, slope + self.omega * (x * turn.1 - y * turn.0))
+            (v + reading.constant + x * turn.0 + y * turn.1, slope + self.equations.omega * (x * turn.1 - y * turn.0))
         };
         let (mut low, mut high) = (0.0, to.time - from.time);
         if value(high).0 >= 0.0 {
@@ -325,9 +289,9 @@ struct Sample<const N: usize> {
 }
 
 impl<const N: usize> Flow for Affine<N> {
-    fn leg(&self, start: f64, z: &State, period: f64, offset: f64, observe: bool) -> Leg {
-        let turn = (self.omega * start).sin_cos();
-        let first = Sample { time: start, y: self.rest(z, turn), turn };
+    fn segment(&self, start: f64, z: &State, period: f64, offset: f64, observe: bool) -> Segment {
+        let turn = (self.equations.omega * start).sin_cos();
+        let first = Sample { time: start, y: self.equations.rest(z, turn), turn };
         let mut from = first;
         let margins = &self.margins[..if self.two_margins { 2 } else { 1 }];
         let mut before = [0.0; 2];
@@ -336,10 +300,10 @@ impl<const N: usize> Flow for Affine<N> {
         }
         let force_at = |at: &Sample<N>| (self.force.value(&at.y, at.turn), self.force.slope(&at.y, at.turn));
         let angle_at = |at: &Sample<N>| {
-            let (bend, turn) = (apply(&self.m, &self.rate(&at.y)), at.turn);
-            let [ps, pc] = [self.particular[0][0], self.particular[1][0]];
-            let second = bend[0] - self.omega * self.omega * (ps * turn.0 + pc * turn.1);
-            (self.angle.value(&at.y, turn), self.angle.slope(&at.y, turn), second * self.scales[0])
+            let (bend, turn) = (apply(&self.equations.m, &self.equations.rate(&at.y)), at.turn);
+            let [ps, pc] = [self.equations.particular[0][0], self.equations.particular[1][0]];
+            let second = bend[0] - self.equations.omega * self.equations.omega * (ps * turn.0 + pc * turn.1);
+            (self.angle.value(&at.y, turn), self.angle.slope(&at.y, turn), second * self.equations.scales[0])
         };
         let (mut force, mut angle) = (force_at(&from), angle_at(&from));
         let mut extremes = (force.0, force.0);
@@ -352,7 +316,7 @@ impl<const N: usize> Flow for Affine<N> {
                 let turn = (s0 * c + c0 * s, c0 * c - s0 * s);
                 Sample { time: from.time + self.step, y: self.ladder[0].apply(&from.y), turn }
             } else {
-                Sample { time: period, y: self.after(&from.y, left), turn: (self.omega * period).sin_cos() }
+                Sample { time: period, y: self.after(&from.y, left), turn: (self.equations.omega * period).sin_cos() }
             };
             let mut after = [0.0; 2];
             for (j, margin) in margins.iter().enumerate() {
@@ -360,7 +324,7 @@ impl<const N: usize> Flow for Affine<N> {
                 if self.falls(margin, &from, &to, before[j], after[j]) {
                     ended = true;
                     let (time, y) = self.root(margin, &from, &to);
-                    to = Sample { time, y, turn: (self.omega * time).sin_cos() };
+                    to = Sample { time, y, turn: (self.equations.omega * time).sin_cos() };
                 }
             }
             if observe {
@@ -376,9 +340,9 @@ impl<const N: usize> Flow for Affine<N> {
             }
             (from, before) = (to, after);
         }
-        let mut leg = Leg {
+        let mut segment = Segment {
             time: from.time,
-            state: self.state(&from.y, from.turn),
+            state: self.equations.state(&from.y, from.turn),
             slip: self.slip.value(&from.y, from.turn),
             ended,
             transition: [[0.0; MAX_STATES]; MAX_STATES],
@@ -388,13 +352,13 @@ impl<const N: usize> Flow for Affine<N> {
             mean: area / period,
             force: extremes,
         };
-        self.fundamental(&first, &from, 2.0 / period, offset / self.scales[0], &mut leg);
-        leg
+        self.fundamental(&first, &from, 2.0 / period, offset / self.equations.scales[0], &mut segment);
+        segment
     }
 
-    fn glance(&self, start: f64, z: &State, period: f64) -> Glance {
-        let turn = (self.omega * start).sin_cos();
-        let mut from = Sample { time: start, y: self.rest(z, turn), turn };
+    fn approximate_segment(&self, start: f64, z: &State, period: f64) -> Approximation {
+        let turn = (self.equations.omega * start).sin_cos();
+        let mut from = Sample { time: start, y: self.equations.rest(z, turn), turn };
         let margins = &self.margins[..if self.two_margins { 2 } else { 1 }];
         let mut before = [0.0; 2];
         for (value, margin) in before.iter_mut().zip(margins) {
@@ -418,21 +382,27 @@ impl<const N: usize> Flow for Affine<N> {
                 }
             }
             if ended || last <= 1.0 + 1e-9 {
-                let (time, rates) = (from.time + fraction * self.step, (self.rate(&from.y), self.rate(&to.y)));
+                let (time, rates) =
+                    (from.time + fraction * self.step, (self.equations.rate(&from.y), self.equations.rate(&to.y)));
                 let y = std::array::from_fn(|i| {
                     cubic(from.y[i], rates.0[i] * self.step, to.y[i], rates.1[i] * self.step, fraction)
                 });
-                let turn = (self.omega * time).sin_cos();
-                return Glance { time, state: self.state(&y, turn), slip: self.slip.value(&y, turn), ended };
+                let turn = (self.equations.omega * time).sin_cos();
+                return Approximation {
+                    time,
+                    state: self.equations.state(&y, turn),
+                    slip: self.slip.value(&y, turn),
+                    ended,
+                };
             }
             (from, before) = (to, after);
         }
     }
 
     fn jump(&self, at: &mut Jump, end: f64) {
-        let (from, to) = ((self.omega * at.time).sin_cos(), (self.omega * end).sin_cos());
-        let map = Map::over(&self.m, &self.constant, end - at.time);
-        let y = map.apply(&self.rest(&at.state, from));
+        let (from, to) = ((self.equations.omega * at.time).sin_cos(), (self.equations.omega * end).sin_cos());
+        let map = Map::over(&self.equations.m, &self.equations.constant, end - at.time);
+        let y = map.apply(&self.equations.rest(&at.state, from));
         let before: Square<N> = std::array::from_fn(|i| std::array::from_fn(|j| at.through[i][j]));
         let through = multiply(&map.matrix, &before);
         let values = [0, 1].map(|j| self.margins[j].value(&y, to));
@@ -442,35 +412,35 @@ impl<const N: usize> Flow for Affine<N> {
             at.through[i][..N].copy_from_slice(&through[i]);
             at.margin_by_start[i] = (0..N).map(|k| reading.a[k] * through[k][i]).sum();
         }
-        (at.time, at.state, at.slip) = (end, self.state(&y, to), self.slip.value(&y, to));
+        (at.time, at.state, at.slip) = (end, self.equations.state(&y, to), self.slip.value(&y, to));
         (at.margin, at.rate) = (values[margin], reading.slope(&y, to));
     }
 
-    fn gather(&self, leg: &super::sensitivity::Stretch, into: &mut super::sensitivity::Gradient) {
-        super::sensitivity::gather(self, leg, into);
+    fn gather(&self, stretch: &Stretch, into: &mut Gradient) {
+        gather(&self.equations, stretch, into);
     }
 }
 
 impl<const N: usize> Affine<N> {
     /// Fundamental of state 0 over a stretch, and the derivatives by its start; `weight` is 2/T.
-    fn fundamental(&self, from: &Sample<N>, to: &Sample<N>, weight: f64, offset: f64, leg: &mut Leg) {
-        let transition = exponential(&self.m, to.time - from.time);
+    fn fundamental(&self, from: &Sample<N>, to: &Sample<N>, weight: f64, offset: f64, segment: &mut Segment) {
+        let transition = exponential(&self.equations.m, to.time - from.time);
         let (e0, e1) = ((from.turn.1, -from.turn.0), (to.turn.1, -to.turn.0));
-        let row = &self.resolvent[0];
+        let row = &self.equations.resolvent[0];
         // int e^{-iwt} dt = (e0 - e1)/(iw)
-        let bare = ((e0.1 - e1.1) / self.omega, -(e0.0 - e1.0) / self.omega);
+        let bare = ((e0.1 - e1.1) / self.equations.omega, -(e0.0 - e1.0) / self.equations.omega);
         let mut integral = (-offset * bare.0, -offset * bare.1);
         for i in 0..N {
-            let c = self.constant[i];
+            let c = self.equations.constant[i];
             let x = from.y[i] * e0.0 - to.y[i] * e1.0 + c * bare.0;
             let y = from.y[i] * e0.1 - to.y[i] * e1.1 + c * bare.1;
             integral.0 += row[i].0 * x - row[i].1 * y;
             integral.1 += row[i].0 * y + row[i].1 * x;
         }
-        let [sine2, cosine2, both] = products(self.omega, to.time - from.time, from.turn, to.turn);
-        let [ps, pc] = [self.particular[0][0], self.particular[1][0]];
-        let factor = weight * self.scales[0];
-        leg.fundamental =
+        let [sine2, cosine2, both] = products(self.equations.omega, to.time - from.time, from.turn, to.turn);
+        let [ps, pc] = [self.equations.particular[0][0], self.equations.particular[1][0]];
+        let factor = weight * self.equations.scales[0];
+        segment.fundamental =
             (factor * (-integral.1 + ps * sine2 + pc * both), factor * (integral.0 + ps * both + pc * cosine2));
         for j in 0..N {
             let (mut x, mut y) = (0.0, 0.0);
@@ -480,9 +450,10 @@ impl<const N: usize> Affine<N> {
                 });
                 x += row[i].0 * d.0 - row[i].1 * d.1;
                 y += row[i].0 * d.1 + row[i].1 * d.0;
-                leg.transition[i][j] = transition[i][j] * self.scales[i] / self.scales[j];
+                segment.transition[i][j] = transition[i][j] * self.equations.scales[i] / self.equations.scales[j];
             }
-            leg.fundamental_by_start[j] = (-factor * y / self.scales[j], factor * x / self.scales[j]);
+            segment.fundamental_by_start[j] =
+                (-factor * y / self.equations.scales[j], factor * x / self.equations.scales[j]);
         }
     }
 }

@@ -9,8 +9,8 @@
 
 use super::cycle::Integrator;
 use super::dense;
+use super::period::Start;
 use super::radau::State;
-use super::shooting::Start;
 use crate::model::system::Mode;
 
 /// How healing ends.

@@ -1,12 +1,12 @@
 //! The observables of a point by plain time integration: the cross-check of the periodic solver, and the maker of test data.
 
-use super::analytic::wrap;
 use super::time::{Plan, integrate};
 use crate::model::alone::Alone;
 use crate::model::contact::Problem;
 use crate::model::continuum::Element;
 use crate::model::system::SingleMode;
 use crate::model::{Model, Operation};
+use crate::statistics::wrap;
 use std::f64::consts::TAU;
 
 /// What a time integration reads.

@@ -15,6 +15,7 @@ pub mod flow;
 mod harmonic;
 mod healing;
 mod integrated;
+mod integration;
 mod joint;
 pub mod lu;
 pub mod oscillator;
@@ -95,7 +96,7 @@ pub struct SteadyState {
     /// closed forms; evaluations of the laws over a cycle for harmonic balance).
     pub cycles: usize,
     /// Relative change of the state over a cycle from the start that was found \[-\]: of the last cycle, or as estimated
-    /// where a step of Newton's followed it that leaves next to nothing.
+    /// where a Newton step followed it that leaves next to nothing.
     pub periodicity_error: f64,
     /// Whether it is a steady state.
     pub status: Status,

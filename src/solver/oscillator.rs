@@ -336,7 +336,7 @@ fn solve(mode: &dyn SingleMode, amplitude: f64, tolerance: &Tolerance) -> Option
         let mut instants = (INSTANTS * highest).max(24);
         if mode.joint().is_some() {
             let (most, least) = INSTANTS_OF_JOINT;
-            let wanted = (most as f64 / tolerance.relief().powi(5)) as usize;
+            let wanted = (most as f64 / tolerance.coarsening().powi(5)) as usize;
             instants = instants.max(wanted.max(least));
         }
         let laid = Laid::of(highest, instants + instants % 2, odd);

@@ -4,10 +4,13 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::dense::{Matrix, multiply};
-use super::flow::Leg;
+use super::flow::Segment;
 use super::radau::{State, Stepper, Taken};
 use super::sensitivity::Stretch;
 use crate::model::system::{MAX_STATES, Mode};
+
+/// States at time 0 with the mode and the algebraic unknown there.
+pub type Start = (State, (Mode, f64));
 
 /// What a step leaves behind for a recorder: times, states and algebraic unknown at the start and the stages.
 pub struct Record<'a> {
@@ -43,7 +46,7 @@ pub struct Cycle {
     /// Its derivatives by the states at the start; not gathered on exact flows.
     pub mean_by_start: State,
     /// Stretches on exact flows.
-    pub legs: usize,
+    pub segments: usize,
     /// Whether mean and extremes of the force are complete.
     pub observed: bool,
     /// Share of the period in [`Mode::Stick`].
@@ -57,7 +60,7 @@ pub struct Cycle {
 }
 
 impl Cycle {
-    /// Carries the cycle over to a start that is a small step `delta` of Newton's away.
+    /// Carries the cycle over to a start that is a small Newton step `delta` away.
     pub fn shift(&mut self, n: usize, delta: &State) {
         for j in 0..n {
             self.fundamental.0 += self.fundamental_by_start[j].0 * delta[j];
@@ -70,31 +73,31 @@ impl Cycle {
     }
 
     /// Adds an exact stretch, a share of the period in one mode.
-    pub fn follow(&mut self, leg: &Leg, mode: Mode, share: f64, n: usize) {
+    pub fn follow(&mut self, segment: &Segment, mode: Mode, share: f64, n: usize) {
         let mut through = [[0.0; MAX_STATES]; MAX_STATES];
-        multiply(n, n, &leg.transition, &self.monodromy, &mut through);
-        self.fundamental.0 += leg.fundamental.0;
-        self.fundamental.1 += leg.fundamental.1;
+        multiply(n, n, &segment.transition, &self.monodromy, &mut through);
+        self.fundamental.0 += segment.fundamental.0;
+        self.fundamental.1 += segment.fundamental.1;
         for (by_start, column) in self.fundamental_by_start.iter_mut().zip(0..n) {
-            for (row, by) in self.monodromy.iter().zip(&leg.fundamental_by_start).take(n) {
+            for (row, by) in self.monodromy.iter().zip(&segment.fundamental_by_start).take(n) {
                 by_start.0 += by.0 * row[column];
                 by_start.1 += by.1 * row[column];
             }
         }
         self.monodromy = through;
-        self.mean += leg.mean;
-        self.force = (self.force.0.min(leg.force.0), self.force.1.max(leg.force.1));
+        self.mean += segment.mean;
+        self.force = (self.force.0.min(segment.force.0), self.force.1.max(segment.force.1));
         self.stick_fraction += if mode == Mode::Stick { share } else { 0.0 };
         self.steps += 1;
-        self.legs += 1;
-        self.observed &= leg.observed;
+        self.segments += 1;
+        self.observed &= segment.observed;
     }
 }
 
 /// A part of an orbit.
 pub enum Part {
     /// An exact stretch.
-    Leg(Box<(Stretch, Leg)>),
+    Segment(Box<(Stretch, Segment)>),
     /// A step.
     Step(Box<Taken>),
 }

@@ -10,63 +10,23 @@
 
 use super::cycle::Integrator;
 use super::dense;
-use super::dense::{Matrix, identity};
+use super::events::Jump;
+use super::period::Start;
 use super::radau::State;
-use super::shooting::Start;
 use crate::model::system::{MAX_STATES, Mode};
 
 /// Cycles of long steps from a cold start, and from a neighbouring problem.
-const GLANCES: [usize; 2] = [2, 1];
+const APPROXIMATE_CYCLES: [usize; 2] = [2, 1];
 /// How often Newton's method is tried, each time from later in the transient.
 const ATTEMPTS: usize = 4;
-/// Phase by which the time of an event may be moved in a step of Newton's method; more means that it is far off \[rad\].
+/// Phase by which the time of an event may be moved in a Newton step method; more means that it is far off \[rad\].
 const FAR: f64 = 1.0;
 /// Most stretches of one mode in a cycle.
 const MAX_STRETCHES: usize = 12;
-/// Most steps of Newton's method.
+/// Most Newton steps.
 const MAX_ROUNDS: usize = 12;
 /// Relative error of states and times that may be left.
 const LEFT: f64 = 1e-12;
-
-/// Where a glance along a mode ends.
-#[derive(Debug, Clone, Copy)]
-pub struct Glance {
-    /// Time \[s\].
-    pub time: f64,
-    /// States.
-    pub state: State,
-    /// Algebraic unknown.
-    pub slip: f64,
-    /// Whether the mode ended there.
-    pub ended: bool,
-}
-
-/// A point of an orbit that is followed from event to event.
-#[derive(Debug, Clone)]
-pub struct Jump {
-    /// Time \[s\].
-    pub time: f64,
-    /// States.
-    pub state: State,
-    /// Algebraic unknown.
-    pub slip: f64,
-    /// Derivative of the states by those at the start of the cycle, in units of their scales.
-    pub through: Matrix,
-    /// The smaller margin of the mode that led here.
-    pub margin: f64,
-    /// Its rate of change \[1/s\].
-    pub rate: f64,
-    /// Its derivatives by the states at the start of the cycle, in units of their scales.
-    pub margin_by_start: State,
-}
-
-impl Jump {
-    /// The start of a cycle.
-    fn new(state: State) -> Self {
-        let none = [0.0; MAX_STATES];
-        Self { time: 0.0, state, slip: 0.0, through: identity(), margin: 0.0, rate: 0.0, margin_by_start: none }
-    }
-}
 
 /// A stretch of the orbit that is looked for.
 #[derive(Clone, Copy)]
@@ -85,12 +45,12 @@ impl Integrator<'_> {
             Some(guess) => (guess.0, Some(guess.1)),
             None => (system.initial_state(), None),
         };
-        let glances = GLANCES[usize::from(guess.is_some())];
+        let rounds = APPROXIMATE_CYCLES[usize::from(guess.is_some())];
         let mut pieces = Vec::with_capacity(MAX_STRETCHES);
         let mut cycles = 0;
         for _ in 0..ATTEMPTS {
-            for _ in 0..glances {
-                entry = Some(self.glance(&mut start, entry, &mut pieces)?);
+            for _ in 0..rounds {
+                entry = Some(self.approximate_cycle(&mut start, entry, &mut pieces)?);
                 cycles += 1;
             }
             let (first, last) = (pieces.first()?, pieces.last()?);
@@ -109,7 +69,12 @@ impl Integrator<'_> {
     }
 
     /// Follows a cycle in long steps; gathers its stretches and leaves its end.
-    fn glance(&mut self, z: &mut State, entry: Option<(Mode, f64)>, pieces: &mut Vec<Piece>) -> Option<(Mode, f64)> {
+    fn approximate_cycle(
+        &mut self,
+        z: &mut State,
+        entry: Option<(Mode, f64)>,
+        pieces: &mut Vec<Piece>,
+    ) -> Option<(Mode, f64)> {
         let system = self.system();
         let period = system.period();
         pieces.clear();
@@ -119,7 +84,7 @@ impl Integrator<'_> {
         let mut time = 0.0;
         while pieces.len() < MAX_STRETCHES {
             let index = self.known(mode)?;
-            let seen = self.flow_at(index)?.glance(time, z, period);
+            let seen = self.flow_at(index)?.approximate_segment(time, z, period);
             pieces.push(Piece { mode, flow: index, end: seen.time });
             (time, *z) = (seen.time, seen.state);
             if !seen.ended {

@@ -14,14 +14,11 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::collocation::parabola;
-pub use super::collocation::{A, C};
+pub use super::collocation::{A, C, State};
 use super::elimination::{Eliminations, MAX_UNKNOWNS};
 use super::harmonic::Complex;
 use super::lu::{Lu, MAX_ORDER};
 use crate::model::system::{Evaluation, Forcing, HybridSystem, MAX_STATES, Mode};
-
-/// States of all systems are at most this many.
-pub type State = [f64; MAX_STATES];
 
 /// Calls a method with the numbers of states and of unknowns of a stage, and with the first and the order of the equations as
 /// constants where they are common, so that the compiler unrolls the loops.

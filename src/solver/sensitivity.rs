@@ -10,11 +10,54 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::eliminated::Eliminated;
-use super::exponential::{Square, exponential, exponential_gradient};
-use super::flow::Affine;
+use super::exponential::{Square, apply, exponential, exponential_gradient};
 use super::harmonic::{Complex, products, times};
 use super::radau::State;
 use crate::model::system::{Forcing, HybridSystem, MAX_COLUMNS, MAX_STATES, Mode, ParameterColumns};
+
+/// The affine equations of one mode of a system of N states, y' = M y + m beside the particular solution, in units of the
+/// scales of the states.
+pub struct Equations<const N: usize> {
+    /// w \[rad/s\].
+    pub omega: f64,
+    /// Scales of the states.
+    pub scales: [f64; N],
+    /// M \[1/s\].
+    pub m: Square<N>,
+    /// m \[1/s\].
+    pub constant: [f64; N],
+    /// Particular solution ps sin wt + pc cos wt: (ps, pc).
+    pub particular: [[f64; N]; 2],
+    /// (iw - M)^-1 \[s\].
+    pub resolvent: [[Complex; N]; N],
+}
+
+impl<const N: usize> Equations<N> {
+    /// y at a state.
+    pub fn rest(&self, z: &State, (sine, cosine): (f64, f64)) -> [f64; N] {
+        let [ps, pc] = &self.particular;
+        std::array::from_fn(|i| z[i] / self.scales[i] - ps[i] * sine - pc[i] * cosine)
+    }
+
+    /// y'.
+    pub fn rate(&self, y: &[f64; N]) -> [f64; N] {
+        let mut out = apply(&self.m, y);
+        for i in 0..N {
+            out[i] += self.constant[i];
+        }
+        out
+    }
+
+    /// The state at y.
+    pub fn state(&self, y: &[f64; N], (sine, cosine): (f64, f64)) -> State {
+        let [ps, pc] = &self.particular;
+        let mut z = [0.0; MAX_STATES];
+        for i in 0..N {
+            z[i] = (y[i] + ps[i] * sine + pc[i] * cosine) * self.scales[i];
+        }
+        z
+    }
+}
 
 /// A stretch of the orbit in one mode.
 #[derive(Debug, Clone)]
@@ -45,24 +88,25 @@ fn add(to: &mut Complex, z: Complex) {
 }
 
 /// Adds the derivatives over one stretch.
-pub fn gather<const N: usize>(flow: &Affine<N>, stretch: &Stretch, into: &mut Gradient) {
+pub fn gather<const N: usize>(equations: &Equations<N>, stretch: &Stretch, into: &mut Gradient) {
     let [t0, t1] = stretch.time;
-    let turn = stretch.time.map(|t| (flow.omega * t).sin_cos());
-    let y: [[f64; N]; 2] = std::array::from_fn(|k| flow.rest(&stretch.states[k], turn[k]));
+    let turn = stretch.time.map(|t| (equations.omega * t).sin_cos());
+    let y: [[f64; N]; 2] = std::array::from_fn(|k| equations.rest(&stretch.states[k], turn[k]));
     let e = turn.map(|(sine, cosine)| (cosine, -sine));
-    let bare = ((e[0].1 - e[1].1) / flow.omega, -(e[0].0 - e[1].0) / flow.omega);
-    let [sine2, cosine2, both] = products(flow.omega, t1 - t0, turn[0], turn[1]);
+    let bare = ((e[0].1 - e[1].1) / equations.omega, -(e[0].0 - e[1].0) / equations.omega);
+    let [sine2, cosine2, both] = products(equations.omega, t1 - t0, turn[0], turn[1]);
     // A = gain * integral of z0 e^{-iwt}
-    let gain = (0.0, 2.0 / stretch.period * flow.scales[0]);
-    let row = flow.resolvent[0].map(|r| times(gain, r));
-    let adjoint: [Complex; N] =
-        std::array::from_fn(|i| (stretch.adjoint[i].0 * flow.scales[i], stretch.adjoint[i].1 * flow.scales[i]));
+    let gain = (0.0, 2.0 / stretch.period * equations.scales[0]);
+    let row = equations.resolvent[0].map(|r| times(gain, r));
+    let adjoint: [Complex; N] = std::array::from_fn(|i| {
+        (stretch.adjoint[i].0 * equations.scales[i], stretch.adjoint[i].1 * equations.scales[i])
+    });
     // Adjoints of y at the end and at the start.
     let last: [Complex; N] = std::array::from_fn(|i| {
         let own = times(row[i], e[1]);
         (adjoint[i].0 - own.0, adjoint[i].1 - own.1)
     });
-    let transition = exponential(&flow.m, t1 - t0);
+    let transition = exponential(&equations.m, t1 - t0);
     let first: [Complex; N] = std::array::from_fn(|j| {
         let mut sum = times(row[j], e[0]);
         for i in 0..N {
@@ -74,8 +118,8 @@ pub fn gather<const N: usize>(flow: &Affine<N>, stretch: &Stretch, into: &mut Gr
     let mut wide = [[0.0; MAX_STATES]; MAX_STATES];
     let mut outer = [[[0.0; MAX_STATES]; MAX_STATES]; 2];
     for i in 0..N {
-        wide[i][..N].copy_from_slice(&flow.m[i]);
-        wide[i][N] = flow.constant[i];
+        wide[i][..N].copy_from_slice(&equations.m[i]);
+        wide[i][N] = equations.constant[i];
         for (part, outer) in outer.iter_mut().enumerate() {
             let nu = if part == 0 { last[i].0 } else { last[i].1 };
             for j in 0..N {
@@ -87,10 +131,10 @@ pub fn gather<const N: usize>(flow: &Affine<N>, stretch: &Stretch, into: &mut Gr
     let through = outer.map(|outer| widened(N + 1, &wide, t1 - t0, &outer));
     // Through the resolvent: dR = R dM R.
     let v: [Complex; N] = std::array::from_fn(|i| {
-        let c = flow.constant[i];
+        let c = equations.constant[i];
         (y[0][i] * e[0].0 - y[1][i] * e[1].0 + c * bare.0, y[0][i] * e[0].1 - y[1][i] * e[1].1 + c * bare.1)
     });
-    let rv = product(&flow.resolvent, &v);
+    let rv = product(&equations.resolvent, &v);
     // Through the particular solution: derivatives by its sine and cosine parts.
     let mut parts = [[(0.0, 0.0); N]; 2];
     for i in 0..N {
@@ -106,12 +150,12 @@ pub fn gather<const N: usize>(flow: &Affine<N>, stretch: &Stretch, into: &mut Gr
         let minus = (0.5 * (s.0 + c.1), 0.5 * (s.1 - c.0));
         let plus = (0.5 * (s.0 - c.1), 0.5 * (s.1 + c.0));
         for i in 0..N {
-            let r = flow.resolvent[k][i];
+            let r = equations.resolvent[k][i];
             add(&mut alpha[i], times(minus, r));
             add(&mut beta[i], times(plus, (r.0, -r.1)));
         }
     }
-    let [ps, pc] = &flow.particular;
+    let [ps, pc] = &equations.particular;
     for i in 0..N {
         for j in 0..N {
             let entry = &mut into.matrix[i][j];

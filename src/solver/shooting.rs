@@ -6,11 +6,9 @@
 use super::cycle::{Cycle, Integrator, Record, Tolerance};
 use super::dense;
 use super::healing::{self, Healed};
+pub use super::period::Start;
 use super::radau::State;
 use crate::model::system::{HybridSystem, MAX_STATES, Mode};
-
-/// States at time 0 with the mode and the algebraic unknown there.
-pub type Start = (State, (Mode, f64));
 
 /// Why no periodic solution is given.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -42,16 +40,19 @@ pub struct Periodic {
 const PERIODIC: f64 = 1e-10;
 /// Relative difference of slip rates from which on two branches are two.
 const SAME_SLIP: f64 = 1e-5;
-/// Factor on the change over a cycle by which the first step of Newton's may increase it.
+/// Factor on the change over a cycle by which the first Newton step may increase it.
 const FARTHER: f64 = 2.0;
 /// Relative change over a cycle below which coarse steps no longer serve.
 const NEAR: f64 = 3e-2;
-/// Relative change over a cycle below which the last step of Newton's may stand for a cycle.
+/// Relative change over a cycle below which the last Newton step may stand for a cycle.
 const SQUARED: f64 = 1e-4;
-/// Largest last step of Newton's, relative to the scales, where the derivative of the mean by the start is not known.
+/// Largest last Newton step, relative to the scales, where the derivative of the mean by the start is not known.
 const STEP_WITHOUT_MEAN: f64 = 1e-8;
 /// Relative change over a cycle below which the next may be the last, and is observed.
 const LAST: f64 = 1e-3;
+/// Cycles of the transient that are followed where Newton's method does not help: at first, and at most.
+const FIRST_TRANSIENT: usize = 3;
+const LONGEST_TRANSIENT: usize = 32;
 /// Cycles of a transient without slip both ways after which a contact that strengthens as it rests is taken to rest for ever.
 const RESTING: usize = 3;
 /// Most cycles where the contact may come to rest.
@@ -65,135 +66,190 @@ pub fn solve(system: &dyn HybridSystem, guess: Option<&Start>, tolerance: &Toler
 /// The same with an integrator that has been in use for the system.
 pub fn search(integrator: &mut Integrator, guess: Option<&Start>) -> Result<Periodic, Unsolved> {
     let system = integrator.system();
-    let n = system.states();
-    let scales = system.scales();
-    let predicted = if integrator.measures_order() { None } else { integrator.predict(guess) };
-    let (predicted, cycles) = predicted.unzip();
-    let guess = predicted.as_ref().or(guess);
-    let mut cycles = cycles.unwrap_or(0);
-    let (mut start, mut entry) = match guess {
-        Some(guess) => (guess.0, Some(guess.1)),
-        None => (system.initial_state(), None),
-    };
-    let mut best = f64::INFINITY;
-    let mut march = 0;
-    let mut next_march = 3;
-    let mut warm = guess.is_some();
-    let mut sound: Option<Start> = None;
-    let mut before = f64::INFINITY;
-    let mut resting = 0;
-    let mut stepped = false;
-    integrator.observe = guess.is_some();
-    integrator.coarse = guess.is_none() && !integrator.measures_order();
-    let mut healed = healing::heal(integrator, &start, &mut cycles);
-    if guess.is_some() && matches!(healed, Some(Healed::Rests)) {
-        // A neighbour may have been older than this contact ever becomes.
-        healed = healing::heal(integrator, &system.initial_state(), &mut cycles);
-    }
-    match healed {
-        Some(Healed::Rests) => return Err(Unsolved::Rests),
-        Some(Healed::Slips(near) | Healed::Undecided(near)) => (start, entry) = (near.0, Some(near.1)),
-        None => {}
-    }
     let most = integrator.tolerance().cycles.min(if system.can_rest() { MAX_CYCLES_AT_REST } else { usize::MAX });
-    while cycles < most {
-        cycles += 1;
-        let mut cycle = match integrator.cycle(&start, entry) {
-            Ok(cycle) => cycle,
-            // A warm start that leads nowhere is dropped; a step of Newton's is taken back and the transient followed.
-            Err(why) => {
-                (start, entry) = match sound.take() {
-                    Some(end) => (end.0, Some(end.1)),
-                    None if warm => (system.initial_state(), None),
-                    None => return Err(Unsolved::Failed(why)),
-                };
-                warm = false;
-                march = next_march;
-                next_march = (2 * next_march).min(32);
-                best = f64::INFINITY;
-                continue;
-            }
+    let mut search = Search::begin(integrator, guess)?;
+    while search.cycles < most {
+        search.cycles += 1;
+        let Some(cycle) = search.cycle()? else { continue };
+        search.check_rest(&cycle)?;
+        if let Some(found) = search.improve(cycle) {
+            return Ok(found);
+        }
+    }
+    Err(Unsolved::Failed(format!("no periodic state within {most} cycles")))
+}
+
+/// A search on its way.
+struct Search<'a, 'b> {
+    integrator: &'a mut Integrator<'b>,
+    start: State,
+    entry: Option<(Mode, f64)>,
+    /// Whether it still hopes for a start near that of another problem.
+    warm: bool,
+    /// The end of the last cycle that could be followed.
+    sound: Option<Start>,
+    /// Smallest change over a cycle since the transient was followed.
+    best: f64,
+    /// Change over the cycle from which the last Newton step began.
+    before: f64,
+    /// Cycles of the transient that are still to be followed, and how many the next time.
+    transient: (usize, usize),
+    /// Cycles in a row in which the contact came to rest.
+    resting: usize,
+    /// Whether a coarse Newton step was taken.
+    stepped: bool,
+    cycles: usize,
+}
+
+impl<'a, 'b> Search<'a, 'b> {
+    /// Where to begin: at the prediction, the guess or the system's own first guess; further on where the contact heals.
+    fn begin(integrator: &'a mut Integrator<'b>, guess: Option<&Start>) -> Result<Self, Unsolved> {
+        let system = integrator.system();
+        let predicted = if integrator.measures_order() { None } else { integrator.predict(guess) };
+        let (predicted, cycles) = predicted.unzip();
+        let guess = predicted.as_ref().or(guess);
+        let mut cycles = cycles.unwrap_or(0);
+        let (mut start, mut entry) = match guess {
+            Some(guess) => (guess.0, Some(guess.1)),
+            None => (system.initial_state(), None),
         };
-        // Over a roller at rest a steady motion slips both ways or not at all: one way only is how the contact comes to rest.
-        let rests = march > 0
+        integrator.observe = guess.is_some();
+        integrator.coarse = guess.is_none() && !integrator.measures_order();
+        let mut healed = healing::heal(integrator, &start, &mut cycles);
+        if guess.is_some() && matches!(healed, Some(Healed::Rests)) {
+            // A neighbour may have been older than this contact ever becomes.
+            healed = healing::heal(integrator, &system.initial_state(), &mut cycles);
+        }
+        match healed {
+            Some(Healed::Rests) => return Err(Unsolved::Rests),
+            Some(Healed::Slips(near) | Healed::Undecided(near)) => (start, entry) = (near.0, Some(near.1)),
+            None => {}
+        }
+        let (warm, sound, transient) = (guess.is_some(), None, (0, FIRST_TRANSIENT));
+        let (best, before) = (f64::INFINITY, f64::INFINITY);
+        Ok(Self { integrator, start, entry, warm, sound, best, before, transient, resting: 0, stepped: false, cycles })
+    }
+
+    /// The cycle from the present start; `None` where it cannot be followed and the search goes on from somewhere else.
+    fn cycle(&mut self) -> Result<Option<Cycle>, Unsolved> {
+        let why = match self.integrator.cycle(&self.start, self.entry) {
+            Ok(cycle) => return Ok(Some(cycle)),
+            Err(why) => why,
+        };
+        // A warm start that leads nowhere is dropped; a Newton step is taken back and the transient followed.
+        (self.start, self.entry) = match self.sound.take() {
+            Some(end) => (end.0, Some(end.1)),
+            None if self.warm => (self.integrator.system().initial_state(), None),
+            None => return Err(Unsolved::Failed(why)),
+        };
+        self.warm = false;
+        self.follow_transient();
+        Ok(None)
+    }
+
+    /// Newton does not help here: follow the transient for some cycles, longer each time.
+    fn follow_transient(&mut self) {
+        self.transient = (self.transient.1, (2 * self.transient.1).min(LONGEST_TRANSIENT));
+        self.best = f64::INFINITY;
+    }
+
+    /// Over a roller at rest a steady motion slips both ways or not at all: one way only is how the contact comes to rest.
+    fn check_rest(&mut self, cycle: &Cycle) -> Result<(), Unsolved> {
+        let system = self.integrator.system();
+        let rests = self.transient.0 > 0
             && cycle.events <= 2
             && cycle.stick_fraction > 0.0
             && system.can_rest()
             && system.locks(&cycle.end);
-        resting = if rests { resting + 1 } else { 0 };
-        if resting == RESTING {
-            return Err(Unsolved::Rests);
-        }
-        sound = Some((cycle.end, cycle.branch[1]));
-        entry = Some(cycle.branch[1]);
+        self.resting = if rests { self.resting + 1 } else { 0 };
+        if self.resting == RESTING { Err(Unsolved::Rests) } else { Ok(()) }
+    }
+
+    /// The solution, where this cycle is it or leads to it; otherwise a better start.
+    fn improve(&mut self, cycle: Cycle) -> Option<Periodic> {
+        let system = self.integrator.system();
+        let (n, scales) = (system.states(), system.scales());
+        self.sound = Some((cycle.end, cycle.branch[1]));
+        self.entry = Some(cycle.branch[1]);
         // Where the transient has been followed into rest (shakedown), what the cycle leaves open stays where it came to rest.
-        let settled = next_march > 3 && system.can_rest();
-        let (mut residual, jacobian) = defect(system, &start, &cycle, settled);
+        let settled = self.transient.1 > FIRST_TRANSIENT && system.can_rest();
+        let (mut residual, jacobian) = defect(system, &self.start, &cycle, settled);
         for (r, scale) in residual.iter_mut().zip(&scales) {
             *r /= scale;
         }
         let size = residual.iter().take(n).fold(0.0f64, |m, r| m.max(r.abs()));
         // Large constant states, such as the stretch under a heavy load, are known to rounding only.
-        let rounding = start.iter().zip(&scales).take(n).fold(0.0f64, |m, (z, scale)| m.max(z.abs() / scale));
+        let rounding = self.start.iter().zip(&scales).take(n).fold(0.0f64, |m, (z, scale)| m.max(z.abs() / scale));
         let tolerated = PERIODIC + 1e-15 * rounding;
         // Near the solution, and where nothing pulls towards it, the full accuracy is needed.
-        let coarse = integrator.coarse;
-        // From a first guess far off a first step of Newton's may lead no nearer, and the second does.
-        let far = coarse && !std::mem::replace(&mut stepped, march == 0 && best.is_finite()) && size < FARTHER * best;
-        integrator.coarse = coarse && size > NEAR && (far || size < 0.9 * best);
-        integrator.observe = size < LAST;
-        if !coarse && cycle.observed && size < tolerated && closes(system, &start, &cycle, tolerated) {
+        let coarse = self.integrator.coarse;
+        // From a first guess far off a first Newton step may lead no nearer, and the second does.
+        let steps = self.transient.0 == 0 && self.best.is_finite();
+        let far = coarse && !std::mem::replace(&mut self.stepped, steps) && size < FARTHER * self.best;
+        self.integrator.coarse = coarse && size > NEAR && (far || size < 0.9 * self.best);
+        self.integrator.observe = size < LAST;
+        if !coarse && cycle.observed && size < tolerated && closes(system, &self.start, &cycle, tolerated) {
             let multiplier = largest_multiplier(system, &cycle);
-            return Ok(Periodic { start, entry: cycle.branch[0], cycle, cycles, residual: size, multiplier });
+            let (start, entry, cycles) = (self.start, cycle.branch[0], self.cycles);
+            return Some(Periodic { start, entry, cycle, cycles, residual: size, multiplier });
         }
-        if march == 0 && size > 0.9 * best && !far {
-            // Newton does not help here: follow the transient for some cycles, longer each time.
-            march = next_march;
-            next_march = (2 * next_march).min(32);
-            best = f64::INFINITY;
+        if self.transient.0 == 0 && size > 0.9 * self.best && !far {
+            self.follow_transient();
         }
-        if march > 0 {
-            march -= 1;
-            start = cycle.end;
-            continue;
+        if self.transient.0 > 0 {
+            self.transient.0 -= 1;
+            self.start = cycle.end;
+            return None;
         }
         // Coarse and fine cycles differ by more than their defects near the solution.
-        best = if coarse && !integrator.coarse {
-            f64::INFINITY
-        } else if far {
-            size
-        } else {
-            best.min(size)
+        self.best = match (coarse && !self.integrator.coarse, far) {
+            (true, _) => f64::INFINITY,
+            (false, true) => size,
+            (false, false) => self.best.min(size),
         };
-        let before = std::mem::replace(&mut before, size);
+        let before = std::mem::replace(&mut self.before, size);
         let matrix = std::array::from_fn(|i| std::array::from_fn(|j| jacobian[i][j] * scales[j] / scales[i]));
-        match dense::solve(n, matrix, residual.map(|r| -r)) {
-            Some(delta) => {
-                let step = delta.iter().take(n).fold(0.0f64, |most, d| most.max(d.abs()));
-                let delta: State = std::array::from_fn(|i| delta[i] * scales[i]);
-                for i in 0..n {
-                    start[i] += delta[i];
-                }
-                // Newton's method squares the error: where that leaves nothing, the cycle need not be integrated again.
-                let ratio = if before.is_finite() { size / before } else { 1.0 };
-                let left = size * ratio * ratio;
-                if !coarse
-                    && !integrator.measures_order()
-                    && cycle.observed
-                    && size < SQUARED
-                    && (cycle.legs == 0 || step < STEP_WITHOUT_MEAN)
-                    && left < integrator.left()
-                    && same_branch(system, &cycle)
-                {
-                    let multiplier = largest_multiplier(system, &cycle);
-                    cycle.shift(n, &delta);
-                    return Ok(Periodic { start, entry: cycle.branch[1], cycle, cycles, residual: left, multiplier });
-                }
-            }
-            None => start = cycle.end,
-        }
+        let Some(delta) = dense::solve(n, matrix, residual.map(|r| -r)) else {
+            self.start = cycle.end;
+            return None;
+        };
+        self.newton(cycle, &delta, (before, size), coarse)
     }
-    Err(Unsolved::Failed(format!("no periodic state within {most} cycles")))
+
+    /// Takes a Newton step `delta`, relative to the scales, from a cycle that changes by `size`, the one before by `before`; the
+    /// solution, where the step leaves nothing.
+    fn newton(
+        &mut self,
+        mut cycle: Cycle,
+        delta: &State,
+        (before, size): (f64, f64),
+        coarse: bool,
+    ) -> Option<Periodic> {
+        let system = self.integrator.system();
+        let (n, scales) = (system.states(), system.scales());
+        let step = delta.iter().take(n).fold(0.0f64, |most, d| most.max(d.abs()));
+        let delta: State = std::array::from_fn(|i| delta[i] * scales[i]);
+        for i in 0..n {
+            self.start[i] += delta[i];
+        }
+        // Newton's method squares the error: where that leaves nothing, the cycle need not be integrated again.
+        let ratio = if before.is_finite() { size / before } else { 1.0 };
+        let left = size * ratio * ratio;
+        let last = !coarse
+            && !self.integrator.measures_order()
+            && cycle.observed
+            && size < SQUARED
+            && (cycle.segments == 0 || step < STEP_WITHOUT_MEAN)
+            && left < self.integrator.left()
+            && same_branch(system, &cycle);
+        if !last {
+            return None;
+        }
+        let multiplier = largest_multiplier(system, &cycle);
+        cycle.shift(n, &delta);
+        let (start, entry, cycles) = (self.start, cycle.branch[1], self.cycles);
+        Some(Periodic { start, entry, cycle, cycles, residual: left, multiplier })
+    }
 }
 
 /// Whether a cycle ends on the branch on which it began, and, where it cannot be one of rest, in the states in which it began.

@@ -1,6 +1,5 @@
 //! From a model and an operating point to the observables of its steady state.
 
-use super::analytic::wrap;
 use super::balance::{self, Balance};
 use super::collocation::interpolate;
 use super::cycle::{Integrator, Record, Tolerance};
@@ -8,20 +7,18 @@ use super::paper_euler::{self, PaperContact};
 use super::radau::State;
 use super::shooting::{Periodic, Start, Unsolved};
 use super::{Method, Orbit, Status, SteadyState, oscillator, parallel, shooting, time};
+use crate::dual::MAX_PARAMETERS;
 use crate::model::alone::Alone;
 use crate::model::contact::{LimitingState, Problem, Sliders};
-use crate::model::dual::{Dual, MAX_PARAMETERS};
 use crate::model::lumps::Lumps;
 use crate::model::system::{HybridSystem, Mode};
 use crate::model::{Model, Operation};
 use crate::scenario::Formulation;
+use crate::statistics::wrap;
 
 /// Floquet multipliers above this count as unstable.
 const UNSTABLE: f64 = 1.0 + 1e-6;
 
-/// Time integration of points without a stable periodic state.
-pub const LOCK_IN: time::Plan =
-    time::Plan { steps: 1000, cycles: 200, settled: 1e-7, window: 100, solved: time::Plan::SOLVED };
 /// Distance of the starts of neighbouring motions, in units of the scales, from which on they may be on other branches.
 const NEIGHBOUR: f64 = 0.3;
 /// Factor between the speeds of one step on the way down from full slip.
@@ -199,7 +196,7 @@ fn unguarded(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_
     if let (Status::SelfExcited(why), true) = (&status, with.averages()) {
         return lock_in(&problem, why);
     }
-    let response = response(&problem.lumps, periodic.cycle.fundamental);
+    let response = response(&problem, periodic.cycle.fundamental);
     let columns = derivatives.then(|| shooting::column_derivatives(&mut integrator, &periodic));
     let derivatives = match columns.transpose() {
         Ok(columns) => columns.map(|columns| by_parameter(&problem, response, &columns)),
@@ -222,7 +219,7 @@ fn unguarded(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_
 /// The solution where the motion stays in one mode.
 fn balanced(problem: &Problem, found: &Balance, warm: &mut Warm) -> Solution {
     warm.keep(problem, &found.start, false);
-    let response = response(&problem.lumps, found.fundamental);
+    let response = response(problem, found.fundamental);
     let motion = Motion {
         response,
         mean: found.mean,
@@ -240,9 +237,9 @@ fn balanced(problem: &Problem, found: &Balance, warm: &mut Warm) -> Solution {
 }
 
 /// Complex amplitude of the arm from that of its motion relative to the one without contact.
-fn response(lumps: &Lumps, relative: (f64, f64)) -> (f64, f64) {
-    let (re, im) = lumps.free_response();
-    (re.value + relative.0, im.value + relative.1)
+fn response(problem: &Problem, relative: (f64, f64)) -> (f64, f64) {
+    let (re, im) = problem.free();
+    (re + relative.0, im + relative.1)
 }
 
 /// Derivatives of (amplitude, phase) by the parameters of the model from those of the relative motion by the columns.
@@ -296,8 +293,8 @@ impl Motion {
 
 /// The periodic state reached by slowing the roller down from full slip, in steps that each start from the last.
 fn from_full_slip(model: &Model, at: &Operation, problem: &Problem, tolerance: &Tolerance) -> Option<Periodic> {
-    let (re, im) = problem.lumps.free_response();
-    let arm_speed = problem.lumps.arm.value * problem.lumps.omega * re.value.hypot(im.value);
+    let (re, im) = problem.free();
+    let arm_speed = problem.lumps.arm.value * problem.lumps.omega * re.hypot(im);
     let mut speed = 1.02 * arm_speed;
     // Slower than rounding of the arm's speed is a roller at rest.
     if at.speed <= f64::EPSILON * arm_speed || speed < at.speed {
@@ -330,18 +327,17 @@ fn without_periodic_state(problem: &Problem, why: &str, with: &Search<'_>) -> So
 /// Time integration from the first guess: settled motion is a steady state, any other is averaged as a lock-in amplifier
 /// would over the window of the plan.
 fn lock_in(problem: &Problem, why: &str) -> Solution {
-    let found = time::integrate(&problem.sliders(), &LOCK_IN);
+    let found = time::integrate(&problem.sliders(), &time::Plan::LOCK_IN);
     let lumps = &problem.lumps;
-    let (re, im) = lumps.free_response();
-    let (re, im) = (re.value + found.fundamental.0, im.value + found.fundamental.1);
+    let (re, im) = response(problem, found.fundamental);
     let (amplitude, _) = lumps.reading((re, im));
-    if !amplitude.is_finite() || amplitude > RUNAWAY * re_im(lumps.free_response()) {
+    if !amplitude.is_finite() || amplitude > RUNAWAY * problem.free().0.hypot(problem.free().1) {
         return failed(format!("{why}; integrated in time the motion grows without bound"));
     }
     let status = if found.periodic {
         Status::Steady
     } else {
-        let (window, after) = (LOCK_IN.window, LOCK_IN.cycles);
+        let (window, after) = (time::Plan::LOCK_IN.window, time::Plan::LOCK_IN.cycles);
         Status::SelfExcited(format!("{why}; lock-in average over {window} cycles after {after} cycles"))
     };
     let motion = Motion {
@@ -354,10 +350,6 @@ fn lock_in(problem: &Problem, why: &str) -> Solution {
     };
     let state = motion.observe(lumps, status, Method::TimeIntegration);
     Solution { state, derivatives: None, others: Vec::new() }
-}
-
-fn re_im((re, im): (Dual, Dual)) -> f64 {
-    re.value.hypot(im.value)
 }
 
 /// A contact of many parallel sliders; its derivatives are differences of converged solutions.
@@ -383,8 +375,7 @@ fn parallel_state(
         return lock_in(problem, why);
     }
     let lumps = &problem.lumps;
-    let (re, im) = lumps.free_response();
-    let (re, im) = (re.value + found.fundamental.0, im.value + found.fundamental.1);
+    let (re, im) = response(problem, found.fundamental);
     let motion = Motion {
         response: (re, im),
         mean: found.mean,

@@ -24,6 +24,9 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// For points without a stable periodic state.
+    pub const LOCK_IN: Self = Self { steps: 1000, cycles: 200, settled: 1e-7, window: 100, solved: Self::SOLVED };
+
     /// Solved to rounding.
     pub const SOLVED: f64 = 1e-12;
 }

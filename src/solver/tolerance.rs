@@ -1,8 +1,8 @@
 //! What is demanded of an integration.
 
-use super::steady::LOCK_IN;
+use super::time::Plan;
 
-/// Relative change over a cycle that the last step of Newton's may leave at the default tolerance.
+/// Relative change over a cycle that the last Newton step may leave at the default tolerance.
 const LEFT: f64 = 1e-8;
 
 /// Demands on the integration.
@@ -44,24 +44,25 @@ impl Tolerance {
 
     /// Factor >= 1 by which steps may be longer than by default: where fewer of them are asked for, that holds for those too
     /// that follow from the damping of the arm and from the roughness.
-    pub(super) fn relief(&self) -> f64 {
+    pub(super) fn coarsening(&self) -> f64 {
         (Self::default().steps as f64 / self.steps.max(1) as f64).max(1.0)
     }
 
-    /// Relative change of the states over a cycle that may be left by the last step of Newton's.
+    /// Relative change of the states over a cycle that may be left by the last Newton step.
     pub(super) fn left(&self) -> f64 {
         LEFT * self.slack()
     }
 
     /// Factor >= 1 on what is small by default.
     pub(super) fn slack(&self) -> f64 {
-        self.relief().powi(7)
+        self.coarsening().powi(7)
     }
 }
 
 /// As many steps at most as those of the integration in time that follows where a search finds nothing.
 impl Default for Tolerance {
     fn default() -> Self {
-        Self { steps: 24, roughness: 1e-3, cycles: 250, budget: LOCK_IN.steps * (LOCK_IN.cycles + LOCK_IN.window) }
+        let last = Plan::LOCK_IN;
+        Self { steps: 24, roughness: 1e-3, cycles: 250, budget: last.steps * (last.cycles + last.window) }
     }
 }

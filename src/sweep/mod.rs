@@ -89,6 +89,3 @@ pub struct Outcome {
     #[serde(skip)]
     pub seconds: f64,
 }
-
-/// Steps per cycle of the Euler procedure where a scenario gives none.
-pub const DEFAULT_EULER_STEPS: usize = 20_000;

@@ -250,7 +250,7 @@ fn limit_curve(o: &Oscillator, model: &Model, case: LimitingCase, drive: f64, fr
         case,
         drive,
         amplitude: response.iter().map(|r| gain * r.0).collect(),
-        phase: response.iter().map(|r| crate::solver::analytic::wrap(r.1 + model.instrument.phase_offset)).collect(),
+        phase: response.iter().map(|r| crate::statistics::wrap(r.1 + model.instrument.phase_offset)).collect(),
         speed_amplitude: frequency.iter().zip(&response).map(|(f, r)| b * std::f64::consts::TAU * f * r.0).collect(),
         frequency,
         peak_frequency,

@@ -2,9 +2,9 @@
 
 use super::cause::Cause;
 use super::outside::Outside;
-use crate::effects::ParameterInfo;
 use crate::fit::parameter;
 use crate::model::{Model, Operation};
+use crate::parameter::ParameterInfo;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64;
 use std::collections::BTreeMap;

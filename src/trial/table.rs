@@ -3,7 +3,7 @@
 use super::conditions::Bench;
 use super::draw::stream;
 use super::generate::Reading;
-use crate::solver::analytic::wrap;
+use crate::statistics::wrap;
 use rand::RngExt as _;
 use rand_distr::{Distribution as _, StandardNormal};
 

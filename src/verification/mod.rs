@@ -13,10 +13,11 @@ pub use two_solvers::{Compared, numerical_error, solved_twice};
 
 use crate::model::contact::Problem;
 use crate::model::{Model, Operation};
+use crate::scenario::DEFAULT_EULER_STEPS;
 use crate::scenario::{self, Formulation};
 use crate::solver::cycle::Tolerance;
 use crate::solver::{SteadyState, Warm, shooting, solve};
-use crate::sweep::{DEFAULT_EULER_STEPS, LimitingCase, limiting_oscillator};
+use crate::sweep::{LimitingCase, limiting_oscillator};
 use rayon::prelude::*;
 
 /// A comparison with its bound.

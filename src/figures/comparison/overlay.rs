@@ -14,6 +14,7 @@ use crate::figures::marks::Mark;
 use crate::figures::resonance::{phase_axis, unbroken};
 use crate::figures::style::{Color, INK, SHADE, SLIP, STATIC, count};
 use crate::figures::{Drawing, Figure, FigureError};
+use crate::fit::Prediction;
 use std::f64::consts::PI;
 
 /// Standard deviations on either side of a point that its bar spans.
@@ -96,6 +97,11 @@ impl<'a> Data<'a> {
             false => self.amplitude.value(y, drive),
         };
         pairs.zip(&curve.drive).map(|((&f, &y), &drive)| (f, value((y, drive)))).collect()
+    }
+
+    /// What a model says of a reading under that drive, as shown.
+    pub fn modelled(&self, prediction: &Prediction, drive: f64) -> f64 {
+        if self.phase { self.degrees(prediction.phase) } else { self.amplitude.value(prediction.amplitude, drive) }
     }
 
     /// The parts of a curve to be joined: phases are not across half a turn.

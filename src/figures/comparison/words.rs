@@ -123,22 +123,28 @@ pub fn row(comparison: &Comparison) -> String {
     }
 }
 
-/// Indices of the conditions shown, in their own order: all of them, or where there are too many the worst by chi2; and
-/// what the caption says of that.
-pub fn shown(comparison: &Comparison) -> (Vec<usize>, String) {
-    let count = comparison.conditions.len();
-    let mut order: Vec<usize> = (0..count).collect();
-    if count <= MOST {
-        return (order, String::new());
-    }
+/// Indices of the `most` conditions with the largest misfit, in their own order.
+pub fn worst(comparison: &Comparison, most: usize) -> Vec<usize> {
     let chi2 = |i: &usize| {
         let metrics = &comparison.conditions[*i].metrics;
         metrics.chi2_per_point * metrics.readings as f64
     };
-    order.sort_by(|a, b| chi2(b).total_cmp(&chi2(a)));
-    order.truncate(MOST);
+    let mut order: Vec<usize> = (0..comparison.conditions.len()).collect();
+    order.sort_by(|a, b| chi2(b).total_cmp(&chi2(a)).then(a.cmp(b)));
+    order.truncate(most);
     order.sort_unstable();
-    (order, format!(" Of {count} conditions the {MOST} with the largest misfit are shown; the CSV has all."))
+    order
+}
+
+/// Indices of the conditions shown, in their own order: all of them, or where there are too many the worst by chi2; and
+/// what the caption says of that.
+pub fn shown(comparison: &Comparison) -> (Vec<usize>, String) {
+    let count = comparison.conditions.len();
+    let told = match count > MOST {
+        true => format!(" Of {count} conditions the {MOST} with the largest misfit are shown; the CSV has all."),
+        false => String::new(),
+    };
+    (worst(comparison, MOST), told)
 }
 
 /// Whether amplitudes are shown per drive: where there are several drives, so that one scale serves all, or where a drive

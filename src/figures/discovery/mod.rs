@@ -1,5 +1,6 @@
 //! Figures of a discovery: a [`Discovery`] in, SVG, CSV and caption out; nothing is simulated.
 
+mod before_after;
 mod fingerprint;
 mod free_form;
 mod ladder;
@@ -14,8 +15,14 @@ use crate::discover::{Discovery, Step};
 use crate::free_form::FreeForm;
 
 /// Every figure of a discovery, in the order in which a report shows them.
-pub static REGISTRY: &[&dyn Figure<Discovery>] =
-    &[&ladder::Ladder, &overlay::Overlay, &fingerprint::Fingerprint, &parameters::Parameters, &ranking::Ranking];
+pub static REGISTRY: &[&dyn Figure<Discovery>] = &[
+    &before_after::BeforeAfter,
+    &ladder::Ladder,
+    &overlay::Overlay,
+    &fingerprint::Fingerprint,
+    &parameters::Parameters,
+    &ranking::Ranking,
+];
 
 /// Every figure of the free form beside it.
 pub static FREE_FORM: &[&dyn Figure<FreeForm>] = &[&free_form::Curves];

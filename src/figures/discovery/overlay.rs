@@ -42,14 +42,7 @@ impl<'a> Steps<'a> {
         let mut data: Vec<Data> = steps.iter().map(|step| Data::of(&step.comparison, phase)).collect();
         let wraps = data.iter().any(|d| d.wraps);
         data.iter_mut().for_each(|d| d.wraps = wraps);
-        let chi2 = |i: &usize| {
-            let metrics = &base.conditions[*i].metrics;
-            metrics.chi2_per_point * metrics.readings as f64
-        };
-        let mut shown: Vec<usize> = (0..base.conditions.len()).collect();
-        shown.sort_by(|a, b| chi2(b).total_cmp(&chi2(a)).then(a.cmp(b)));
-        shown.truncate(MOST);
-        shown.sort_unstable();
+        let shown = words::worst(base, MOST);
         let points = || steps.iter().flat_map(|s| &s.comparison.points).filter(|p| shown.contains(&p.condition));
         let scale = Sigma::over(points().filter_map(|p| residual(p, phase)));
         Self { steps, data, phase, scale, shown }

@@ -10,8 +10,8 @@ use crate::figures::marks::Mark;
 use crate::figures::style::{GREY, GRID, INK, SLIP, STATIC, Table, WIDTH, cell, count, significant, text_width};
 use crate::figures::{Drawing, Figure, FigureError};
 use crate::fit::{Interval, Parameter};
-use crate::report::format::quantity;
 use crate::units;
+use crate::units::readable::quantity;
 
 const TOP: f64 = 48.0;
 /// Room for the numbers at the right.

@@ -21,7 +21,7 @@ impl Problem {
     pub fn continuum(&self) -> Option<Sliders<'_>> {
         let n = self.laws.iter().find_map(|(e, p)| e.continuum(p)).filter(|n| *n > 1.0)?;
         let (free, stuck) = (self.lumps.free_response(), self.lumps.stuck_response());
-        let amplitude = |(re, im): (crate::model::dual::Dual, crate::model::dual::Dual)| re.value.hypot(im.value);
+        let amplitude = |(re, im): (crate::dual::Dual, crate::dual::Dual)| re.value.hypot(im.value);
         // No stroke is much larger than those of the limiting cases; xm is where the last slider gives way.
         let stroke = 1.5 * self.b * amplitude(free).max(amplitude(stuck));
         let last = n * self.mu * self.load / self.kc;

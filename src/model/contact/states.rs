@@ -1,7 +1,7 @@
 //! States known without a solver: limiting cases in closed form, and the first guesses near them.
 
 use super::Problem;
-use crate::model::dual::Dual;
+use crate::dual::Dual;
 use crate::model::system::MAX_STATES;
 
 /// Amplitudes without contact that no motion reaches.

@@ -4,7 +4,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::super::harmonic::{Complex, times};
-use super::super::shooting::Start;
+use super::super::period::Start;
 use super::{Balancing, HARMONICS, KINKED, MOST, Sample};
 use crate::model::system::{Evaluation, Forcing, MAX_STATES};
 use crate::roots::regula_falsi;

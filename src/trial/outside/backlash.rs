@@ -1,8 +1,8 @@
 //! Play in the pinching springs: around their preload they push nowhere.
 
 use super::{Departure, Outside};
-use crate::effects::ParameterInfo;
 use crate::model::Model;
+use crate::parameter::ParameterInfo;
 
 /// The cause.
 pub struct Backlash;

@@ -1,8 +1,8 @@
 //! Bristles that stiffen with their stretch, F = kc x + k3 x^3.
 
 use super::{Departure, Outside};
-use crate::effects::ParameterInfo;
 use crate::model::Model;
+use crate::parameter::ParameterInfo;
 
 /// The cause.
 pub struct CubicSpring;

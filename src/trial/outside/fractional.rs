@@ -1,8 +1,8 @@
 //! A spring-pot in the contact: part of the bristles' stiffness becomes k (i w/w0)^alpha.
 
 use super::{Departure, Outside};
-use crate::effects::ParameterInfo;
 use crate::model::Model;
+use crate::parameter::ParameterInfo;
 use std::f64::consts::{PI, TAU};
 
 /// Elements of the diffusive approximation.

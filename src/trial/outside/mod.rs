@@ -10,8 +10,8 @@ mod run_out;
 pub use fractional::{Diffusive, diffusive};
 pub use rig::reading;
 
-use crate::effects::ParameterInfo;
 use crate::model::Model;
+use crate::parameter::ParameterInfo;
 
 /// A slow change of the normal load with the angle of the roller, W (1 + share sin(phase + V t/radius)).
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,8 +1,8 @@
 //! A roller that does not run true: its load changes with its angle.
 
 use super::{Departure, Outside, RunOut};
-use crate::effects::ParameterInfo;
 use crate::model::Model;
+use crate::parameter::ParameterInfo;
 
 /// Radius of the roller \[m\].
 const RADIUS: f64 = 0.03;

@@ -2,7 +2,10 @@
 //!
 //! Base dimensions are kg, m, s and V; rad is a pure number, so `990 N m` serves as a torsional stiffness.
 
+pub mod readable;
+
 use std::fmt::Write as _;
+use strsim::osa_distance;
 
 /// A number of things: `1 point`, `2 points`.
 pub fn count(number: usize, word: &str) -> String {
@@ -260,7 +263,7 @@ fn nearest_unit(symbol: &str, si_unit: &str) -> String {
     };
     let symbol: String = symbol.chars().take(12).collect();
     let rank = |unit: &String| {
-        let distance = edit_distance(&symbol.to_lowercase(), &unit.to_lowercase());
+        let distance = osa_distance(&symbol.to_lowercase(), &unit.to_lowercase());
         let start = unit.chars().next() == symbol.chars().next();
         let length = unit.chars().count().abs_diff(symbol.chars().count());
         (distance + usize::from(!fits(unit)), !fits(unit), !unit.eq_ignore_ascii_case(&symbol), !start, length)
@@ -391,26 +394,6 @@ impl Frequencies {
     pub fn difference(&self, frequency: f64) -> String {
         format!("{:.*} {}", self.decimals.saturating_sub(1).max(1), frequency / self.factor, self.unit)
     }
-}
-
-/// Number of insertions, deletions, replacements and swaps of neighbours that turn one text into the other.
-pub(crate) fn edit_distance(left: &str, right: &str) -> usize {
-    let (left, right): (Vec<char>, Vec<char>) = (left.chars().collect(), right.chars().collect());
-    let mut before: Vec<usize> = Vec::new();
-    let mut last: Vec<usize> = (0..=right.len()).collect();
-    for i in 1..=left.len() {
-        let mut row = vec![i];
-        for j in 1..=right.len() {
-            let mut best =
-                (last[j] + 1).min(row[j - 1] + 1).min(last[j - 1] + usize::from(left[i - 1] != right[j - 1]));
-            if i > 1 && j > 1 && left[i - 1] == right[j - 2] && left[i - 2] == right[j - 1] {
-                best = best.min(before[j - 2] + 1);
-            }
-            row.push(best);
-        }
-        before = std::mem::replace(&mut last, row);
-    }
-    last[right.len()]
 }
 
 /// At most 60 characters of a text, for messages.

@@ -1,9 +1,18 @@
 //! Numbers as a reader wants them: SI prefixes, sensible digits, a true minus sign.
 
-use super::view::Quantity;
+use serde::{Deserialize, Serialize};
 
 /// Shown where there is no number.
 pub const NONE: &str = "–";
+
+/// A number with its wording.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Quantity {
+    /// The value in SI; absent where there is none (not a number).
+    pub value: Option<f64>,
+    /// What the page shows, with unit.
+    pub text: String,
+}
 
 /// A computed value with four significant digits, as value and wording.
 pub fn computed(value: f64, unit: &str) -> Quantity {
@@ -24,7 +33,7 @@ pub fn quantity(value: f64, unit: &str, digits: usize) -> String {
 
 /// Estimate and ends of an interval with digits that suit it.
 pub fn interval(values: [f64; 3], unit: &str) -> [Quantity; 3] {
-    let digits = crate::units::interval_digits(values);
+    let digits = super::interval_digits(values);
     [0, 1, 2].map(|i| Quantity { value: finite(values[i]), text: quantity(values[i], unit, digits[i]) })
 }
 
@@ -80,7 +89,7 @@ pub fn count(number: usize) -> String {
 
 /// A unit of the scenario files in print: `kg m^2` becomes `kg m²`; a pure number has none.
 pub fn unit(unit: &str) -> String {
-    if unit == "1" { String::new() } else { crate::units::printed(unit) }
+    if unit == "1" { String::new() } else { super::printed(unit) }
 }
 
 fn finite(value: f64) -> Option<f64> {

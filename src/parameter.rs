@@ -1,7 +1,32 @@
-//! What is known of an effect and its parameters beside the law.
+//! What is known of a number of the model: key, symbol, unit, bounds, scale, and its place among all parameters.
 
-use super::Effect;
-use crate::scenario::Coordinate;
+/// Most parameters that a rig has.
+pub const RIG_PARAMETERS: usize = 7;
+/// Index of the first parameter of the contact, after those of the rig.
+pub const FIRST_CONTACT_PARAMETER: usize = RIG_PARAMETERS;
+/// Index of the first parameter of the instrument.
+pub const FIRST_INSTRUMENT_PARAMETER: usize = FIRST_CONTACT_PARAMETER + 3;
+/// Index of the first number of the operating point: speed, load, drive.
+pub const FIRST_OPERATING_PARAMETER: usize = FIRST_INSTRUMENT_PARAMETER + 3;
+/// Index of the first effect parameter among the parameters of a model.
+pub const FIRST_EFFECT_PARAMETER: usize = FIRST_OPERATING_PARAMETER + 3;
+
+/// Values that are positive, however small or large the rig.
+pub const POSITIVE: (f64, f64) = (f64::MIN_POSITIVE, f64::MAX);
+/// Values that are zero or more.
+pub const ZERO_OR_MORE: (f64, f64) = (0.0, f64::MAX);
+/// Values of either sign.
+pub const ANY: (f64, f64) = (-f64::MAX, f64::MAX);
+
+/// What the coordinate of an oscillator is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Coordinate {
+    /// A displacement \[m\].
+    Displacement,
+    /// An angle \[rad\].
+    Angle,
+}
 
 /// A parameter of an effect, of the rig, the contact or the instrument.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -200,59 +225,4 @@ impl Measure {
             Self::Force => of.stiffness * of.motion / of.quality,
         }
     }
-}
-
-/// Part of the experiment that an effect belongs to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Group {
-    /// The law of friction at the interface.
-    Interface,
-    /// The element between the interface and the arm.
-    Contact,
-    /// The arm, its drive, the roller's support, the reading.
-    RigAndInstrument,
-}
-
-impl Group {
-    /// Its name in running text.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Interface => "interface",
-            Self::Contact => "contact",
-            Self::RigAndInstrument => "rig and instrument",
-        }
-    }
-}
-
-/// A parameter and the value at which its effect vanishes; infinity means the limit.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Zero {
-    /// Index of the parameter.
-    pub parameter: usize,
-    /// The value.
-    pub value: f64,
-}
-
-/// Values in the middle of what a search covers on a rig of these scales (geometric mean).
-pub fn middle(effect: &dyn Effect, scales: &Scales) -> Vec<f64> {
-    let middle = |(info, typical): (&ParameterInfo, f64)| {
-        if info.alone.is_none() || scales.has_contact {
-            return typical * (info.measure.size(scales) / info.measure.size(&Scales::PAPER));
-        }
-        let (low, high) = info.search_range(scales);
-        (low * high).sqrt()
-    };
-    effect.parameters().iter().zip(typical(effect)).map(middle).collect()
-}
-
-/// Values in the middle of the search ranges on the paper's rig (geometric mean to one digit): valid, and no statement about
-/// any material.
-pub fn typical(effect: &dyn Effect) -> Vec<f64> {
-    let middle = |info: &ParameterInfo| {
-        let (low, high) = info.range.unwrap_or((info.minimum, info.maximum));
-        let low = low.max(1e-4 * high);
-        format!("{:.0e}", (low * high).sqrt()).parse().unwrap_or(high)
-    };
-    effect.parameters().iter().map(middle).collect()
 }

@@ -27,7 +27,7 @@ impl Format {
 
 /// What is wanted of every figure.
 #[derive(Debug, Clone, Args)]
-pub struct Drawn {
+pub struct FigureOutput {
     /// Files of each figure
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "svg,png,csv")]
     pub format: Vec<Format>,
@@ -36,7 +36,7 @@ pub struct Drawn {
     pub preset: Option<Preset>,
 }
 
-impl Default for Drawn {
+impl Default for FigureOutput {
     fn default() -> Self {
         Self { format: vec![Format::Svg, Format::Png, Format::Csv], preset: None }
     }

@@ -1,6 +1,6 @@
 //! `stickslip report --from report.json`: the page made again from the files of an earlier run.
 
-use super::report::{Arguments, page};
+use super::exports::Extras;
 use super::{Global, gates, say};
 use crate::error::{Error, Result};
 use crate::gate;
@@ -9,17 +9,19 @@ use crate::results::Results;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
+/// Bytes of a page that is still opened at once on a phone; drawings of an earlier run are left out beyond.
+const LARGEST: usize = 4_900_000;
 /// Largest file that is read.
 const MAX_BYTES: u64 = 1 << 28;
 
 /// Writes `report.html` into `--out`, or beside the JSON, and what else was asked for.
-pub fn execute(from: &Path, arguments: &Arguments, global: &Global) -> Result<()> {
+pub fn execute(from: &Path, out: Option<&Path>, extras: &Extras, global: &Global) -> Result<()> {
     let from = if from.is_dir() { from.join("report.json") } else { from.to_path_buf() };
     let mut view = load(&from)?;
     let folder = from.parent().unwrap_or(Path::new("")).to_path_buf();
-    let out = arguments.out.clone().unwrap_or_else(|| folder.clone());
+    let out = out.map_or_else(|| folder.clone(), Path::to_path_buf);
     let out = if out.as_os_str().is_empty() { PathBuf::from(".") } else { out };
-    arguments.extras.free(&out)?;
+    extras.free(&out)?;
     for figure in report::figures(&mut view) {
         for file in &figure.files {
             let place = match file.kind.as_str() {
@@ -36,13 +38,37 @@ pub fn execute(from: &Path, arguments: &Arguments, global: &Global) -> Result<()
     }
     let page = page(&view)?;
     let target = out.join("report.html");
-    Results::open(&out, [from.as_path()])?.write("report.html", page.as_bytes())?;
-    let extras = arguments.extras.write(&view)?;
+    let results = Results::open(&out, [from.as_path()])?;
+    results.write("report.html", page.as_bytes())?;
+    for (name, page) in others(&view)? {
+        results.write(name, page.as_bytes())?;
+    }
+    let written = extras.write(&view)?;
     say(global, &view.summary.sentence)?;
-    for path in std::iter::once(target.as_path()).chain(extras) {
+    for path in std::iter::once(target.as_path()).chain(written) {
         say(global, &format!("wrote {}", path.display()))?;
     }
     gates::passed(&judged(&view))
+}
+
+/// The pages beside the main one.
+pub fn others(view: &ReportView) -> Result<Vec<(&'static str, String)>> {
+    report::others(view).map_err(|why| Error::Unfinished(why.to_string()))
+}
+
+/// The page with as many drawings of an earlier run as it may hold; all of them are among the files.
+pub fn page(view: &ReportView) -> Result<String> {
+    let mut view = view.clone();
+    loop {
+        let page = report::render(&view).map_err(|why| Error::Unfinished(why.to_string()))?;
+        let pictures = view.baseline.iter_mut().flat_map(|baseline| &mut baseline.pictures);
+        let mut held: Vec<_> = pictures.filter(|picture| !picture.svg.is_empty()).collect();
+        if page.len() <= LARGEST || held.is_empty() {
+            return Ok(page);
+        }
+        let half = held.len() / 2;
+        held.drain(half..).for_each(|picture| picture.svg.clear());
+    }
 }
 
 /// The view of an earlier run.

@@ -1,11 +1,27 @@
 //! Where `stickslip add` writes, and the paths that a scenario needs there.
 
-use super::add::Job;
 use crate::error::{Error, Result};
 use crate::scenario;
 use crate::scenario::diagnostic::whole_file;
 use crate::scenario::edit::Editable;
 use std::path::{Component, Path, PathBuf};
+
+/// What is asked of `stickslip add`.
+#[derive(Debug, Clone, Copy)]
+pub struct Job<'a> {
+    /// Name of the effect.
+    pub effect: &'a str,
+    /// The scenario.
+    pub path: &'a Path,
+    /// Another file to write to.
+    pub output: Option<&'a Path>,
+    /// Whether to show the difference and write nothing.
+    pub dry_run: bool,
+    /// Whether the effect is to be taken out.
+    pub remove: bool,
+    /// Seed of the search.
+    pub seed: u32,
+}
 
 /// A place to write a scenario to.
 #[derive(Debug)]

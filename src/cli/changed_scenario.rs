@@ -1,7 +1,6 @@
 //! The text that `stickslip add` writes: fitted numbers rounded to what is known of them, and proof that it says so.
 
-use super::add::Job;
-use super::target::Target;
+use super::destination::{Job, Target};
 use crate::compare;
 use crate::discover::{Addition, Change};
 use crate::effects::{Effect, ParameterInfo, typical};
@@ -31,7 +30,7 @@ pub fn trial(
         unit: info.unit_for(scenario.rig.coordinate()),
         low: None,
         high: None,
-        felt: f64::INFINITY,
+        detectable_change: f64::INFINITY,
         contradicted: false,
     };
     let keys = Addition::Effect(effect).keys().into_iter();
@@ -50,18 +49,18 @@ pub fn fitted(
 ) -> Result<String> {
     let c = &change.after;
     let noise = c.overall.chi2_per_point.sqrt().max(1.0);
-    let felt = |column: usize| ROUNDING * noise / c.fit.evaluation.jacobian.column(column).norm();
+    let detectable_change = |column: usize| ROUNDING * noise / c.fit.evaluation.jacobian.column(column).norm();
     let pairs = c.fit.parameters.iter().zip(&c.intervals).enumerate();
     let one = |(column, (parameter, interval)): (usize, (&Parameter, &Interval))| Estimate {
         contradicted: c.whiteness.structured,
-        ..estimate(parameter, interval, felt(column))
+        ..estimate(parameter, interval, detectable_change(column))
     };
     let values = pairs.map(one).collect();
     write(job, effect, scenario, values, file, target)
 }
 
 /// A fitted parameter; ends of its interval that are only bounds of the search are left out.
-fn estimate(parameter: &Parameter, interval: &Interval, felt: f64) -> Estimate {
+fn estimate(parameter: &Parameter, interval: &Interval, detectable_change: f64) -> Estimate {
     let bounds = parameter.bounds();
     let open = |end: f64| [bounds.0, bounds.1].iter().any(|&bound| parameter.natural_distance(end, bound) < 1e-6);
     let (low, high) = match interval.identified {
@@ -77,7 +76,7 @@ fn estimate(parameter: &Parameter, interval: &Interval, felt: f64) -> Estimate {
         unit: parameter.unit,
         low,
         high,
-        felt,
+        detectable_change,
         contradicted: false,
     }
 }

@@ -1,0 +1,109 @@
+//! What a header probably is that is none of the known names: by its words and the dimension of its unit.
+
+use super::frame::{DRIVES, READINGS};
+use super::header::{AMPLITUDE, DRIVE, FREQUENCY, PHASE};
+use super::unit::{Unit, Wanted, suffix};
+
+/// Beginnings of words of a column that is none of the four: statistics, harmonics, a lag whose sign is another, the sampling.
+const OTHER: &[&str] = &[
+    "sd", "std", "stdev", "err", "unc", "unsich", "sigma", "mean", "mittel", "harmon", "lag", "sampl", "abtast",
+    "bandw", "temp",
+];
+/// Beginnings of words that say what shakes the rig. They come before [`READS`]: the displacement of a base is a drive.
+const DRIVES_IT: &[&str] = &[
+    "driv",
+    "forc",
+    "kraft",
+    "torque",
+    "moment",
+    "excit",
+    "anreg",
+    "erreg",
+    "input",
+    "base",
+    "shaker",
+    "actuat",
+    "motor",
+    "generator",
+    "source",
+];
+/// Beginnings of words that say what is read of it.
+const READS: &[&str] = &[
+    "ampl", "displ", "deflect", "auslenk", "respon", "antwort", "output", "veloc", "geschw", "accel", "beschl",
+    "angle", "winkel", "tip", "motion", "laser", "vibrom", "sensor",
+];
+
+/// The column that words and unit of a header speak for, and the unit; none where no unit is stated, or too little said.
+/// `name` is in lower case with its words joined by underscores, `bracket` the unit beside it.
+pub(crate) fn likely(name: &str, bracket: Option<&str>) -> Option<(usize, Unit)> {
+    let words: Vec<&str> = name.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).collect();
+    // A number within a word, as in `phase2`, is of another channel or of a harmonic.
+    let is_word = |word: &&&str| word.chars().all(char::is_alphabetic);
+    let says =
+        |beginnings: &[&str]| words.iter().filter(is_word).any(|word| beginnings.iter().any(|b| word.starts_with(b)));
+    let ends_so = |what: &str| words.iter().any(|word| word.ends_with(what));
+    if says(OTHER) {
+        return None;
+    }
+    let unit = |possible: &'static [&'static str]| {
+        let wanted = Wanted { possible, natural: None, share: false };
+        match bracket {
+            Some(text) => wanted.unit(text).ok(),
+            None => (1..words.len()).flat_map(|from| suffix(&words[from..])).find_map(|text| wanted.unit(&text).ok()),
+        }
+    };
+    let column = if says(&["freq"]) || ends_so("frequency") || ends_so("frequenz") {
+        return unit(&["Hz"]).map(|unit| (FREQUENCY, unit));
+    } else if says(&["phas"]) {
+        return unit(&["rad"]).map(|unit| (PHASE, unit));
+    } else if says(DRIVES_IT) || ends_so("kraft") || ends_so("moment") {
+        (DRIVE, unit(DRIVES)?)
+    } else if says(READS) {
+        (AMPLITUDE, unit(READINGS)?)
+    } else {
+        return None;
+    };
+    Some(column)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_and_units_tell_a_column_together() {
+        for (name, bracket, column, si) in [
+            ("frequenz_f", Some("Hz"), FREQUENCY, "Hz"),
+            ("shaker_frequency", Some("rad/s"), FREQUENCY, "Hz"),
+            ("motorspannung_u", Some("V"), DRIVE, "V"),
+            ("table_input_acceleration", Some("g"), DRIVE, "m/s^2"),
+            ("base_displacement_mm", None, DRIVE, "m"),
+            ("anregungskraft", Some("mN"), DRIVE, "N"),
+            ("tip_displacement", Some("mm"), AMPLITUDE, "m"),
+            ("auslenkung", Some("°"), AMPLITUDE, "rad"),
+            ("laser_output", Some("mV"), AMPLITUDE, "V"),
+            ("tip_velocity_mm_s", None, AMPLITUDE, "m/s"),
+            ("phase_of_the_tip", Some("deg"), PHASE, "rad"),
+        ] {
+            let (found, unit) = likely(name, bracket).unwrap_or_else(|| panic!("{name}"));
+            assert_eq!((found, unit.si), (column, si), "{name}");
+        }
+    }
+
+    #[test]
+    fn neither_words_nor_units_are_enough() {
+        for (name, bracket) in [
+            ("tip_displacement", None),
+            ("tip_displacement", Some("kg")),
+            ("room_temperature", Some("V")),
+            ("sampling_frequency", Some("Hz")),
+            ("tip_displacement_sd", Some("mm")),
+            ("phase_lag", Some("deg")),
+            ("phase2", Some("rad")),
+            ("gain", Some("V")),
+            ("remark", None),
+        ] {
+            assert_eq!(likely(name, bracket).map(|(column, _)| column), None, "{name}");
+        }
+    }
+}

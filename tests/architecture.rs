@@ -1,0 +1,152 @@
+//! Data flows one way: what a module may read of the others, checked on the `use` lines and paths of the source.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+/// Every Rust file below a folder.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let mut all = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap().flatten() {
+        match entry.path() {
+            path if path.is_dir() => all.extend(files(&path)),
+            path if path.extension().is_some_and(|end| end == "rs") => all.push(path),
+            _ => {}
+        }
+    }
+    all.sort();
+    all
+}
+
+/// A file without comments and without the module of its unit tests, which may use whatever it likes.
+fn code(path: &Path) -> String {
+    let text = std::fs::read_to_string(path).unwrap();
+    let text = text.split("\n#[cfg(test)]\nmod ").next().unwrap();
+    text.lines().map(|line| line.split("//").next().unwrap()).collect::<Vec<_>>().join("\n")
+}
+
+/// The first names of what is read through a prefix such as `crate::`, one of a list in braces as well as a single one.
+fn names_after<'a>(text: &'a str, prefix: &str) -> BTreeSet<&'a str> {
+    let word = |text: &'a str| &text[..text.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(text.len())];
+    let mut names = BTreeSet::new();
+    for (at, _) in text.match_indices(prefix) {
+        if text[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_' || c == ':') {
+            continue;
+        }
+        let rest = &text[at + prefix.len()..];
+        let Some(list) = rest.strip_prefix('{') else {
+            names.insert(word(rest));
+            continue;
+        };
+        let mut depth = 0;
+        let mut first = true;
+        for (at, c) in list.char_indices() {
+            match c {
+                '{' => depth += 1,
+                '}' if depth == 0 => break,
+                '}' => depth -= 1,
+                ',' if depth == 0 => first = true,
+                c if first && !c.is_whitespace() => {
+                    names.insert(word(&list[at..]));
+                    first = false;
+                }
+                _ => {}
+            }
+        }
+    }
+    names
+}
+
+/// The modules as the page of the library lists them, which is the order in which data flows.
+fn order() -> Vec<String> {
+    let page = std::fs::read_to_string("src/lib.rs").unwrap();
+    let listed = page.lines().filter_map(|line| line.strip_prefix("//! * "));
+    let names = listed.flat_map(|line| line.split(" - ").next().unwrap().split(", "));
+    names.map(|name| name.trim_matches(['[', ']', '`']).to_string()).collect()
+}
+
+/// The module of the crate that a file belongs to.
+fn module(path: &Path) -> String {
+    let first = path.strip_prefix("src").unwrap().components().next().unwrap();
+    first.as_os_str().to_str().unwrap().trim_end_matches(".rs").to_string()
+}
+
+#[test]
+fn the_page_of_the_library_lists_every_module_once() {
+    let page = std::fs::read_to_string("src/lib.rs").unwrap();
+    let declared = page.lines().filter_map(|line| line.trim_start_matches("pub ").strip_prefix("mod "));
+    let mut declared: Vec<_> = declared.map(|name| name.trim_end_matches(';').to_string()).collect();
+    let mut listed = order();
+    declared.sort();
+    listed.sort();
+    assert_eq!(listed, declared, "the list of src/lib.rs beside its `mod` lines");
+}
+
+#[test]
+fn no_module_reads_one_that_comes_after_it() {
+    let order = order();
+    let place = |name: &str| order.iter().position(|one| one == name);
+    let mut upward = Vec::new();
+    for path in files(Path::new("src")) {
+        let own = module(&path);
+        let Some(at) = place(&own) else { continue };
+        let text = code(&path);
+        let later =
+            names_after(&text, "crate::").into_iter().filter(|name| place(name).is_some_and(|other| other > at));
+        upward.extend(later.map(|name| format!("{} reads `{name}`, which comes after `{own}`", path.display())));
+    }
+    assert!(upward.is_empty(), "move what is read to a module before both:\n{}", upward.join("\n"));
+}
+
+/// Folders in which files still read each other in a circle; none may be added.
+const CIRCLES: [&str; 3] = ["figures", "measurement", "report"];
+
+/// Files of a folder by their names, each with those that it reads; a file and the folder of its name are one.
+fn readers(folder: &Path) -> BTreeMap<String, BTreeSet<String>> {
+    let name = |path: &Path| module(&Path::new("src").join(path.strip_prefix(folder).unwrap()));
+    let paths: Vec<PathBuf> = files(folder).into_iter().filter(|path| *path != folder.join("mod.rs")).collect();
+    let known: BTreeSet<String> = paths.iter().map(|path| name(path)).collect();
+    let mut all: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for path in &paths {
+        let depth = path.strip_prefix(folder).unwrap().components().count() - usize::from(path.ends_with("mod.rs"));
+        let text = code(path);
+        let own = folder.file_name().unwrap().to_str().unwrap();
+        let ways = ["super::".repeat(depth), format!("crate::{own}::")];
+        let read = ways.iter().flat_map(|way| names_after(&text, way)).map(String::from);
+        let read = read.filter(|other| known.contains(other) && *other != name(path));
+        all.entry(name(path)).or_default().extend(read);
+    }
+    all
+}
+
+/// Files that read, through others or at once, themselves.
+fn circle(readers: &BTreeMap<String, BTreeSet<String>>) -> Vec<&String> {
+    let reaches = |from: &String| {
+        let (mut seen, mut next) = (BTreeSet::new(), vec![from]);
+        while let Some(one) = next.pop() {
+            next.extend(readers[one].iter().filter(|other| seen.insert(*other)));
+        }
+        seen.contains(from)
+    };
+    readers.keys().filter(|file| reaches(file)).collect()
+}
+
+#[test]
+fn no_files_of_a_folder_read_each_other_in_a_circle() {
+    for name in order() {
+        let folder = Path::new("src").join(&name);
+        if !folder.is_dir() {
+            continue;
+        }
+        let readers = readers(&folder);
+        let circle = circle(&readers);
+        assert_eq!(!circle.is_empty(), CIRCLES.contains(&name.as_str()), "src/{name}: {circle:?}");
+    }
+}
+
+#[test]
+fn what_is_read_is_found_in_every_way_of_writing_it() {
+    let text = "use crate::a::B;\nuse crate::{\n c::{D, e}, f,\n};\nlet x = crate::g::h(); super::super::i::J; pub(crate) struct K;";
+    assert_eq!(names_after(text, "crate::").into_iter().collect::<Vec<_>>(), ["a", "c", "f", "g"]);
+    assert_eq!(names_after(text, "super::super::").into_iter().collect::<Vec<_>>(), ["i"]);
+    assert!(names_after(text, "super::").contains("super"));
+}
