@@ -77,16 +77,7 @@ impl Cache {
     /// What was kept under a name; nothing where there is no whole entry.
     pub fn get<T: DeserializeOwned>(&self, key: &Key) -> Option<T> {
         let path = self.path(key)?;
-        let metadata = std::fs::metadata(&path).ok()?;
-        if !metadata.is_file() || metadata.len() > MAX_BYTES {
-            return None;
-        }
-        let text = std::fs::read_to_string(&path).ok()?;
-        let (head, body) = text.split_once('\n')?;
-        if head != self::head(body) {
-            return None;
-        }
-        let value = serde_json::from_str(body).ok()?;
+        let value = opened(&files::text(&path, MAX_BYTES, "").ok()?)?;
         // Only so that entries in use are not removed; a folder that cannot be written to is no reason to compute again.
         if let Ok(file) = std::fs::File::options().append(true).open(&path) {
             let _ = file.set_modified(SystemTime::now());
@@ -99,7 +90,7 @@ impl Cache {
         let Some(path) = self.path(key) else { return false };
         let Ok(body) = serde_json::to_string(value) else { return false };
         let whole = serde_json::from_str::<T>(&body).is_ok_and(|back| back == *value);
-        whole && files::replace(&path, format!("{}\n{body}", head(&body)).as_bytes()).is_ok()
+        whole && files::replace(&path, sealed(&body).as_bytes()).is_ok()
     }
 
     fn path(&self, key: &Key) -> Option<PathBuf> {
@@ -118,8 +109,15 @@ impl Cache {
     }
 }
 
-fn head(body: &str) -> String {
-    format!("{MARK} {}", blake3::hash(body.as_bytes()).to_hex())
+/// The text of an entry that holds this JSON.
+pub fn sealed(body: &str) -> String {
+    format!("{MARK} {}\n{body}", blake3::hash(body.as_bytes()).to_hex())
+}
+
+/// What the text of an entry holds; nothing where it is not whole.
+pub fn opened<T: DeserializeOwned>(text: &str) -> Option<T> {
+    let (_, body) = text.split_once('\n')?;
+    if text == sealed(body) { serde_json::from_str(body).ok() } else { None }
 }
 
 #[cfg(test)]

@@ -15,9 +15,42 @@ const BEGINNING: u64 = 1 << 20;
 
 /// The beginning of a file, as far as it is text.
 pub fn beginning(path: &Path) -> Option<String> {
+    ordinary(path, "").ok()?;
     let mut bytes = Vec::new();
     std::fs::File::open(path).ok()?.take(BEGINNING).read_to_end(&mut bytes).ok()?;
     Some(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+/// The text of an ordinary file of at most so many bytes; `help` says which file is meant.
+///
+/// # Errors
+/// [`Error::Input`] where it is none, [`Error::Io`] where it cannot be read.
+pub fn text(path: &Path, most: u64, help: &str) -> Result<String> {
+    ordinary(path, help)?;
+    let mut bytes = Vec::new();
+    let file = std::fs::File::open(path).map_err(Error::io("read", path))?;
+    file.take(most + 1).read_to_end(&mut bytes).map_err(Error::io("read", path))?;
+    if bytes.len() as u64 > most {
+        return Err(refused(path, &format!("is too large: at most {} MiB are read", most >> 20), help));
+    }
+    String::from_utf8(bytes).map_err(|_| refused(path, "is not UTF-8 text", help))
+}
+
+/// Complains where there is no ordinary file: to open a pipe would be to wait for its writer.
+///
+/// # Errors
+/// [`Error::Input`] naming the path.
+pub fn ordinary(path: &Path, help: &str) -> Result<()> {
+    match std::fs::metadata(path) {
+        Err(_) => Err(refused(path, "is not there", help)),
+        Ok(metadata) if metadata.is_file() => Ok(()),
+        Ok(_) => Err(refused(path, "is not an ordinary file", help)),
+    }
+}
+
+/// A path that is not what it should be: why, and what to do.
+pub(crate) fn refused(path: &Path, why: &str, help: &str) -> Error {
+    Error::Input(format!("error: {} {why}\n  = help: {help}", path.display()))
 }
 
 /// Creates a folder for results and tries to write there, before the work that fills it.
@@ -27,7 +60,7 @@ pub fn beginning(path: &Path) -> Option<String> {
 pub fn prepare(folder: &Path) -> Result<()> {
     if folder.exists() && !folder.is_dir() {
         let help = "name a folder, or a path where there is nothing yet";
-        return Err(Error::Input(format!("error: {} is not a folder\n  = help: {help}", folder.display())));
+        return Err(refused(folder, "is not a folder", help));
     }
     std::fs::create_dir_all(folder).map_err(Error::io("create the folder", folder))?;
     tempfile::tempfile_in(folder).map_err(Error::io("write in", folder))?;
@@ -85,7 +118,7 @@ pub fn free(path: &Path, ours: impl Fn(&str) -> bool) -> Result<()> {
     } else {
         "was not written by this command and is not overwritten"
     };
-    Err(Error::Input(format!("error: {} {why}\n  = help: name another file, or move this one away", path.display())))
+    Err(refused(path, why, "name another file, or move this one away"))
 }
 
 /// Writes a file anew, where it is that links lead to it and with the permissions that it has.

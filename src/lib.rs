@@ -5,6 +5,23 @@
 //! report. A module reads only those that come before it in this list, which `tests/architecture.rs` checks; [`cli`]
 //! assembles the steps.
 //!
+//! ```no_run
+//! use stickslip::{compare, discover, measurement, scenario, sweep};
+//!
+//! let scenario = scenario::load("rig/scenario.toml")?;
+//! let outcome = sweep::run(&scenario, &sweep::Options::default());
+//! println!("{} resonance curves", outcome.curves.len());
+//! if let Some(table) = measurement::load(&scenario)? {
+//!     let comparison = compare::compare(&scenario, &table, &compare::Options { seed: 0 });
+//!     println!("chi2 per point: {:.2}", comparison.overall.chi2_per_point);
+//!     let discovery = discover::discover(&scenario, &table, &discover::SearchOptions::default());
+//!     println!("{}", discover::sentence(&discovery));
+//! }
+//! # Ok::<(), stickslip::error::Error>(())
+//! ```
+//!
+//! `examples/` has these steps one by one, and an effect of one's own.
+//!
 //! What everything may use:
 //!
 //! * [`error`] - what can go wrong, and the exit status of each.

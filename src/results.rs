@@ -4,7 +4,7 @@
 //! is; a run holds a lock on it. A folder of an earlier version has no such list: what it holds is told by its content.
 
 use crate::error::{Error, Result};
-use crate::files::{self, beginning};
+use crate::files::{self, beginning, refused};
 use crate::{interrupt, terminal};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{File, TryLockError};
@@ -16,6 +16,8 @@ use std::sync::{Mutex, PoisonError};
 pub const LIST: &str = ".stickslip";
 /// First line of the list.
 const HEAD: &str = "stickslip results/1: files written here by the program, which it may replace\n";
+/// Most that is read of a list: names of some hundred thousand files. One that is longer ends in a line of no use.
+const LONGEST: u64 = 1 << 26;
 
 /// A locked folder of results.
 #[derive(Debug)]
@@ -53,7 +55,7 @@ impl Results {
         let mut file = open.map_err(Error::io("write", &at))?;
         lock(&file, path).map_err(Error::io("lock", &at))?;
         let mut text = String::new();
-        file.read_to_string(&mut text).map_err(Error::io("read", &at))?;
+        (&file).take(LONGEST).read_to_string(&mut text).map_err(Error::io("read", &at))?;
         let known = match text.strip_prefix(HEAD) {
             Some(lines) => parse(lines),
             // Also a head that a killed run did not finish.
@@ -174,10 +176,6 @@ fn hash_of(path: &Path) -> Result<Option<String>> {
             Ok(Some(hasher.finalize().to_hex().to_string()))
         }
     }
-}
-
-fn refused(path: &Path, why: &str, help: &str) -> Error {
-    Error::Input(format!("error: {} {why}\n  = help: {help}", path.display()))
 }
 
 fn foreign(list: &Path) -> Error {

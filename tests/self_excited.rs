@@ -176,3 +176,29 @@ fn what_no_number_describes_fails_at_once_and_in_words() {
         assert!(sound || found < 2, "{operation:?}: {found} cycles");
     }
 }
+
+/// A contact of many sliders whose weakening excites the arm.
+fn excited_sliders() -> Model {
+    let mut model = with("partial-slip", &[2.0]);
+    model.effects.push((effects::find("stribeck").unwrap(), vec![0.08, 0.01]));
+    model
+}
+
+#[test]
+fn many_sliders_that_excite_themselves_are_averaged_over_fewer_cycles() {
+    let state = steady(&excited_sliders(), &at(0.02, 72.0));
+    assert!(matches!(state.status, Status::SelfExcited(_)) && state.amplitude.is_finite(), "{state:?}");
+    assert_eq!((state.method, state.cycles), (Method::TimeIntegration, 100));
+}
+
+#[test]
+fn an_integration_whose_steps_are_not_solved_is_given_up() {
+    let model = excited_sliders();
+    let problem = Problem::new(&model, &at(0.02, 72.0));
+    let plan = Plan { steps: 64, cycles: 20, window: 1, ..Plan::default() };
+    let found = integrate(&problem.sliders(), &plan);
+    assert!(!found.given_up && found.cycles > plan.cycles, "{found:?}");
+    // No step counts as solved: each takes all trials that it may.
+    let found = integrate(&problem.sliders(), &Plan { solved: -1.0, ..plan });
+    assert!(found.given_up && !found.periodic && found.cycles < plan.cycles / 2, "{found:?}");
+}

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use stickslip::scenario::{self, Scenario};
-use stickslip::{history, measurement, report};
+use stickslip::{cache, claims, history, measurement, report, trial, units};
 
 /// A target and its name, that of its corpus.
 pub type Target = (&'static str, fn(&[u8]));
@@ -18,6 +18,10 @@ pub const TARGETS: &[Target] = &[
     ("workbook", workbook),
     ("report", report),
     ("history", history),
+    ("claims", claims),
+    ("trials", trials),
+    ("cache", cache),
+    ("quantity", quantity),
 ];
 
 /// The readers' own tests cover larger files; these would only be slow here.
@@ -53,8 +57,7 @@ fn table(scenario: &Scenario, name: &str, data: &[u8]) {
 
 /// A scenario in TOML.
 pub fn scenario(data: &[u8]) {
-    let Ok(text) = std::str::from_utf8(data) else { return };
-    if data.len() <= LONGEST {
+    if let Some(text) = short(data) {
         let _ = scenario::load_text("/nowhere/scenario.toml", text);
     }
 }
@@ -121,10 +124,7 @@ fn checksum(bytes: &[u8]) -> u32 {
 
 /// A report that is read back.
 pub fn report(data: &[u8]) {
-    let Ok(text) = std::str::from_utf8(data) else { return };
-    if data.len() <= LONGEST
-        && let Ok(view) = report::read(text)
-    {
+    if let Some(Ok(view)) = short(data).map(report::read) {
         let values = report::values(&view);
         let _ = (report::baseline(&view, &view, "before"), values);
         let _ = report::markdown(&view);
@@ -134,15 +134,47 @@ pub fn report(data: &[u8]) {
 
 /// A history.
 pub fn history(data: &[u8]) {
-    if data.len() > LONGEST {
-        return;
-    }
-    let name = format!("stickslip-fuzz-{}-{:?}.jsonl", std::process::id(), std::thread::current().id());
-    let memory = Path::new("/dev/shm");
-    let path = if memory.is_dir() { memory.join(name) } else { std::env::temp_dir().join(name) };
-    std::fs::write(&path, data).expect("a file");
-    if let Ok(records) = history::read(&path) {
+    if data.len() <= LONGEST
+        && let Ok(records) = history::records(data, Path::new("history.jsonl"))
+    {
         let _ = history::series(&records, true);
     }
-    let _ = std::fs::remove_file(path);
+}
+
+/// A ledger of claims.
+pub fn claims(data: &[u8]) {
+    if let Some(text) = short(data) {
+        let _ = claims::ids(text, "claims.toml");
+    }
+}
+
+/// Scores of trials that a new run is held against.
+pub fn trials(data: &[u8]) {
+    if let Some(summary) = short(data).and_then(|text| trial::parse(text).ok()) {
+        assert!(trial::agreement(&summary, &summary).iter().all(trial::Both::agree));
+        let _ = summary.scores_alone();
+    }
+}
+
+/// An entry of the cache; what has no hash gets the right one, so that this does not hide what is inside.
+pub fn cache(data: &[u8]) {
+    let Some(text) = short(data) else { return };
+    let sealed = if text.starts_with("stickslip-cache") { text.into() } else { cache::sealed(text) };
+    let _ = cache::opened::<Vec<report::ClaimView>>(&sealed);
+    let _ = cache::opened::<Vec<report::FigureView>>(&sealed);
+}
+
+/// A number with its unit.
+pub fn quantity(data: &[u8]) {
+    let Some(text) = short(data) else { return };
+    for unit in ["1", "m/s", "N m s/rad", "Hz"] {
+        if let Ok(value) = units::parse(text, unit) {
+            let _ = units::format(value, unit);
+        }
+    }
+}
+
+/// The bytes as text, where they are text and not too long.
+fn short(data: &[u8]) -> Option<&str> {
+    std::str::from_utf8(data).ok().filter(|text| text.len() <= LONGEST)
 }

@@ -3,6 +3,7 @@
 use crate::cache::Key;
 use crate::claims::{self, Judged, Relation};
 use crate::error::{Error, Result};
+use crate::files;
 use crate::report::{ClaimView, Verdict, anchor};
 use crate::scenario::diagnostic::{nearest, quote, whole_file};
 use crate::scenario::{self, Scenario};
@@ -13,6 +14,8 @@ use std::path::Path;
 /// Ledger and rig of the claims, below a scenarios folder.
 const LEDGER: &str = "paper/claims.toml";
 const RIG: &str = "paper/rig.toml";
+/// Largest ledger that is read.
+const MAX_BYTES: u64 = 1 << 20;
 
 /// A ledger and the rig that it is about.
 pub struct Ledger {
@@ -31,8 +34,8 @@ pub struct Claims {
 }
 
 /// A scenario of the paper, where there is one: claims and atlas are for these.
-pub fn of_paper(scenarios: &[Scenario]) -> Option<&Scenario> {
-    scenarios.iter().find(|scenario| scenario.id.starts_with("paper/"))
+pub fn of_paper<'a>(scenarios: impl IntoIterator<Item = &'a Scenario>) -> Option<&'a Scenario> {
+    scenarios.into_iter().find(|scenario| scenario.id.starts_with("paper/"))
 }
 
 impl Ledger {
@@ -47,7 +50,7 @@ impl Ledger {
         let beside = |name: &str| root.map(|root| root.join(name)).filter(|path| path.is_file());
         let ledger = match (beside(LEDGER), beside(RIG)) {
             (Some(ledger), Some(rig)) => Self {
-                text: std::fs::read_to_string(&ledger).map_err(Error::io("read", &ledger))?,
+                text: files::text(&ledger, MAX_BYTES, "the claims are a short text file")?,
                 file: ledger.display().to_string(),
                 rig: scenario::load_base(&rig)?,
             },

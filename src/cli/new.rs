@@ -68,6 +68,17 @@ struct Draft<'a> {
     rolls: bool,
 }
 
+/// A scenario in the making.
+#[derive(Default)]
+struct Written {
+    /// The file as far as it is written.
+    text: String,
+    /// Lines of the table `[instrument]`.
+    instrument: String,
+    /// Keys of `[fit] free`.
+    free: Vec<&'static str>,
+}
+
 impl<'a> Draft<'a> {
     fn new(seen: &'a Survey, table: &'a Path) -> Result<Self> {
         let refuse =
@@ -297,86 +308,22 @@ impl<'a> Draft<'a> {
 
     /// The scenario in the notation of its file.
     fn scenario(&self, target: &Path, Kind { order, absolute }: Kind) -> String {
-        let (drive, reading) = self.signals();
-        let angle = self.coordinate == Coordinate::Angle;
         let number = |value: f64| digits(value, 5);
         let r = &self.resonance;
-        let stem =
-            self.table.file_stem().map_or("table".into(), |stem| stem.to_string_lossy().replace(['"', '\\'], "'"));
-        let mut text = format!(
-            "# Written by `stickslip new` from what the readings show; every number may be corrected.\ntitle = \"Resonance of {stem}\"\n\
-             provenance = \"not stated: readings of {file}; starting values estimated from them\"    # where they come from\n\n\
-             [rig]\nkind = \"oscillator\"\n",
-            file = self.table.file_name().map_or(stem.clone(), |name| name.to_string_lossy().replace(['"', '\\'], "'"))
-        );
-        if angle {
-            text += "coordinate = \"angle\"\n";
-        }
-        let mut free = vec!["rig.natural_frequency", "rig.quality_factor"];
-        if self.base_driven() {
-            text += "drive = \"base\"                 # or \"spring\", with spring_stiffness\n";
-            text += if absolute {
-                "reading = \"absolute\"           # or \"relative\" to the base\n"
-            } else {
-                "reading = \"relative\"           # to the base; or \"absolute\"\n"
-            };
-        } else {
-            text += "drive = \"force\"                # or \"base\"; \"spring\"\n";
-        }
+        let mut written = Written { text: self.heading(absolute), ..Written::default() };
+        written.free.extend(["rig.natural_frequency", "rig.quality_factor"]);
         let ratio = r.peak / self.expected_peak();
-        let volts = (drive.unit == "V", reading.unit == "V");
-        let mut instrument = String::new();
-        let motion = if angle { "rad" } else { "m" };
-        match (self.base_driven(), volts) {
-            (false, (false, false)) => {
-                let (key, unit) = if angle { ("inertia", "kg m^2") } else { ("mass", "kg") };
-                let _ = writeln!(text, "{key} = \"{} {unit}\"", number(1.0 / ratio));
-                free.insert(0, if angle { "rig.inertia" } else { "rig.mass" });
-            }
-            (_, (_, true)) => {
-                text += "# the mass is not known: it is 1, and the drive is known up to a factor\n";
-                let unit = ["V", "V s", "V s^2"][usize::from(order.min(2))];
-                let ratio = ratio / (TAU * r.frequency).powi(order.into());
-                let of = ["displacement", "velocity", "acceleration"][usize::from(order.min(2))];
-                let _ =
-                    writeln!(instrument, "sensitivity = \"{} {unit}/{motion}\"    # reading per {of}", number(ratio));
-                free.push("instrument.sensitivity");
-            }
-            (false, (true, false)) => {
-                text += "# the mass is not known: it is 1, and the drive is known up to a factor\n";
-                let force = if angle { "V/(N m)" } else { "V/N" };
-                let _ = writeln!(
-                    instrument,
-                    "drive_sensitivity = \"{} {force}\"    # reading per force",
-                    number(1.0 / ratio)
-                );
-                free.push("instrument.drive_sensitivity");
-            }
-            (true, _) => {
-                let _ = writeln!(
-                    instrument,
-                    "amplitude_gain = {}    # reading over the motion of a single mass",
-                    number(ratio)
-                );
-                free.push("instrument.amplitude_gain");
-            }
-        }
-        if volts == (true, true) {
-            let force = if angle { "V/(N m)" } else { "V/N" };
-            let _ = writeln!(instrument, "drive_sensitivity = \"1 {force}\"    # not known: it sets the unit of force");
-        }
+        self.write_size(&mut written, ratio, order);
         if let Some(offset) = self.phase_offset().map(|offset| wrap(offset - FRAC_PI_2 * f64::from(order))) {
             let inverted = offset.abs() > FRAC_PI_2;
             let remark = if inverted { "    # the reading has the opposite sign" } else { "" };
-            let _ = writeln!(instrument, "phase_offset = \"{} rad\"{remark}", number(if inverted { PI } else { 0.0 }));
-            free.push("instrument.phase_offset");
+            let offset = number(if inverted { PI } else { 0.0 });
+            let _ = writeln!(written.instrument, "phase_offset = \"{offset} rad\"{remark}");
+            written.free.push("instrument.phase_offset");
         }
-        let _ = writeln!(
-            text,
-            "natural_frequency = \"{} Hz\"\nquality_factor = {}",
-            digits(r.frequency, 7),
-            number(r.quality)
-        );
+        let Written { mut text, instrument, mut free } = written;
+        let (frequency, quality) = (digits(r.frequency, 7), number(r.quality));
+        let _ = writeln!(text, "natural_frequency = \"{frequency} Hz\"\nquality_factor = {quality}");
         if self.rolls {
             self.write_contact(&mut text, 1.0 / ratio);
             free.extend(["contact.stiffness", "contact.damping", "contact.friction"]);
@@ -393,6 +340,72 @@ impl<'a> Draft<'a> {
         let free: Vec<String> = free.iter().map(|key| format!("\"{key}\"")).collect();
         let _ = write!(text, "\n[fit]\nfree = [{}]\n", free.join(", "));
         text
+    }
+
+    /// What stands before the numbers: title, origin, and how the rig is driven and read.
+    fn heading(&self, absolute: bool) -> String {
+        let plain = |name: &std::ffi::OsStr| name.to_string_lossy().replace(['"', '\\'], "'");
+        let stem = self.table.file_stem().map_or("table".into(), plain);
+        let mut text = format!(
+            "# Written by `stickslip new` from what the readings show; every number may be corrected.\ntitle = \"Resonance of {stem}\"\n\
+             provenance = \"not stated: readings of {file}; starting values estimated from them\"    # where they come from\n\n\
+             [rig]\nkind = \"oscillator\"\n",
+            file = self.table.file_name().map_or(stem.clone(), plain)
+        );
+        if self.coordinate == Coordinate::Angle {
+            text += "coordinate = \"angle\"\n";
+        }
+        if self.base_driven() {
+            text += "drive = \"base\"                 # or \"spring\", with spring_stiffness\n";
+            text += if absolute {
+                "reading = \"absolute\"           # or \"relative\" to the base\n"
+            } else {
+                "reading = \"relative\"           # to the base; or \"absolute\"\n"
+            };
+        } else {
+            text += "drive = \"force\"                # or \"base\"; \"spring\"\n";
+        }
+        text
+    }
+
+    /// What the size of the readings tells: the mass, or a sensitivity where drive or reading is a voltage. `ratio` is the peak
+    /// over that of a single mass.
+    fn write_size(&self, Written { text, instrument, free }: &mut Written, ratio: f64, order: u8) {
+        let (drive, reading) = self.signals();
+        let volts = (drive.unit == "V", reading.unit == "V");
+        let number = |value: f64| digits(value, 5);
+        let angle = self.coordinate == Coordinate::Angle;
+        let (motion, force) = if angle { ("rad", "V/(N m)") } else { ("m", "V/N") };
+        match (self.base_driven(), volts) {
+            (false, (false, false)) => {
+                let (key, unit) = if angle { ("inertia", "kg m^2") } else { ("mass", "kg") };
+                let _ = writeln!(text, "{key} = \"{} {unit}\"", number(1.0 / ratio));
+                free.insert(0, if angle { "rig.inertia" } else { "rig.mass" });
+            }
+            (_, (_, true)) => {
+                *text += "# the mass is not known: it is 1, and the drive is known up to a factor\n";
+                let order = usize::from(order.min(2));
+                let unit = ["V", "V s", "V s^2"][order];
+                let of = ["displacement", "velocity", "acceleration"][order];
+                let value = number(ratio / (TAU * self.resonance.frequency).powi(order as i32));
+                let _ = writeln!(instrument, "sensitivity = \"{value} {unit}/{motion}\"    # reading per {of}");
+                free.push("instrument.sensitivity");
+            }
+            (false, (true, false)) => {
+                *text += "# the mass is not known: it is 1, and the drive is known up to a factor\n";
+                let value = number(1.0 / ratio);
+                let _ = writeln!(instrument, "drive_sensitivity = \"{value} {force}\"    # reading per force");
+                free.push("instrument.drive_sensitivity");
+            }
+            (true, _) => {
+                let value = number(ratio);
+                let _ = writeln!(instrument, "amplitude_gain = {value}    # reading over the motion of a single mass");
+                free.push("instrument.amplitude_gain");
+            }
+        }
+        if volts == (true, true) {
+            let _ = writeln!(instrument, "drive_sensitivity = \"1 {force}\"    # not known: it sets the unit of force");
+        }
     }
 
     /// A contact that does to the resonance what the one of the table does.

@@ -6,10 +6,10 @@ use super::exports::Extras;
 use super::figure_output::FigureOutput;
 use super::folder::Folder;
 use super::gates::{self, GateLimits, Verdicts};
-use super::ledger::{Ledger, of_paper};
+use super::ledger::{Claims, Ledger, of_paper};
 use super::record::{self, Past};
 use super::rerender;
-use super::sections::{self, Clock};
+use super::sections::{self, Clock, Section};
 use super::{Global, compare, say, select, simulate};
 use crate::cache::{Cache, Key};
 use crate::error::{Error, Result};
@@ -65,19 +65,7 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
         return rerender::execute(from, out.as_deref(), extras, global);
     }
     let out = out.as_deref().unwrap_or(Path::new("output"));
-    let mut scenarios = select::scenarios(paths, global.quiet)?;
-    gates::apply(limits, verdict, &mut scenarios)?;
-    // In the order of the figures, then of the names.
-    let place = |s: &Scenario| {
-        figures::names().iter().position(|name| s.figures.iter().flatten().next().is_some_and(|f| f == name))
-    };
-    scenarios.sort_by_key(|s| place(s).unwrap_or(usize::MAX));
-    if scenarios.is_empty() {
-        return Err(Error::Input(
-            "error: no scenario to report on\n  = help: name a scenario file, or write one with `stickslip init`"
-                .into(),
-        ));
-    }
+    let scenarios = selected_scenarios(paths, limits, verdict, global.quiet)?;
     let tables = scenarios.iter().map(compare::table).collect::<Result<Vec<_>>>()?;
     let ledger = Ledger::find(&scenarios)?;
     extras.free(out)?;
@@ -88,37 +76,13 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     let cache = cache.open()?;
     let mut clock = Clock::start();
     let work: Vec<_> = scenarios.iter().zip(&tables).collect();
-    let (sections, mut kept) = sections::make(&work, &cache, &results, &mut clock, global.quiet)?;
-    let claims =
-        ledger.as_ref().map(|ledger| caching::or_compute(&cache, &ledger.key(), || ledger.views())).transpose()?;
-    clock.lap("claims");
-    let atlas = of_paper(&scenarios).map(|_| atlas(&cache, &results)).transpose()?;
-    clock.lap("atlas");
-    // The checks are of the paper's rig: where no scenario is, those of the points at hand are left.
-    let of_paper_kind = scenarios.iter().any(|scenario| scenario.rig.is_arm());
-    let verified = match of_paper_kind {
-        true => caching::or_compute(&cache, &Key::of("verification", &scenario::paper()), || Ok(verified()))?,
-        false => (Vec::new(), false),
-    };
-    clock.lap("verification");
-    let of_checks = of_paper_kind.then_some(verified.1);
-    let whole = [claims.as_ref().map(|(_, kept)| *kept), atlas.as_ref().map(|(_, kept)| *kept), of_checks];
-    kept += whole.iter().flatten().filter(|kept| **kept).count();
-    let parts = sections.len() + whole.iter().flatten().count();
+    let parts = Parts::make(&work, ledger.as_ref(), (&cache, &results), &mut clock, global.quiet)?;
+    let (kept, of) = (parts.kept, parts.number);
 
-    let (claims, atlas) = (claims.unwrap_or_default().0, atlas.unwrap_or_default().0);
-    let verdicts = &claims.verdicts;
-    let gates = scenarios.iter().zip(&sections).flat_map(|(scenario, section)| {
-        section.gates.iter().cloned().chain(gate::of_claims(&scenario.gate, &scenario.id, verdicts))
-    });
-    let mut judged: Vec<Judged> = gates.collect();
-    let (sections, points): (Vec<_>, Vec<_>) =
-        sections.into_iter().map(|section| (section.view, section.points)).unzip();
-    let mut checks = verified.0;
-    checks.extend(verification::numerical_error(points.concat()).iter().map(check_view));
+    let mut judged = parts.gates(&scenarios);
     let mut provenance = Provenance::from_environment(&command(paths, limits, verdict), rayon::current_num_threads());
     provenance.timings = clock.laps;
-    let mut plain = ReportView::assemble(&title(&scenarios), claims.views, sections, atlas.0, checks, &provenance);
+    let mut plain = parts.view(&title(&scenarios), &provenance);
     // The trials that come with the program are of the paper's rig as well.
     let tried = scenarios.iter().zip(&tables).any(|(scenario, table)| scenario.rig.is_arm() && table.is_some());
     if tried && let [main, others @ ..] = trial::committed() {
@@ -129,13 +93,119 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
         None => None,
     };
     judged.extend(against.as_ref().filter(|_| *no_regression).map(baseline::no_regression));
-    let mut view = plain.with_gates(&judged).with_baseline(against);
+    let view = plain.with_gates(&judged).with_baseline(against);
+    let view = write(view, past, &provenance, kept, &results)?;
+    let extras = extras.write(&view)?;
+    say(global, &view.summary.sentence)?;
+    if let Some(folder) = cache.folder() {
+        say(global, &format!("  {kept} of {of} parts as an earlier run left them in {}", folder.display()))?;
+    }
+    view.baseline.iter().flat_map(baseline::words).try_for_each(|line| say(global, &line))?;
+    record::words(&view).iter().try_for_each(|line| say(global, line))?;
+    for (part, seconds) in &provenance.timings {
+        say(global, &format!("  {part}: {seconds:.2} s"))?;
+    }
+    say(global, &format!("wrote {} and {}", out.join("report.html").display(), out.join("report.json").display()))?;
+    extras.iter().try_for_each(|path| say(global, &format!("wrote {}", path.display())))?;
+    gates::passed(&judged)
+}
+
+/// The scenarios with the gates of the command line, in the order of the figures, then of the names.
+fn selected_scenarios(
+    paths: &[PathBuf],
+    limits: &GateLimits,
+    verdict: &Verdicts,
+    quiet: bool,
+) -> Result<Vec<Scenario>> {
+    let mut scenarios = select::scenarios(paths, quiet)?;
+    gates::apply(limits, verdict, &mut scenarios)?;
+    let place = |s: &Scenario| {
+        figures::names().iter().position(|name| s.figures.iter().flatten().next().is_some_and(|f| f == name))
+    };
+    scenarios.sort_by_key(|s| place(s).unwrap_or(usize::MAX));
+    if scenarios.is_empty() {
+        return Err(Error::Input(
+            "error: no scenario to report on\n  = help: name a scenario file, or write one with `stickslip init`"
+                .into(),
+        ));
+    }
+    Ok(scenarios)
+}
+
+/// What a report is made of.
+struct Parts {
+    sections: Vec<Section>,
+    claims: Claims,
+    atlas: Atlas,
+    checks: Vec<CheckView>,
+    /// Parts that an earlier run has kept, of so many.
+    kept: usize,
+    number: usize,
+}
+
+impl Parts {
+    fn make(
+        work: &sections::Work<'_>,
+        ledger: Option<&Ledger>,
+        (cache, results): (&Cache, &Folder),
+        clock: &mut Clock,
+        quiet: bool,
+    ) -> Result<Self> {
+        let (sections, mut kept) = sections::make(work, cache, results, clock, quiet)?;
+        let claims = ledger.map(|ledger| caching::or_compute(cache, &ledger.key(), || ledger.views())).transpose()?;
+        clock.lap("claims");
+        let of_paper = of_paper(work.iter().map(|(scenario, _)| *scenario)).is_some();
+        let atlas = of_paper.then(|| atlas(cache, results)).transpose()?;
+        clock.lap("atlas");
+        // The checks are of the paper's rig: where no scenario is, those of the points at hand are left.
+        let of_paper_kind = work.iter().any(|(scenario, _)| scenario.rig.is_arm());
+        let verified = match of_paper_kind {
+            true => caching::or_compute(cache, &Key::of("verification", &scenario::paper()), || Ok(verified()))?,
+            false => (Vec::new(), false),
+        };
+        clock.lap("verification");
+        let of_checks = of_paper_kind.then_some(verified.1);
+        let whole = [claims.as_ref().map(|(_, kept)| *kept), atlas.as_ref().map(|(_, kept)| *kept), of_checks];
+        kept += whole.iter().flatten().filter(|kept| **kept).count();
+        let number = sections.len() + whole.iter().flatten().count();
+        let (claims, atlas) = (claims.unwrap_or_default().0, atlas.unwrap_or_default().0);
+        Ok(Self { sections, claims, atlas, checks: verified.0, kept, number })
+    }
+
+    /// The gates of these scenarios, judged.
+    fn gates(&self, scenarios: &[Scenario]) -> Vec<Judged> {
+        let verdicts = &self.claims.verdicts;
+        let of = |(scenario, section): (&Scenario, &Section)| {
+            let of_claims = gate::of_claims(&scenario.gate, &scenario.id, verdicts);
+            section.gates.iter().cloned().chain(of_claims).collect::<Vec<_>>()
+        };
+        scenarios.iter().zip(&self.sections).flat_map(of).collect()
+    }
+
+    /// The page without gates, trials, baseline and history.
+    fn view(self, title: &str, provenance: &Provenance) -> ReportView {
+        let (sections, points): (Vec<_>, Vec<_>) =
+            self.sections.into_iter().map(|section| (section.view, section.points)).unzip();
+        let mut checks = self.checks;
+        checks.extend(verification::numerical_error(points.concat()).iter().map(check_view));
+        ReportView::assemble(title, self.claims.views, sections, self.atlas.0, checks, provenance)
+    }
+}
+
+/// Writes page and JSON, and extends the history, which the view then shows.
+fn write(
+    mut view: ReportView,
+    past: Option<Past>,
+    provenance: &Provenance,
+    kept: usize,
+    results: &Folder,
+) -> Result<ReportView> {
     // Times of parts out of the cache say nothing.
     let seconds = if provenance.fixed || kept > 0 { Vec::new() } else { provenance.timings.clone() };
     let record = view.record(seconds.into_iter().filter(|(_, seconds)| *seconds >= NOTED).collect());
     let file = past.as_ref().map(|past| past.path().to_path_buf());
     if let Some(past) = past {
-        view = past.with(view, record.clone(), &results)?;
+        view = past.with(view, record.clone(), results)?;
     }
     let page = rerender::page(&view)?;
     let json = report::json(&view).map_err(|why| Error::Unfinished(why.to_string()))?;
@@ -147,19 +217,7 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     if let Some(file) = file {
         crate::history::append(&file, &record)?;
     }
-    let extras = extras.write(&view)?;
-    say(global, &view.summary.sentence)?;
-    if let Some(folder) = cache.folder() {
-        say(global, &format!("  {kept} of {parts} parts as an earlier run left them in {}", folder.display()))?;
-    }
-    view.baseline.iter().flat_map(baseline::words).try_for_each(|line| say(global, &line))?;
-    record::words(&view).iter().try_for_each(|line| say(global, line))?;
-    for (part, seconds) in &provenance.timings {
-        say(global, &format!("  {part}: {seconds:.2} s"))?;
-    }
-    say(global, &format!("wrote {} and {}", out.join("report.html").display(), out.join("report.json").display()))?;
-    extras.iter().try_for_each(|path| say(global, &format!("wrote {}", path.display())))?;
-    gates::passed(&judged)
+    Ok(view)
 }
 
 /// Title of the page: of scenarios that are not all about the paper's kind of rig, their own.

@@ -3,10 +3,9 @@
 use super::exports::Extras;
 use super::{Global, gates, say};
 use crate::error::{Error, Result};
-use crate::gate;
 use crate::report::{self, Passed, ReportView};
 use crate::results::Results;
-use std::io::Read as _;
+use crate::{files, gate};
 use std::path::{Path, PathBuf};
 
 /// Bytes of a page that is still opened at once on a phone; drawings of an earlier run are left out beyond.
@@ -80,27 +79,14 @@ pub fn load(path: &Path) -> Result<ReportView> {
         .map_err(|(why, help)| Error::Input(format!("error: {} {why}\n  = help: {help}", path.display())))
 }
 
-/// The text of an ordinary file of no absurd size.
+/// The text of a report, or of a file beside it.
 ///
 /// # Errors
-/// [`Error::Input`] where it is none, [`Error::Io`] where it cannot be read.
+/// As of [`files::text`].
 pub fn text(path: &Path) -> Result<String> {
-    let refuse =
-        |why: &str, help: &str| Err(Error::Input(format!("error: {} {why}\n  = help: {help}", path.display())));
-    let Ok(metadata) = std::fs::metadata(path) else {
-        return refuse("is not there", "`stickslip report` makes a report, `stickslip accept` a baseline of it");
-    };
-    if !metadata.is_file() {
-        return refuse("is not an ordinary file", "name the report.json of an earlier run");
-    }
-    let mut bytes = Vec::new();
-    let file = std::fs::File::open(path).map_err(Error::io("read", path))?;
-    file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(Error::io("read", path))?;
-    match String::from_utf8(bytes) {
-        Ok(text) if text.len() as u64 <= MAX_BYTES => Ok(text),
-        Ok(_) => refuse("is larger than any report", "name the report.json of an earlier run"),
-        Err(_) => refuse("is not UTF-8 text", "name the report.json of an earlier run; its figures stand beside it"),
-    }
+    let help = "name the report.json of an earlier run, its figures beside it: `stickslip report` makes one, \
+                `stickslip accept` a baseline of it";
+    files::text(path, MAX_BYTES, help)
 }
 
 /// The gates of that run.

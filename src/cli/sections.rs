@@ -36,7 +36,7 @@ impl Illustrated for Section {
 }
 
 /// Scenarios with their tables of measurements.
-type Work<'a> = [(&'a Scenario, &'a Option<Table>)];
+pub type Work<'a> = [(&'a Scenario, &'a Option<Table>)];
 
 /// The section of every scenario, in order, and how many of them were kept by an earlier run; files go below `out`.
 ///

@@ -6,7 +6,7 @@ use crate::{files, interrupt};
 use std::collections::VecDeque;
 use std::fmt::Display;
 use std::fs::File;
-use std::io::{BufRead as _, BufReader, Read as _, Seek as _, SeekFrom, Write as _};
+use std::io::{BufRead, BufReader, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::Path;
 
 /// Records that are kept of a file: as many as a figure has pixels for.
@@ -15,7 +15,7 @@ const LATEST: usize = 1000;
 const LONGEST: u64 = 1 << 20;
 /// How every record begins.
 const BEGINNING: &str = "{\"schema\":\"stickslip.history/";
-const HELP: &str = "take the line out, or give --history another folder";
+const HELP: &str = "give --history another folder";
 
 /// The latest records of a file; none where there is no file yet. A last line that an interrupted writer left unfinished is
 /// passed over.
@@ -23,12 +23,20 @@ const HELP: &str = "take the line out, or give --history another folder";
 /// # Errors
 /// [`Error::Input`] naming the first line that is not a record; [`Error::Io`] where the operating system refuses.
 pub fn read(path: &Path) -> Result<Records> {
-    let file = match File::open(path) {
-        Err(why) if why.kind() == std::io::ErrorKind::NotFound => return Ok(Records::default()),
-        file => file.map_err(Error::io("read", path))?,
-    };
+    if !path.exists() {
+        return Ok(Records::default());
+    }
+    files::ordinary(path, HELP)?;
+    let file = File::open(path).map_err(Error::io("read", path))?;
     file.lock_shared().map_err(Error::io("read", path))?;
-    let mut reader = BufReader::new(file);
+    records(BufReader::new(file), path)
+}
+
+/// The same of lines that are at hand; `path` is for messages.
+///
+/// # Errors
+/// As of [`read`].
+pub fn records(mut reader: impl BufRead, path: &Path) -> Result<Records> {
     let (mut latest, mut before, mut line) = (VecDeque::with_capacity(LATEST + 1), 0, Vec::new());
     for number in 1.. {
         line.clear();
@@ -73,7 +81,7 @@ fn record(line: &[u8]) -> std::result::Result<Record, String> {
 
 fn refused(path: &Path, line: impl Display, why: &str) -> Error {
     Error::Input(format!(
-        "error: {}:{line}: this line is not the record of a run: {why}\n  = help: {HELP}",
+        "error: {}:{line}: this line is not the record of a run: {why}\n  = help: take the line out, or {HELP}",
         path.display()
     ))
 }
@@ -85,6 +93,9 @@ fn refused(path: &Path, line: impl Display, why: &str) -> Error {
 pub fn append(path: &Path, record: &Record) -> Result<()> {
     if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         files::prepare(folder)?;
+    }
+    if path.exists() {
+        files::ordinary(path, HELP)?;
     }
     let line = serde_json::to_string(record).map_err(|why| Error::Unfinished(why.to_string()))? + "\n";
     let open = || -> std::io::Result<(File, u64, Vec<u8>)> {

@@ -3,7 +3,7 @@
 mod file;
 mod steps;
 
-pub use file::{append, read};
+pub use file::{append, read, records};
 pub use steps::{Step, steps};
 
 use serde::{Deserialize, Serialize};

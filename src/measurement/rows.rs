@@ -12,6 +12,7 @@ use crate::scenario::Sweep;
 use crate::scenario::diagnostic::quote;
 use crate::scenario::parameters::{COLUMNS, MEASURED, needed_range};
 use crate::units;
+use std::f64::consts::PI;
 
 /// The readings of a sheet.
 pub(crate) fn readings(
@@ -156,7 +157,9 @@ impl Cells<'_, '_> {
         let phase_sd = self.deviation(PHASE_SD, !matches!(phase, Some(None)));
         if let (Some(value), Some(sd)) = (amplitude, amplitude_sd) {
             self.zero(value, sd.is_none() || share);
+            self.resolved(AMPLITUDE_SD, sd, if share { 1.0 } else { value });
         }
+        self.resolved(PHASE_SD, phase_sd.flatten(), PI);
         let aside = self.layout.aside.iter().filter_map(|index| self.row.cells.get(*index).map(String::as_str));
         let aside = aside.collect::<Vec<_>>().join("\0");
         Some(Reading {
@@ -246,6 +249,17 @@ impl Cells<'_, '_> {
             return None;
         }
         Some(Some(sd))
+    }
+
+    /// A deviation below the rounding of what it is of says nothing of it, and would outweigh all others.
+    fn resolved(&mut self, column: usize, sd: Option<f64>, of: f64) {
+        if sd.is_some_and(|sd| sd < f64::EPSILON * of)
+            && let Some(index) = self.layout.slots[column].as_ref().and_then(Slot::index)
+        {
+            let title = "the standard deviation is less than the rounding of the number that it is of";
+            let help = "check it, and its unit; remove the column to have the noise estimated";
+            self.fail(index, "deviation", title, "too small for a computer's numbers", help);
+        }
     }
 
     /// An amplitude of zero has no relative uncertainty.

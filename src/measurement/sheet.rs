@@ -157,6 +157,10 @@ impl<'a> Complaints<'a> {
     }
 
     /// Counts one more where enough are told; says whether they are.
+    ///
+    /// Not `let full = self.list.len() == MAX_TOLD; self.untold += usize::from(full); full`: where that is inlined before a
+    /// branch, rustc 1.95 adds a number that it never sets (its pass `SimplifyComparisonIntegral`), with `-O` and without
+    /// overflow checks. `tests/measurement/hostile.rs` counts.
     pub fn leaves_out(&mut self) -> bool {
         if self.list.len() < MAX_TOLD {
             return false;

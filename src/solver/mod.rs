@@ -18,6 +18,8 @@ mod integrated;
 mod integration;
 mod joint;
 pub mod lu;
+mod observables;
+mod orbit;
 pub mod oscillator;
 pub mod paper_euler;
 pub mod parallel;
@@ -33,8 +35,10 @@ pub mod time;
 mod tolerance;
 
 pub use integrated::{Integrated, integrated, plan_for};
+pub use observables::Solution;
+pub use orbit::{orbit, solve_paper};
 pub use paper_euler::LANES;
-pub use steady::{Solution, Warm, orbit, solve, solve_paper, solve_steady};
+pub use steady::{Warm, solve, solve_steady};
 
 /// Whether the point is a steady state, and if not, why.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]

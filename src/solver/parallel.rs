@@ -71,117 +71,155 @@ fn search(
     from: Option<Memory>,
     memory: &mut Option<Memory>,
 ) -> Result<Found, String> {
-    let method = Method::new(system, demand.steps);
-    let (at_start, psi) = system.start();
-    let mut shared = at_start;
-    let (stroke, speed) = system.scale();
-    let angle = stroke / system.lever();
-    let omega = speed / stroke;
-    let scales = [angle, omega * angle, stroke, speed, shared[4].abs().max(1e-12)];
-    let active: Vec<usize> = method.active();
-    let forcing = system.forcing(0.0);
-    let kc = system.bristles()[0];
-    let rest = |shared: &[f64; 5]| shared[2] - system.lever() * (forcing.angle + shared[0]);
-    let (limit, _) = system.limit(&forcing, shared[0], 0.0, psi, shared[4]);
-    let mut sliders: Vec<Slider> = system
-        .elements()
-        .iter()
-        .map(|e| {
-            let most = e.limit * limit / kc;
-            let x = if system.at_rest() { held(rest(&shared), most) } else { most };
-            Slider { x, q: 0.0, psi }
-        })
-        .collect();
-    let most: Vec<f64> = system.elements().iter().map(|e| (e.limit * limit / kc).max(f64::MIN_POSITIVE)).collect();
-    let mut jacobian: Option<DMatrix<f64>> = None;
-    let mut slope: Option<DMatrix<f64>> = None;
-    if let Some(from) =
-        from.filter(|from| from.sliders.len() == sliders.len() && from.slopes[0].nrows() == active.len())
-    {
-        shared = std::array::from_fn(|i| at_start[i] + from.shared[i]);
-        for ((slider, before), most) in sliders.iter_mut().zip(&from.sliders).zip(&most) {
-            *slider = Slider { x: before.x * most, q: before.q * kc * most, psi: before.psi };
-        }
-        let [known, map] = from.slopes;
-        (slope, jacobian) = (Some(known), Some(map));
-    }
-    let mut last: Option<DVector<f64>> = None;
-    let mut best = f64::INFINITY;
-    let mut cycles = 0;
-    while cycles < demand.cycles {
-        let cycle = method.cycle(&shared, &sliders)?;
-        cycles += 1;
-        let residual: Vec<f64> = active.iter().map(|&i| (cycle.shared[i] - shared[i]) / scales[i]).collect();
-        // Sliders that give way a little once a cycle creep for long; what counts is their share of the force.
-        let creep: f64 = system
-            .elements()
-            .iter()
-            .zip(cycle.sliders.iter().zip(&sliders))
-            .zip(&cycle.slipped)
-            .filter(|(_, slipped)| **slipped)
-            .map(|((e, (new, old)), _)| e.share * (new.x - old.x).abs() / stroke)
-            .sum();
+    let mut search = Search::begin(system, demand, from);
+    while search.cycles < demand.cycles {
+        let cycle = search.method.cycle(&search.shared, &search.sliders)?;
+        search.cycles += 1;
+        let residual: Vec<f64> =
+            search.active.iter().map(|&i| (cycle.shared[i] - search.shared[i]) / search.scales[i]).collect();
         let size = residual.iter().fold(0.0f64, |m, r| m.max(r.abs()));
-        if size < demand.periodic && creep < demand.creep {
-            let map = match jacobian.take() {
-                Some(map) => map,
-                None => method.jacobian(&shared, &sliders, &cycle, &scales, &active)?,
-            };
-            let multiplier = radius(&map);
-            let one = DMatrix::identity(active.len(), active.len());
-            *memory = Some(Memory {
-                shared: std::array::from_fn(|i| shared[i] - at_start[i]),
-                sliders: std::iter::zip(&sliders, &most)
-                    .map(|(s, most)| Slider { x: s.x / most, q: s.q / (kc * most), psi: s.psi })
-                    .collect(),
-                slopes: [slope.unwrap_or_else(|| &map - one), map],
-            });
-            let Cycle { fundamental, mean, stick, force, .. } = cycle;
-            return Ok(Found { fundamental, mean, stick_fraction: stick, force, cycles, residual: size, multiplier });
+        if size < demand.periodic && search.creep(&cycle) < demand.creep {
+            return search.finish(cycle, size, memory);
         }
         let residual = DVector::from_vec(residual);
-        match (&mut slope, &last) {
-            (Some(slope), Some(step)) if size < 2.0 * best => {
+        search.learn(&cycle, &residual, size)?;
+        search.step(cycle, &residual);
+    }
+    Err(format!("no periodic state of the parallel sliders within {} cycles", demand.cycles))
+}
+
+/// A search on its way.
+struct Search<'a> {
+    system: &'a dyn SliderSystem,
+    method: Method<'a>,
+    /// The shared states that take part.
+    active: Vec<usize>,
+    scales: [f64; 5],
+    /// Shared states at the system's own start, and age of the interface there.
+    at_start: ([f64; 5], f64),
+    /// Most stretch that each slider can carry at the start \[m\].
+    most: Vec<f64>,
+    shared: [f64; 5],
+    sliders: Vec<Slider>,
+    /// Slope of the change over a cycle by the shared states, in units of their scales, and the map of a cycle.
+    slopes: [Option<DMatrix<f64>>; 2],
+    /// The last step, in units of the scales.
+    last: Option<DVector<f64>>,
+    best: f64,
+    cycles: usize,
+}
+
+impl<'a> Search<'a> {
+    /// At the system's own start, or at that of a neighbouring problem.
+    fn begin(system: &'a dyn SliderSystem, demand: &Demand, from: Option<Memory>) -> Self {
+        let method = Method::new(system, demand.steps);
+        let (mut shared, psi) = system.start();
+        let at_start = (shared, psi);
+        let (stroke, speed) = system.scale();
+        let angle = stroke / system.lever();
+        let omega = speed / stroke;
+        let scales = [angle, omega * angle, stroke, speed, shared[4].abs().max(1e-12)];
+        let active = method.active();
+        let kc = system.bristles()[0];
+        let (limit, _) = system.limit(&system.forcing(0.0), shared[0], 0.0, psi, shared[4]);
+        let stretch = |limit_of: f64| {
+            let most = limit_of * limit / kc;
+            if system.at_rest() { held(rest(system, &shared), most) } else { most }
+        };
+        let mut sliders: Vec<Slider> =
+            system.elements().iter().map(|e| Slider { x: stretch(e.limit), q: 0.0, psi }).collect();
+        let most: Vec<f64> = system.elements().iter().map(|e| (e.limit * limit / kc).max(f64::MIN_POSITIVE)).collect();
+        let mut slopes = [None, None];
+        let alike = |from: &Memory| from.sliders.len() == sliders.len() && from.slopes[0].nrows() == active.len();
+        if let Some(from) = from.filter(alike) {
+            shared = std::array::from_fn(|i| at_start.0[i] + from.shared[i]);
+            for ((slider, before), most) in sliders.iter_mut().zip(&from.sliders).zip(&most) {
+                *slider = Slider { x: before.x * most, q: before.q * kc * most, psi: before.psi };
+            }
+            slopes = from.slopes.map(Some);
+        }
+        let (last, best, cycles) = (None, f64::INFINITY, 0);
+        Self { system, method, active, scales, at_start, most, shared, sliders, slopes, last, best, cycles }
+    }
+
+    /// Sliders that give way a little once a cycle creep for long; what counts is their share of the force.
+    fn creep(&self, cycle: &Cycle) -> f64 {
+        let stroke = self.scales[2];
+        let elements = self.system.elements().iter().zip(cycle.sliders.iter().zip(&self.sliders)).zip(&cycle.slipped);
+        let slipping = elements.filter(|(_, slipped)| **slipped);
+        slipping.map(|((e, (new, old)), _)| e.share * (new.x - old.x).abs() / stroke).sum()
+    }
+
+    /// The solution, and what a neighbouring problem may begin with.
+    fn finish(mut self, cycle: Cycle, residual: f64, memory: &mut Option<Memory>) -> Result<Found, String> {
+        let map = match self.slopes[1].take() {
+            Some(map) => map,
+            None => self.method.jacobian(&self.shared, &self.sliders, &cycle, &self.scales, &self.active)?,
+        };
+        let multiplier = radius(&map);
+        let kc = self.system.bristles()[0];
+        let one = DMatrix::identity(self.active.len(), self.active.len());
+        let parts = std::iter::zip(&self.sliders, &self.most);
+        *memory = Some(Memory {
+            shared: std::array::from_fn(|i| self.shared[i] - self.at_start.0[i]),
+            sliders: parts.map(|(s, most)| Slider { x: s.x / most, q: s.q / (kc * most), psi: s.psi }).collect(),
+            slopes: [self.slopes[0].take().unwrap_or_else(|| &map - one), map],
+        });
+        let Cycle { fundamental, mean, stick, force, .. } = cycle;
+        Ok(Found { fundamental, mean, stick_fraction: stick, force, cycles: self.cycles, residual, multiplier })
+    }
+
+    /// Learns the slope of the change over a cycle.
+    fn learn(&mut self, cycle: &Cycle, residual: &DVector<f64>, size: f64) -> Result<(), String> {
+        match (&mut self.slopes[0], &self.last) {
+            (Some(slope), Some(step)) if size < 2.0 * self.best => {
                 // Broyden's update: what the sliders' memory adds to the slope shows in the steps taken.
                 let square = step.norm_squared();
                 if square > 0.0 {
-                    *slope += &residual * step.transpose() / square;
+                    *slope += residual * step.transpose() / square;
                 }
             }
             // That of the neighbouring problem.
-            (Some(_), None) if best.is_infinite() => {}
+            (Some(_), None) if self.best.is_infinite() => {}
             _ => {
-                let map = method.jacobian(&shared, &sliders, &cycle, &scales, &active)?;
-                cycles += active.len();
-                slope = Some(&map - DMatrix::identity(active.len(), active.len()));
-                jacobian = Some(map);
+                let n = self.active.len();
+                let map = self.method.jacobian(&self.shared, &self.sliders, cycle, &self.scales, &self.active)?;
+                self.cycles += n;
+                self.slopes = [Some(&map - DMatrix::identity(n, n)), Some(map)];
             }
         }
-        best = size;
-        let step = slope.as_ref().and_then(|slope| slope.clone().lu().solve(&-&residual));
-        last = match step {
-            Some(step) if step.iter().all(|d| d.is_finite()) => {
-                for (k, &i) in active.iter().enumerate() {
-                    shared[i] += step[k] * scales[i];
+        self.best = size;
+        Ok(())
+    }
+
+    /// Takes a Newton step, or goes to the end of the cycle where there is none.
+    fn step(&mut self, cycle: Cycle, residual: &DVector<f64>) {
+        let step = self.slopes[0].as_ref().and_then(|slope| slope.clone().lu().solve(&-residual));
+        self.last = step.filter(|step| step.iter().all(|d| d.is_finite()));
+        match &self.last {
+            Some(step) => {
+                for (k, &i) in self.active.iter().enumerate() {
+                    self.shared[i] += step[k] * self.scales[i];
                 }
-                Some(step)
             }
-            _ => {
-                shared = cycle.shared;
-                None
-            }
-        };
-        sliders = cycle.sliders;
-        if system.at_rest() {
+            None => self.shared = cycle.shared,
+        }
+        self.sliders = cycle.sliders;
+        if self.system.at_rest() {
             // What never slips started with the arm, and an interface that never slips has no rate.
-            for (slider, slipped) in sliders.iter_mut().zip(&cycle.slipped) {
+            let (rest, psi) = (rest(self.system, &self.shared), self.at_start.1);
+            for (slider, slipped) in self.sliders.iter_mut().zip(&cycle.slipped) {
                 if !slipped {
-                    (slider.x, slider.psi) = (rest(&shared), psi);
+                    (slider.x, slider.psi) = (rest, psi);
                 }
             }
         }
     }
-    Err(format!("no periodic state of the parallel sliders within {} cycles", demand.cycles))
+}
+
+/// Stretch \[m\] of a slider that has never slipped over a roller at rest.
+fn rest(system: &dyn SliderSystem, shared: &[f64; 5]) -> f64 {
+    shared[2] - system.lever() * (system.forcing(0.0).angle + shared[0])
 }
 
 fn radius(matrix: &DMatrix<f64>) -> f64 {

@@ -1,23 +1,18 @@
 //! From a model and an operating point to the observables of its steady state.
 
 use super::balance::{self, Balance};
-use super::collocation::interpolate;
-use super::cycle::{Integrator, Record, Tolerance};
-use super::paper_euler::{self, PaperContact};
-use super::radau::State;
+use super::cycle::{Integrator, Tolerance};
+use super::observables::{Motion, Solution, by_parameter, closed_form, failed, polar_derivative, response, stability};
+use super::orbit::solve_paper;
 use super::shooting::{Periodic, Start, Unsolved};
-use super::{Method, Orbit, Status, SteadyState, oscillator, parallel, shooting, time};
+use super::{Method, Status, SteadyState, oscillator, parallel, shooting, time};
 use crate::dual::MAX_PARAMETERS;
 use crate::model::alone::Alone;
 use crate::model::contact::{LimitingState, Problem, Sliders};
-use crate::model::lumps::Lumps;
 use crate::model::system::{HybridSystem, Mode};
 use crate::model::{Model, Operation};
 use crate::scenario::Formulation;
 use crate::statistics::wrap;
-
-/// Floquet multipliers above this count as unstable.
-const UNSTABLE: f64 = 1.0 + 1e-6;
 
 /// Distance of the starts of neighbouring motions, in units of the scales, from which on they may be on other branches.
 const NEIGHBOUR: f64 = 0.3;
@@ -72,18 +67,6 @@ impl Warm {
     }
 }
 
-/// A steady state with what else the solver can tell of it.
-#[derive(Debug, Clone)]
-pub struct Solution {
-    /// The observables.
-    pub state: SteadyState,
-    /// Derivatives of (amplitude, phase) by the parameters of the model, in the order of
-    /// [`crate::model::Model::parameter`]; where asked for.
-    pub derivatives: Option<Vec<(f64, f64)>>,
-    /// Readings (amplitude, phase) of the other stable states at the same point.
-    pub others: Vec<(f64, f64)>,
-}
-
 /// Solves one operating point; `euler_steps` matters for [`Formulation::Paper`] only. `warm` is the start and is updated.
 pub fn solve(
     model: &Model,
@@ -107,18 +90,6 @@ pub fn solve_steady(
     warm: &mut Warm,
 ) -> Solution {
     search(model, at, 0, &Search { tolerance, derivatives, integrate: false }, warm)
-}
-
-/// Several operating points of the published formulation by the published procedure, faster than one by one and the same.
-pub fn solve_paper(model: &Model, at: &[Operation], steps: usize) -> Vec<SteadyState> {
-    let lumps: Vec<Lumps> = at.iter().map(|at| Lumps::new(model, at)).collect();
-    let contacts: Vec<PaperContact> = lumps.iter().map(paper_contact).collect();
-    let solved = contacts.chunks(paper_euler::LANES).flat_map(|lanes| paper_euler::solve(lanes, steps, |_, _, _| ()));
-    let mut states: Vec<SteadyState> = solved.collect();
-    for (state, lumps) in states.iter_mut().zip(&lumps) {
-        (state.amplitude, state.phase) = lumps.polar_reading(state.amplitude, state.phase);
-    }
-    states
 }
 
 /// How to look for a steady state.
@@ -179,27 +150,37 @@ fn unguarded(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_
     if !tolerance.gives_up() {
         found = found.or_else(|why| from_full_slip(model, at, &problem, tolerance).ok_or(why));
     }
-    let periodic = match found {
-        Ok(periodic) => periodic,
+    match found {
+        Ok(periodic) => shot(&problem, &mut integrator, periodic, with, warm),
         Err(why) => {
             warm.orbit = None;
-            return match (why, problem.locked_state()) {
+            match (why, problem.locked_state()) {
                 (Unsolved::Rests, Some(limit)) => closed_form(&problem.lumps, limit, derivatives),
                 // Only a contact with a locked state is found to rest.
                 (Unsolved::Rests, None) => without_periodic_state(&problem, "the contact comes to rest", with),
                 (Unsolved::Failed(why), _) => without_periodic_state(&problem, &why, with),
-            };
+            }
         }
-    };
-    warm.keep(&problem, &(periodic.start, periodic.entry), periodic.cycle.events > 0);
+    }
+}
+
+/// The solution where shooting has found a periodic state; an unstable one is averaged where that is wanted.
+fn shot(
+    problem: &Problem,
+    integrator: &mut Integrator,
+    periodic: Periodic,
+    with: &Search<'_>,
+    warm: &mut Warm,
+) -> Solution {
+    warm.keep(problem, &(periodic.start, periodic.entry), periodic.cycle.events > 0);
     let mut status = stability(periodic.multiplier);
     if let (Status::SelfExcited(why), true) = (&status, with.averages()) {
-        return lock_in(&problem, why);
+        return lock_in(problem, why);
     }
-    let response = response(&problem, periodic.cycle.fundamental);
-    let columns = derivatives.then(|| shooting::column_derivatives(&mut integrator, &periodic));
+    let response = response(problem, periodic.cycle.fundamental);
+    let columns = with.derivatives.then(|| shooting::column_derivatives(integrator, &periodic));
     let derivatives = match columns.transpose() {
-        Ok(columns) => columns.map(|columns| by_parameter(&problem, response, &columns)),
+        Ok(columns) => columns.map(|columns| by_parameter(problem, response, &columns)),
         Err(why) => {
             status = Status::Failed(why);
             None
@@ -236,61 +217,6 @@ fn balanced(problem: &Problem, found: &Balance, warm: &mut Warm) -> Solution {
     }
 }
 
-/// Complex amplitude of the arm from that of its motion relative to the one without contact.
-fn response(problem: &Problem, relative: (f64, f64)) -> (f64, f64) {
-    let (re, im) = problem.free();
-    (re + relative.0, im + relative.1)
-}
-
-/// Derivatives of (amplitude, phase) by the parameters of the model from those of the relative motion by the columns.
-fn by_parameter(problem: &Problem, response: (f64, f64), columns: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    let lumps = &problem.lumps;
-    let (free_re, free_im) = lumps.free_response();
-    let mut by_parameter = vec![(0.0, 0.0); MAX_PARAMETERS];
-    for (p, out) in by_parameter.iter_mut().enumerate() {
-        let (mut dre, mut dim) = (free_re.gradient[p], free_im.gradient[p]);
-        for ((cre, cim), lump) in columns.iter().zip(problem.column_gradients()) {
-            dre += cre * lump.gradient[p];
-            dim += cim * lump.gradient[p];
-        }
-        *out = polar_derivative(lumps, response, (dre, dim), p);
-    }
-    by_parameter
-}
-
-/// What a solver found, before it is read.
-struct Motion {
-    /// Complex amplitude of the arm.
-    response: (f64, f64),
-    mean: f64,
-    stick_fraction: f64,
-    force: (f64, f64),
-    cycles: usize,
-    /// Relative change over the last cycle.
-    change: f64,
-}
-
-impl Motion {
-    /// The observables as the instrument shows them.
-    fn observe(&self, lumps: &Lumps, status: Status, method: Method) -> SteadyState {
-        let (re, im) = self.response;
-        let (amplitude, phase) = lumps.reading((re, im));
-        SteadyState {
-            amplitude,
-            phase,
-            mean: self.mean,
-            speed_amplitude: lumps.arm.value * lumps.omega * re.hypot(im),
-            stick_fraction: self.stick_fraction,
-            force_minimum: self.force.0,
-            force_maximum: self.force.1,
-            cycles: self.cycles,
-            periodicity_error: self.change,
-            status,
-            method,
-        }
-    }
-}
-
 /// The periodic state reached by slowing the roller down from full slip, in steps that each start from the last.
 fn from_full_slip(model: &Model, at: &Operation, problem: &Problem, tolerance: &Tolerance) -> Option<Periodic> {
     let (re, im) = problem.free();
@@ -309,15 +235,6 @@ fn from_full_slip(model: &Model, at: &Operation, problem: &Problem, tolerance: &
     last
 }
 
-fn stability(multiplier: f64) -> Status {
-    if multiplier <= UNSTABLE {
-        return Status::Steady;
-    }
-    // No number: beyond all of them.
-    let growth = if multiplier.is_nan() { "beyond all numbers in".into() } else { format!("{multiplier:.3} times") };
-    Status::SelfExcited(format!("the periodic state is unstable: a disturbance grows {growth} a cycle"))
-}
-
 /// What there is where no periodic state was found: what a time integration settles in, or its lock-in average. Without
 /// derivatives.
 fn without_periodic_state(problem: &Problem, why: &str, with: &Search<'_>) -> Solution {
@@ -327,7 +244,11 @@ fn without_periodic_state(problem: &Problem, why: &str, with: &Search<'_>) -> So
 /// Time integration from the first guess: settled motion is a steady state, any other is averaged as a lock-in amplifier
 /// would over the window of the plan.
 fn lock_in(problem: &Problem, why: &str) -> Solution {
-    let found = time::integrate(&problem.sliders(), &time::Plan::LOCK_IN);
+    let plan = if problem.continuum().is_some() { time::Plan::LOCK_IN_OF_SLIDERS } else { time::Plan::LOCK_IN };
+    let found = time::integrate(&problem.sliders(), &plan);
+    if found.given_up {
+        return failed(format!("{why}; integrated in time it is given up after {} cycles", found.cycles));
+    }
     let lumps = &problem.lumps;
     let (re, im) = response(problem, found.fundamental);
     let (amplitude, _) = lumps.reading((re, im));
@@ -337,7 +258,7 @@ fn lock_in(problem: &Problem, why: &str) -> Solution {
     let status = if found.periodic {
         Status::Steady
     } else {
-        let (window, after) = (time::Plan::LOCK_IN.window, time::Plan::LOCK_IN.cycles);
+        let (window, after) = (plan.window, plan.cycles);
         Status::SelfExcited(format!("{why}; lock-in average over {window} cycles after {after} cycles"))
     };
     let motion = Motion {
@@ -409,37 +330,6 @@ fn differences(model: &Model, at: &Operation) -> Vec<(f64, f64)> {
     out
 }
 
-/// Derivatives of (amplitude, phase) of the reading from those of the complex amplitude.
-fn polar_derivative(lumps: &Lumps, a: (f64, f64), da: (f64, f64), p: usize) -> (f64, f64) {
-    let (mut a, mut da) = (a, da);
-    if let Some((re, im)) = &lumps.base_motion {
-        a = (a.0 + re.value, a.1 + im.value);
-        da = (da.0 + re.gradient[p], da.1 + im.gradient[p]);
-    }
-    let square = a.0 * a.0 + a.1 * a.1;
-    let amplitude = square.sqrt();
-    let gain = lumps.amplitude_gain;
-    (
-        gain.value * (a.0 * da.0 + a.1 * da.1) / amplitude + gain.gradient[p] * amplitude,
-        (a.0 * da.1 - a.1 * da.0) / square + lumps.phase_offset.gradient[p],
-    )
-}
-
-fn paper_contact(lumps: &Lumps) -> PaperContact {
-    PaperContact {
-        omega: lumps.omega,
-        inertia: lumps.inertia.value,
-        damping: lumps.damping.value,
-        stiffness: lumps.stiffness.value,
-        torque: (lumps.torque_re.value, lumps.torque_im.value),
-        arm: lumps.arm.value,
-        contact_stiffness: lumps.contact_stiffness.value,
-        contact_damping: lumps.contact_damping.value,
-        friction_force: lumps.friction.value * lumps.load.value,
-        speed: lumps.speed.value,
-    }
-}
-
 /// No contact: the closed form of case I, or the stable states of a mode that is not linear. Of several, the one nearest to
 /// what was measured, else to the motion before, else the smallest.
 fn alone(model: &Model, at: &Operation, with: &Search<'_>, warm: &mut Warm) -> Solution {
@@ -497,70 +387,4 @@ fn of_mode(mode: &Alone, found: &oscillator::Periodic) -> Vec<(f64, f64)> {
         *slot = (slot.0 + re, slot.1 + im);
     }
     response.into_iter().enumerate().map(|(p, by)| polar_derivative(lumps, found.response(), by, p)).collect()
-}
-
-/// The observables of a state that is known in closed form.
-fn closed_form(lumps: &Lumps, limit: LimitingState, derivatives: bool) -> Solution {
-    let (re, im) = limit.response;
-    let a = (re.value, im.value);
-    let LimitingState { mean, stick_fraction, force, .. } = limit;
-    let motion = Motion { response: a, mean, stick_fraction, force, cycles: 0, change: 0.0 };
-    let state = motion.observe(lumps, Status::Steady, Method::Analytic);
-    let derivatives = derivatives.then(|| {
-        (0..MAX_PARAMETERS).map(|p| polar_derivative(lumps, a, (re.gradient[p], im.gradient[p]), p)).collect()
-    });
-    Solution { state, derivatives, others: Vec::new() }
-}
-
-fn failed(why: String) -> Solution {
-    let nan = f64::NAN;
-    let state = SteadyState {
-        amplitude: nan,
-        phase: nan,
-        mean: nan,
-        speed_amplitude: nan,
-        stick_fraction: nan,
-        force_minimum: nan,
-        force_maximum: nan,
-        cycles: 0,
-        periodicity_error: nan,
-        status: Status::Failed(why),
-        method: Method::Shooting,
-    };
-    Solution { state, derivatives: None, others: Vec::new() }
-}
-
-/// One period of the steady state at `samples` instants; empty where there is none.
-pub fn orbit(model: &Model, at: &Operation, euler_steps: usize, tolerance: &Tolerance, samples: usize) -> Orbit {
-    if model.contact.formulation == Formulation::Paper {
-        return paper_euler::orbit(&paper_contact(&Lumps::new(model, at)), euler_steps);
-    }
-    let problem = Problem::new(model, at);
-    let Ok(periodic) = shooting::solve(&problem, None, tolerance) else { return Orbit::default() };
-    let period = problem.period();
-    let stretch_index = problem.stretch_index();
-    let mut orbit = Orbit::default();
-    let mut record = |r: &Record| {
-        while orbit.time.len() < samples {
-            let t = period * orbit.time.len() as f64 / samples as f64;
-            if t >= r.time + r.size {
-                break;
-            }
-            let tau = (t - r.time) / r.size;
-            let z: State = std::array::from_fn(|j| interpolate(r.start[j], r.stepper.z.map(|z| z[j]), tau));
-            let s = if r.mode == Mode::Stick { 0.0 } else { interpolate(r.slip, r.stepper.s, tau) };
-            let forcing = problem.forcing(t);
-            let (force, _) = problem.force(&forcing, &z, s);
-            orbit.time.push(t);
-            orbit.angle.push(forcing.angle + z[0]);
-            orbit.velocity.push(forcing.velocity + z[1]);
-            orbit.stretch.push(z[stretch_index]);
-            orbit.slip_rate.push(s);
-            orbit.force.push(force);
-        }
-    };
-    match shooting::trace(&problem, &periodic, tolerance, &mut record) {
-        Ok(()) => orbit,
-        Err(_) => Orbit::default(),
-    }
 }

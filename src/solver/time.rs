@@ -7,6 +7,8 @@ use crate::model::system::{Forcing, Linear, SliderSystem};
 
 /// Trials for the force at the end of a step.
 const ITERATIONS: usize = 50;
+/// Trials that a step may take on average, most take three to five: an integration that needs more of them is given up.
+const TRIALS: usize = 12;
 
 /// How long and how finely to integrate.
 #[derive(Debug, Clone, Copy)]
@@ -26,6 +28,10 @@ pub struct Plan {
 impl Plan {
     /// For points without a stable periodic state.
     pub const LOCK_IN: Self = Self { steps: 1000, cycles: 200, settled: 1e-7, window: 100, solved: Self::SOLVED };
+
+    /// The same of many parallel sliders, of which a step takes thirty times the work: fewer cycles. Not fewer steps, of which
+    /// a third takes a motion that excites itself for a steady one.
+    pub const LOCK_IN_OF_SLIDERS: Self = Self { cycles: 60, window: 40, solved: 1e-9, ..Self::LOCK_IN };
 
     /// Solved to rounding.
     pub const SOLVED: f64 = 1e-12;
@@ -54,6 +60,8 @@ pub struct Outcome {
     pub change: f64,
     /// Whether the motion became periodic, every step of it solved.
     pub periodic: bool,
+    /// Whether the steps took so many trials that the integration was given up; then the numbers are of the last cycle.
+    pub given_up: bool,
 }
 
 impl Outcome {
@@ -63,7 +71,8 @@ impl Outcome {
     }
 }
 
-/// Integrates until the motion is periodic, or through the averaging window; or until it is none of numbers.
+/// Integrates until the motion is periodic, or through the averaging window; or until it is none of numbers, or has taken more
+/// work than such an integration is worth.
 pub fn integrate(system: &dyn SliderSystem, plan: &Plan) -> Outcome {
     let mut state = State::new(system, plan);
     let scale = system.scale().0 / system.lever();
@@ -77,6 +86,7 @@ pub fn integrate(system: &dyn SliderSystem, plan: &Plan) -> Outcome {
         cycles: 0,
         change: f64::NAN,
         periodic: false,
+        given_up: false,
     };
     for cycle in 1..=plan.cycles {
         let reading = state.cycle();
@@ -89,7 +99,8 @@ pub fn integrate(system: &dyn SliderSystem, plan: &Plan) -> Outcome {
         let winding = reading.stick_fraction > 1.0 - 1e-9 && !system.at_rest() && system.bristles()[2] == 0.0;
         calm = if change < plan.settled && !winding { calm + 1 } else { 0 };
         last = Outcome { cycles: cycle, change, periodic: calm >= 3 && state.solvable, ..reading };
-        if last.periodic {
+        last.given_up = state.trials > TRIALS * plan.steps * (plan.cycles + plan.window);
+        if last.periodic || last.given_up {
             return last;
         }
     }
@@ -204,6 +215,8 @@ struct State<'a> {
     step: usize,
     /// Whether the equations of every step so far were solved.
     solvable: bool,
+    /// Trials that all steps so far took.
+    trials: usize,
 }
 
 impl<'a> State<'a> {
@@ -236,6 +249,7 @@ impl<'a> State<'a> {
             force,
             step: 0,
             solvable: true,
+            trials: 0,
         }
     }
 
@@ -248,6 +262,7 @@ impl<'a> State<'a> {
             cycles: 0,
             change: 0.0,
             periodic: false,
+            given_up: false,
         };
         let share = 1.0 / self.steps as f64;
         let reference = self.arm.x;
@@ -306,6 +321,7 @@ impl<'a> State<'a> {
             }
             root.next(sum - force);
         };
+        self.trials += root.tried;
         self.force = force;
         std::mem::swap(&mut self.bristles, &mut self.moved);
         self.arm.advance(h, gain * force + torque);

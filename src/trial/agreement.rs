@@ -1,7 +1,9 @@
 //! Whether a new run finds what an earlier one found.
 
 use super::Summary;
+use super::record::MAX_BYTES;
 use crate::error::{Error, Result};
+use crate::files;
 use std::path::Path;
 
 /// A trial of both runs.
@@ -27,16 +29,17 @@ impl Both {
 /// # Errors
 /// A file that cannot be read, or that is not such a result.
 pub fn load(path: &Path) -> Result<Summary> {
-    let text = std::fs::read_to_string(path).map_err(Error::io("read", path))?;
-    parse(&text).map_err(|why| {
-        Error::Input(format!(
-            "error: `{}` is no result of trials: {why}\n  = help: expected what `stickslip trial --json FILE` writes",
-            path.display()
-        ))
+    let help = "expected what `stickslip trial --json FILE` writes";
+    parse(&files::text(path, MAX_BYTES, help)?).map_err(|why| {
+        Error::Input(format!("error: `{}` is no result of trials: {why}\n  = help: {help}", path.display()))
     })
 }
 
-pub(super) fn parse(text: &str) -> std::result::Result<Summary, String> {
+/// The scores that a JSON holds.
+///
+/// # Errors
+/// What is wrong with it, in words.
+pub fn parse(text: &str) -> std::result::Result<Summary, String> {
     let summary: Summary = serde_json::from_str(text).map_err(|why| why.to_string())?;
     if summary.schema != super::SCHEMA {
         return Err(format!("its schema is `{}`, not `{}`", summary.schema, super::SCHEMA));

@@ -23,7 +23,7 @@ mod summary;
 mod table;
 mod visible;
 
-pub use agreement::{Both, agreement, load};
+pub use agreement::{Both, agreement, load, parse};
 pub use answer::{Answer, Draws, Seal, open, seal};
 pub use cause::{Cause, Kind, causes, numbered_causes, shown};
 pub use committed::{Series, committed};

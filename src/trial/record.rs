@@ -4,9 +4,13 @@ use super::answer::Answer;
 use super::examine::Found;
 use super::score::{Score, score};
 use crate::error::{Error, Result};
+use crate::files;
 use crate::results::Results;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+
+/// Largest file of trials that is read; a thousand of them take 5 MB.
+pub(super) const MAX_BYTES: u64 = 64 << 20;
 
 /// Everything known of a finished trial.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -40,7 +44,7 @@ fn place(id: &str) -> String {
 impl Record {
     /// The kept result of a trial, where there is one of the same inputs and version; it is scored again.
     pub fn load(out: &Path, id: &str, inputs: &str, program: &str) -> Option<Self> {
-        let text = std::fs::read_to_string(out.join(place(id))).ok()?;
+        let text = files::text(&out.join(place(id)), MAX_BYTES, "").ok()?;
         let mut record: Self = serde_json::from_str(&text).ok()?;
         if record.inputs != inputs || record.program != program {
             return None;

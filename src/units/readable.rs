@@ -37,21 +37,6 @@ pub fn interval(values: [f64; 3], unit: &str) -> [Quantity; 3] {
     [0, 1, 2].map(|i| Quantity { value: finite(values[i]), text: quantity(values[i], unit, digits[i]) })
 }
 
-/// Value and standard deviation in the same unit, the deviation with two digits: `6.240 ± 0.012 µrad`.
-pub fn uncertain(value: f64, deviation: f64, unit: &str) -> String {
-    if !(value.is_finite() && deviation.is_finite() && deviation > 0.0) {
-        return quantity(value, unit, 4);
-    }
-    let magnitude = value.abs().max(deviation);
-    let (scaled, shown) = scale(magnitude, unit);
-    let factor = scaled / magnitude;
-    let deviation = round(deviation * factor, 2);
-    let decimals = decimals(deviation, 2);
-    let value = minus(format!("{:.decimals$}", value * factor));
-    let text = format!("{value} ± {deviation:.decimals$}");
-    if shown.is_empty() { text } else { format!("{text} {shown}") }
-}
-
 /// A share of one in percent, with the given number of significant digits.
 pub fn percent(share: f64, digits: usize) -> String {
     join(&plain(round(100.0 * share, digits), digits), "%")
@@ -200,13 +185,6 @@ mod tests {
         assert_eq!(setting(0.03, "m").text, "30 mm");
         assert_eq!(setting(1.0e-4, "kg m^2").text, "1×10⁻⁴ kg m²");
         assert_eq!(setting(f64::INFINITY, "m").value, None);
-    }
-
-    #[test]
-    fn deviations_set_the_digits() {
-        assert_eq!(uncertain(6.2401e-6, 1.2e-8, "rad"), "6.240 ± 0.012 µrad");
-        assert_eq!(uncertain(0.119, 0.001, "1"), "0.1190 ± 0.0010");
-        assert_eq!(uncertain(6.2401e-6, f64::NAN, "rad"), "6.240 µrad");
     }
 
     #[test]

@@ -79,3 +79,15 @@ fn readings_beyond_all_numbers_are_refused() {
         format!("{HEADER}\n{}", "0.02,20,2.5e-6,60,1.5e308,1e300,0,0.01\n0.02,20,2.5e-6,60,1.6e308,1e300,0,0.01\n");
     assert!(refused(&rows).contains("beyond all numbers"));
 }
+
+#[test]
+fn a_deviation_below_the_rounding_of_its_reading_is_refused() {
+    for (row, column) in [
+        ("0.02,20,2.5e-6,60,1.5e-6,1.5e-8,-0.1,1e-30", "`phase_sd_rad`"),
+        ("0.02,20,2.5e-6,60,1.5e-6,1e-30,-0.1,0.01", "`amplitude_sd_rad`"),
+    ] {
+        let words = refused(&format!("{HEADER}\n0.02,20,2.5e-6,59,1.5e-6,1.5e-8,-0.1,0.01\n{row}\n"));
+        assert!(words.contains(column) && words.contains("less than the rounding"), "{words}");
+    }
+    csv(&format!("{HEADER}\n0.02,20,2.5e-6,60,1.5e-6,1e-20,-0.1,1e-14\n"));
+}

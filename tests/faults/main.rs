@@ -1,6 +1,8 @@
 //! What goes wrong outside the program: files of others in the way, full disks, closed outputs, kills, two runs at once.
 #![cfg(unix)]
 
+mod surroundings;
+
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -203,23 +205,6 @@ fn outputs_that_cannot_be_written_are_told_once_and_a_reader_that_has_gone_is_no
     assert_eq!(told.stdout, b"0\n");
 }
 
-#[test]
-fn threads_that_cannot_be_had_are_told() {
-    let dir = tempfile::tempdir().unwrap();
-    let dir = dir.path();
-    prepare(dir);
-    for (line, status, words) in [
-        ("ulimit -v 100000; \"$S\" run small.toml --threads 64", 3, "64 threads could not be started"),
-        ("ulimit -v 100000; RAYON_NUM_THREADS=64 \"$S\" run small.toml", 3, "64 threads could not be started"),
-        ("ulimit -v 1000000; RAYON_NUM_THREADS=1000000 timeout 10 \"$S\" run small.toml", 2, "from 1 to 1024"),
-        ("RAYON_NUM_THREADS=many \"$S\" run small.toml", 2, "RAYON_NUM_THREADS is `many`"),
-        ("RAYON_NUM_THREADS=2 \"$S\" check small.toml", 0, ""),
-        ("RAYON_NUM_THREADS= \"$S\" check small.toml", 0, ""),
-    ] {
-        fails(&shell(dir, line), status, words);
-    }
-}
-
 /// Characters that a terminal obeys, in a place where every reader of TOML, JSON and file names takes them.
 const HOSTILE: &str = "a\u{9b}31mb\u{85}c\u{202e}d";
 
@@ -400,9 +385,12 @@ fn an_interrupt_ends_every_command_at_once_with_its_status() {
     let whole = stickslip::scenario::embedded_file("practice/4/measurements.csv").unwrap();
     std::fs::write(dir.join("whole.csv"), whole).unwrap();
     std::fs::write(dir.join("whole.toml"), measured("whole.csv")).unwrap();
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/own-rig/swept.csv");
+    std::fs::copy(own, dir.join("own.csv")).unwrap();
     let before = std::fs::read(dir.join("whole.toml")).unwrap();
-    let commands: [&[&str]; 6] = [
+    let commands: [&[&str]; 7] = [
         &["run", "point.toml"],
+        &["new", "own.csv", "-o", "new.toml"],
         &["report", "point.toml", "whole.toml"],
         &["discover", "whole.toml", "--json", "d.json"],
         &["compare", "whole.toml", "--json", "-", "--out", "figures"],
@@ -424,7 +412,8 @@ fn an_interrupt_ends_every_command_at_once_with_its_status() {
         assert!(whole, "{command:?}: {}", String::from_utf8_lossy(&output.stdout));
         all_whole(dir);
     }
-    assert!(!dir.join("d.json").exists() && std::fs::read(dir.join("whole.toml")).unwrap() == before);
+    assert!(!dir.join("d.json").exists() && !dir.join("new.toml").exists());
+    assert!(std::fs::read(dir.join("whole.toml")).unwrap() == before);
 }
 
 #[test]
@@ -448,45 +437,6 @@ fn a_disk_that_fills_or_a_folder_that_cannot_be_written_to_leaves_no_half_of_a_f
     }
     fails(&output(dir, &["compare", "measured.toml", "--json", "/proc/c.json"]), 3, "cannot write in `/proc`");
     fails(&output(dir, &["report", "small.toml", "--history", "/proc/runs"]), 3, "/proc/runs");
-}
-
-#[test]
-fn few_files_and_little_memory_are_told_or_suffice() {
-    let dir = tempfile::tempdir().unwrap();
-    let dir = dir.path();
-    prepare(dir);
-    for limit in ["-n 5", "-n 6", "-n 8", "-n 10", "-n 12", "-n 16", "-v 60000", "-v 120000", "-v 400000"] {
-        for command in
-            ["run small.toml", "report small.toml measured.toml --history runs", "compare measured.toml --json c.json"]
-        {
-            let output = shell(dir, &format!("ulimit {limit}; \"$S\" {command} --threads 2"));
-            let (status, told) = (output.status.code(), told(&output));
-            // Where memory ends within the work, the program is aborted; its files are whole all the same.
-            let aborted = limit.starts_with("-v") && told.contains("memory allocation");
-            assert!([Some(0), Some(2), Some(3)].contains(&status) || aborted, "{limit}: {command}: {status:?} {told}");
-            assert!(!told.contains("panicked"), "{limit}: {command}: {told}");
-            all_whole(dir);
-        }
-    }
-    succeeds(dir, &["report", "small.toml", "measured.toml", "--history", "runs"]);
-}
-
-#[test]
-fn a_history_of_a_hundred_thousand_runs_is_read_in_little_time_and_memory() {
-    let dir = tempfile::tempdir().unwrap();
-    let dir = dir.path();
-    prepare(dir);
-    succeeds(dir, &["report", "small.toml", "--history", "runs"]);
-    let line = std::fs::read_to_string(dir.join("runs/history.jsonl")).unwrap();
-    std::fs::write(dir.join("runs/history.jsonl"), line.repeat(100_000)).unwrap();
-    let began = std::time::Instant::now();
-    let output = shell(dir, "ulimit -v 400000; \"$S\" report small.toml --history runs --threads 2");
-    assert!(output.status.success(), "{}", told(&output));
-    assert!(began.elapsed().as_secs() < 20, "{:?}", began.elapsed());
-    let json = std::fs::read(dir.join("output/report.json")).unwrap();
-    let json: serde_json::Value = serde_json::from_slice(&json).unwrap();
-    assert_eq!(json["history"]["runs"], 100_001);
-    assert!(std::fs::read_to_string(dir.join("output/history/trend.csv")).unwrap().contains(",100001,"));
 }
 
 #[test]
