@@ -1,7 +1,9 @@
 //! Which classes the data tell apart.
 
 use super::Standing;
-use super::fit::{Class, Fitted, Residual};
+use super::class::{Axis, Class, Residual};
+use super::fit::Fitted;
+use super::linear::robust;
 use super::readings::Readings;
 use super::variable::{ALL, Variable};
 use crate::compare::{Comparison, Whiteness, whiteness};
@@ -284,7 +286,7 @@ fn notes(c: &Comparison, readings: &Readings<'_>, judged: &Judged<'_>) -> Vec<St
     let share = |(index, point): (usize, &&crate::measurement::Point)| {
         let lumps = Lumps::new(&c.model, &crate::fit::operation(point));
         let motion = leading.class.motion(&leading.fitted)[index];
-        let place = |axis: &super::fit::Axis| {
+        let place = |axis: &Axis| {
             if axis.variable == Variable::Amplitude { motion } else { axis.places[index] }
         };
         let curves = leading.class.axes.iter().map(|axis| Class::curve(axis, &leading.fitted.state, place(axis)));
@@ -320,7 +322,7 @@ fn standing_in(residuals: &[Residual]) -> Vec<bool> {
 }
 
 fn losses(residuals: &[Residual], threshold: f64) -> Vec<f64> {
-    let loss = |r: f64| super::fit::robust(&nalgebra::DVector::from_element(1, r), threshold).0;
+    let loss = |r: f64| robust(&nalgebra::DVector::from_element(1, r), threshold).0;
     residuals.iter().map(|(amplitude, phase)| loss(*amplitude) + phase.map_or(0.0, loss)).collect()
 }
 

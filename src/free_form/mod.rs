@@ -9,10 +9,12 @@
 //! An amplitude is that of the motion that the model itself is led to, not the measured one: a curve of the measured amplitude
 //! would repeat its noise, and could follow any readings of one series.
 
+mod class;
 mod fit;
 mod force;
 mod json;
 mod judge;
+mod linear;
 mod readings;
 mod shapes;
 mod spline;
@@ -27,7 +29,8 @@ pub use words::lines;
 use crate::compare::{Comparison, units_of_force};
 use crate::discover::{Discovery, Verdict};
 use crate::model::lumps::Lumps;
-use fit::{Class, Fitted};
+use class::Class;
+use fit::Fitted;
 use judge::Judged;
 use rayon::prelude::*;
 use readings::Readings;
@@ -181,7 +184,7 @@ fn told(c: &Comparison, readings: &Readings<'_>, judged: &Judged<'_>) -> Vec<Dep
     judged.tried.par_iter().enumerate().map(told).collect()
 }
 
-fn curve(axis: &fit::Axis, fitted: &Fitted, scale: f64, (units, lever): ([f64; 2], f64)) -> Curve {
+fn curve(axis: &class::Axis, fitted: &Fitted, scale: f64, (units, lever): ([f64; 2], f64)) -> Curve {
     let mut places = axis.places.clone();
     let mut values = axis.values.clone();
     if axis.variable == Variable::Amplitude {

@@ -106,7 +106,7 @@ fn levels(series: &[Series]) -> Vec<f64> {
     let mut level = f64::NAN;
     for at in order {
         let drive = series[at].drive;
-        if !((drive / level).ln().abs() <= LEVEL) {
+        if level.is_nan() || (drive / level).ln().abs() > LEVEL {
             level = drive;
         }
         levels[at] = level;
