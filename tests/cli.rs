@@ -191,7 +191,8 @@ fn compare_draws_where_asked_and_leaves_out_what_needs_phases() {
             assert!(names.contains(&format!("measured/{figure}.{kind}")), "{figure}.{kind} in {names:?}");
         }
     }
-    assert_eq!(names.len(), 21);
+    assert!(["report.html", "report.json"].iter().all(|page| names.contains(&page.to_string())), "{names:?}");
+    assert_eq!(names.len(), 23);
 }
 
 #[test]

@@ -211,15 +211,15 @@ fn with_the_response_held_amplitude_and_drift_are_tied() {
     let mode = Mode { mass: 0.3, f0: 120.0, q: 60.0 };
     let made = Made { mode, size: 2e-5, noise: 0.005, with_phase: true, stated: true };
     let law = |a: f64| [-0.03 * a, 0.01 * a.sqrt()];
-    let mut rows = Vec::new();
+    let mut measured = Vec::new();
     for (series, a) in [0.15, 0.3, 0.6, 1.0].into_iter().enumerate() {
         for w in grid(mode.q, 41) {
             let (re, im) = dynamic_stiffness(w, mode.q, law(a));
-            rows.push([series as f64 + 1.0, w, a * re.hypot(im), a, -im.atan2(re)]);
+            measured.push([series as f64 + 1.0, w, a * re.hypot(im), a, -im.atan2(re)]);
         }
     }
     let path = folder.path().join("held.csv");
-    made.write(&rows, &mut Pcg64::seed_from_u64(7), &path);
+    made.write(&measured, &mut Pcg64::seed_from_u64(7), &path);
     let found = found(&path, mode, folder.path());
     for variable in [Variable::Amplitude, Variable::Drift] {
         let standing = of(&found, variable).standing;

@@ -4,6 +4,7 @@ pub mod accept;
 pub mod add;
 mod baseline;
 mod bounds;
+mod browser;
 mod caching;
 mod changed_scenario;
 pub mod check;

@@ -7,9 +7,7 @@ use crate::gate::Judged;
 use crate::report::{self, Provenance, ReportView, ScenarioView};
 use crate::scenario::Scenario;
 use crate::sweep::Outcome;
-use crate::terminal;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::path::PathBuf;
 
 /// The section of a scenario of which nothing is swept.
 pub fn section(scenario: &Scenario) -> ScenarioView {
@@ -32,19 +30,4 @@ pub fn write(section: ScenarioView, judged: &[Judged], command: &str, out: &Fold
         out.write(name, page.as_bytes())?;
     }
     Ok(out.path().join("report.html"))
-}
-
-/// Shows a page with `$BROWSER`, or as the desktop shows pages; that it cannot is told and no failure.
-pub fn open(page: &Path) {
-    let usual = if cfg!(target_os = "macos") { "open" } else { "xdg-open" };
-    let browser = std::env::var_os("BROWSER").filter(|name| !name.is_empty()).unwrap_or_else(|| usual.into());
-    let quiet =
-        Command::new(&browser).arg(page).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn();
-    if let Err(why) = quiet {
-        let browser = browser.to_string_lossy();
-        terminal::tell(&format!(
-            "{} could not be opened with {browser}: {why}; set BROWSER, or open it by hand",
-            page.display()
-        ));
-    }
 }

@@ -122,7 +122,7 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     say(global, &format!("wrote {} and {}", out.join("report.html").display(), out.join("report.json").display()))?;
     extras.iter().try_for_each(|path| say(global, &format!("wrote {}", path.display())))?;
     if *open {
-        super::page::open(&out.join("report.html"));
+        super::browser::open(&out.join("report.html"));
     }
     gates::passed(&judged)
 }

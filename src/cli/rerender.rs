@@ -48,7 +48,7 @@ pub fn execute(from: &Path, (out, open): (Option<&Path>, bool), extras: &Extras,
         say(global, &format!("wrote {}", path.display()))?;
     }
     if open {
-        super::page::open(&target);
+        super::browser::open(&target);
     }
     gates::passed(&judged(&view))
 }

@@ -316,7 +316,7 @@ impl<'a> Search<'a> {
         field.iter_mut().for_each(|runner| runner.bar = bar);
         // Beside what leaves nothing but noise only what would be decided for is worth a fit, unless it is asked for.
         if let [only] = parents
-            && matches!(bar, Bar::None)
+            && matches!(entered, Field::Best(_))
             && !self.structured(only)
         {
             let rest = places[0][0][0].rest();

@@ -205,7 +205,11 @@ impl Figure<Discovery> for BeforeAfter {
     }
 
     fn reading(&self) -> [&'static str; 3] {
-        [""; 3]
+        [
+            "The corrected curve runs through the bars in every panel, and the error ends at the dashed line: nothing but noise is left.",
+            "It misses the bars somewhere, or the error ends above the line: what was found helps, and something is missing still.",
+            "Move the strength to see which part of the curve an effect bends; then read where it fails and how sure it is.",
+        ]
     }
 
     fn draw(&self, discovery: &Discovery) -> Result<Drawing, FigureError> {
@@ -236,7 +240,8 @@ impl Figure<Discovery> for BeforeAfter {
             ),
         };
         let svg = shown.draw(self.title(), &alt)?;
-        Ok(Drawing::of(self, (caption, alt), (svg, shown.csv()), Vec::new()))
+        let notes = vec![("χ² per reading".to_string(), chi2.join(" → "))];
+        Ok(Drawing::of(self, (caption, alt), (svg, shown.csv()), notes))
     }
 }
 
