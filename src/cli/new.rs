@@ -20,8 +20,10 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 /// The search that decides between kinds of readings.
-static SHORT: LazyLock<SearchOptions> =
-    LazyLock::new(|| SearchOptions { max_effects: 2, budget: 50_000, ..SearchOptions::default() });
+static SHORT: LazyLock<SearchOptions> = LazyLock::new(|| {
+    let whole = SearchOptions::default();
+    SearchOptions { max_effects: 2, budget: whole.budget / 10, ..whole }
+});
 /// Two neighbours along a series whose responses per drive differ by this many times what their neighbours do are a jump, if by more
 /// than this many standard deviations.
 const JUMP: (f64, f64) = (5.0, 8.0);

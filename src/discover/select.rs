@@ -168,7 +168,12 @@ impl<'a> Search<'a> {
             }
             let mut full = self.race(&beam.iter().collect::<Vec<_>>(), &self.pool, Field::Best(0), known);
             // What leaves structure is held against everything else that a user might add by hand, fitted as it would be then.
-            let least = full.iter().min_by(|a, b| self.bic(a).total_cmp(&self.bic(b))).unwrap_or(&chosen).clone();
+            let mut least = full.iter().min_by(|a, b| self.bic(a).total_cmp(&self.bic(b))).unwrap_or(&chosen).clone();
+            if self.structured(&least) {
+                // A race may end beside the minimum, where a resonance folds say; a calibration has other starting points.
+                least = self.calibrated(&least);
+                full.push(least.clone());
+            }
             if self.structured(&least) && self.goes_on() {
                 let others = self.not_fitted_beside(&chosen, known);
                 full.extend(self.race(&[&chosen], &others, Field::Each(Some(&least)), known));
@@ -199,6 +204,20 @@ impl<'a> Search<'a> {
             }
         }
         chosen
+    }
+
+    /// A hypothesis where the calibration of `compare` and `add` takes it, if that is better.
+    fn calibrated(&self, hypothesis: &Hypothesis) -> Hypothesis {
+        let keys: Vec<String> = hypothesis.fit.parameters.iter().map(|p| p.key.clone()).collect();
+        let found = compare::calibrate(
+            &hypothesis.fitted(),
+            &keys,
+            &self.table.points,
+            Tolerance::default(),
+            self.options.seed,
+        );
+        let moved = Hypothesis { model: found.base, fit: found.fit, ..hypothesis.clone() };
+        if square(&moved) < square(hypothesis) { moved } else { hypothesis.clone() }
     }
 
     /// Candidates of which no fit to all points is known beside a hypothesis.

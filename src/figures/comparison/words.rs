@@ -129,7 +129,8 @@ pub fn worst(comparison: &Comparison, most: usize) -> Vec<usize> {
         let metrics = &comparison.conditions[*i].metrics;
         metrics.chi2_per_point * metrics.readings as f64
     };
-    let mut order: Vec<usize> = (0..comparison.conditions.len()).collect();
+    let has_readings = |i: &usize| comparison.conditions[*i].metrics.readings > 0;
+    let mut order: Vec<usize> = (0..comparison.conditions.len()).filter(has_readings).collect();
     order.sort_by(|a, b| chi2(b).total_cmp(&chi2(a)).then(a.cmp(b)));
     order.truncate(most);
     order.sort_unstable();
