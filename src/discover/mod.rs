@@ -5,6 +5,7 @@
 
 mod add;
 mod conclude;
+mod criteria;
 mod data;
 mod fall;
 mod held_out;

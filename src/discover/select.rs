@@ -8,7 +8,7 @@ use super::look::{Count, Look, Parent, look};
 use super::options::{MARGIN, MISTAKE, SearchOptions};
 use super::race::{Competitor, Race, Round};
 use super::runner::{Bar, COSTLY, Runner};
-use crate::compare::{self, Calibration, Whiteness};
+use crate::compare::{self, Calibration};
 use crate::fit::{TAIL, robust_chi2};
 use crate::measurement::{Noise, Table};
 use crate::model::Model;
@@ -483,35 +483,5 @@ impl<'a> Search<'a> {
             ties.push(rivals);
         }
         (chosen, ties)
-    }
-
-    /// Scatter of the residuals of a hypothesis about anything smooth over the stated noise, where that contradicts it.
-    fn scatter(&self, hypothesis: &Hypothesis) -> Option<Noise> {
-        let points = compare::compared(&self.table.points, &hypothesis.fit.evaluation.predictions);
-        compare::scatter(&points, self.table, hypothesis.fit.parameters.len())
-    }
-
-    /// Tests of the residuals; `None` where the fit is to a part of the points.
-    fn whiteness(&self, hypothesis: &Hypothesis) -> Option<Whiteness> {
-        if hypothesis.fit.evaluation.predictions.len() != self.data.points.len() {
-            return None;
-        }
-        let points = compare::compared(&self.table.points, &hypothesis.fit.evaluation.predictions);
-        let (series, parameters) = (self.table.series.len(), hypothesis.fit.parameters.len());
-        Some(compare::whiteness(&points, series, parameters, self.table.amplitude_noise))
-    }
-
-    pub(super) fn readings(&self) -> usize {
-        self.data.readings()
-    }
-
-    /// Schwarz's criterion.
-    pub(super) fn bic(&self, hypothesis: &Hypothesis) -> f64 {
-        square(hypothesis) + self.data.price(hypothesis.fit.parameters.len())
-    }
-
-    /// The criterion with a charge for having looked at many additions (extended BIC of Chen and Chen 2008).
-    fn score(&self, hypothesis: &Hypothesis) -> f64 {
-        self.bic(hypothesis) + 2.0 * hypothesis.additions.len() as f64 * (self.pool.len().max(1) as f64).ln()
     }
 }

@@ -1,0 +1,38 @@
+//! What a hypothesis leaves, and the criteria by which hypotheses are held against each other.
+
+use super::hypothesis::{Hypothesis, square};
+use super::select::Search;
+use crate::compare::{self, Whiteness};
+use crate::measurement::Noise;
+
+impl Search<'_> {
+    /// Scatter of the residuals of a hypothesis about anything smooth over the stated noise, where that contradicts it.
+    pub(super) fn scatter(&self, hypothesis: &Hypothesis) -> Option<Noise> {
+        let points = compare::compared(&self.table.points, &hypothesis.fit.evaluation.predictions);
+        compare::scatter(&points, self.table, hypothesis.fit.parameters.len())
+    }
+
+    /// Tests of the residuals; `None` where the fit is to a part of the points.
+    pub(super) fn whiteness(&self, hypothesis: &Hypothesis) -> Option<Whiteness> {
+        if hypothesis.fit.evaluation.predictions.len() != self.data.points.len() {
+            return None;
+        }
+        let points = compare::compared(&self.table.points, &hypothesis.fit.evaluation.predictions);
+        let (series, parameters) = (self.table.series.len(), hypothesis.fit.parameters.len());
+        Some(compare::whiteness(&points, series, parameters, self.table.amplitude_noise))
+    }
+
+    pub(super) fn readings(&self) -> usize {
+        self.data.readings()
+    }
+
+    /// Schwarz's criterion.
+    pub(super) fn bic(&self, hypothesis: &Hypothesis) -> f64 {
+        square(hypothesis) + self.data.price(hypothesis.fit.parameters.len())
+    }
+
+    /// The criterion with a charge for having looked at many additions (extended BIC of Chen and Chen 2008).
+    pub(super) fn score(&self, hypothesis: &Hypothesis) -> f64 {
+        self.bic(hypothesis) + 2.0 * hypothesis.additions.len() as f64 * (self.pool.len().max(1) as f64).ln()
+    }
+}
