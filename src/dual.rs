@@ -5,6 +5,50 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// Most parameters a model can have: rig, contact, instrument, condition and all effects together.
 pub const MAX_PARAMETERS: usize = 48;
 
+/// What a formula is evaluated in: a value alone, or with its gradient.
+pub trait Scalar:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Mul<f64, Output = Self>
+{
+    /// Of a value with its gradient.
+    fn of(dual: &Dual) -> Self;
+    /// A constant.
+    fn constant(value: f64) -> Self;
+    /// The parameter number `index`.
+    fn parameter(value: f64, index: usize) -> Self;
+    /// Reciprocal.
+    fn recip(self) -> Self;
+}
+
+impl Scalar for f64 {
+    fn of(dual: &Dual) -> Self {
+        dual.value
+    }
+    fn constant(value: f64) -> Self {
+        value
+    }
+    fn parameter(value: f64, _: usize) -> Self {
+        value
+    }
+    fn recip(self) -> Self {
+        1.0 / self
+    }
+}
+
+impl Scalar for Dual {
+    fn of(dual: &Dual) -> Self {
+        *dual
+    }
+    fn constant(value: f64) -> Self {
+        Self::constant(value)
+    }
+    fn parameter(value: f64, index: usize) -> Self {
+        Self::parameter(value, index)
+    }
+    fn recip(self) -> Self {
+        self.recip()
+    }
+}
+
 /// A value with its gradient by all parameters.
 #[derive(Debug, Clone, Copy)]
 pub struct Dual {

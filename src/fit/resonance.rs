@@ -162,8 +162,7 @@ pub fn started(model: &Model, free: &[String], points: &[Point]) -> Option<Model
     }
     let reading = |model: &Model| {
         let lumps = Lumps::new(model, &at);
-        let (re, im) = lumps.free_response();
-        lumps.reading((re.value, im.value))
+        lumps.reading(lumps.free_response())
     };
     let ratio = seen.peak * at.drive / reading(&model).0;
     if !(ratio.is_finite() && ratio > 0.0) {

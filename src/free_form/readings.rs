@@ -158,7 +158,7 @@ impl<'a> Readings<'a> {
 /// tells it.
 fn relative(lumps: &Lumps, amplitude: f64, phase: f64, has_phase: bool) -> Complex<f64> {
     let read = Complex::from_polar(amplitude / lumps.amplitude_gain.value, phase - lumps.phase_offset.value);
-    match &lumps.base_motion {
+    match lumps.base_motion.as_deref() {
         Some((re, im)) if has_phase => read - Complex::new(re.value, im.value),
         _ => read,
     }

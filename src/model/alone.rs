@@ -37,8 +37,8 @@ impl Alone {
     /// Gradients of what the derivatives of a solution are known by: M, C, K, the drive (real, imaginary) and the three
     /// numbers of the joint.
     pub fn gradients(&self) -> [Dual; 8] {
-        let Lumps { inertia, damping, stiffness, torque_re, torque_im, .. } = self.lumps;
-        let [k, force, exponent] = self.lumps.joint.unwrap_or([Dual::constant(0.0); 3]);
+        let Lumps { inertia, damping, stiffness, torque_re, torque_im, ref joint, .. } = self.lumps;
+        let [k, force, exponent] = joint.as_deref().copied().unwrap_or([Dual::constant(0.0); 3]);
         [inertia, damping, stiffness, torque_re, torque_im, k, force, exponent]
     }
 
@@ -63,7 +63,7 @@ impl SingleMode for Alone {
         laws.fold([0.0; 3], |sum, law| [sum[0] + law.value, sum[1] + law.d_first, sum[2] + law.d_second])
     }
     fn joint(&self) -> Option<[f64; 3]> {
-        self.lumps.joint.map(|joint| joint.map(|dual| dual.value))
+        self.lumps.joint.as_deref().map(|joint| joint.each_ref().map(|dual| dual.value))
     }
     fn add_columns(&self, x: f64, v: f64, weight: f64, sums: &mut [f64]) {
         for (effect, p, first) in &self.laws {

@@ -15,7 +15,7 @@ pub use states::LimitingState;
 use super::lumps::Lumps;
 use super::system::{Forcing, HybridSystem, Mode};
 use super::{Model, Operation};
-use crate::dual::Dual;
+use crate::dual::{Dual, Scalar};
 use crate::effects::{Effect, Law};
 use crate::parameter::FIRST_EFFECT_PARAMETER;
 
@@ -86,7 +86,58 @@ pub struct Problem {
     rate_element: bool,
     stroke: f64,
     psi_scale: f64,
-    columns: Vec<(Column, Dual)>,
+    columns: Vec<Column>,
+}
+
+/// The coefficients by which derivatives are taken, each where it enters.
+fn coefficients<T: Scalar>(lumps: &Lumps, laws: &[(&'static dyn Effect, Vec<f64>)]) -> Vec<(Column, T)> {
+    let of = T::of;
+    let (free_re, free_im) = lumps.free_response();
+    let inverse = of(&lumps.inertia).recip();
+    let mut columns = vec![
+        (Column::FreeRe, free_re),
+        (Column::FreeIm, free_im),
+        (Column::Damping, of(&lumps.damping) * inverse),
+        (Column::Stiffness, of(&lumps.stiffness) * inverse),
+        (Column::InverseInertia, inverse),
+        (Column::Arm, of(&lumps.arm)),
+        (Column::ContactStiffness, of(&lumps.contact_stiffness)),
+        (Column::ContactDamping, of(&lumps.contact_damping)),
+        (Column::Friction, of(&lumps.friction)),
+        (Column::Load, of(&lumps.load)),
+        (Column::Speed, of(&lumps.speed)),
+        (Column::LoadStiffness, of(&lumps.load_stiffness)),
+        (Column::Renewal, of(&lumps.renewal)),
+    ];
+    if let Some(s) = &lumps.support {
+        let inverse = of(&s.mass).recip();
+        columns.extend([
+            (Column::SupportInverseMass, inverse),
+            (Column::SupportDamping, of(&s.damping) * inverse),
+            (Column::SupportStiffness, of(&s.stiffness) * inverse),
+        ]);
+    }
+    if let Some((stiffness, tau)) = lumps.branch.as_deref() {
+        columns.extend([(Column::BranchStiffness, of(stiffness)), (Column::BranchRate, of(tau).recip())]);
+    }
+    if let Some(viscosity) = lumps.rate_element.as_deref() {
+        columns.push((Column::RateViscosity, of(viscosity)));
+    }
+    if let Some((power, tau)) = lumps.heating.as_deref() {
+        let gain = (of(power) * of(tau)).recip();
+        columns.extend([(Column::HeatingGain, gain), (Column::CoolingRate, of(tau).recip())]);
+    }
+    let mut first = FIRST_EFFECT_PARAMETER;
+    for (index, (effect, p)) in laws.iter().enumerate() {
+        let inside = effect.friction(p, 0.0, 0.0).is_some() || effect.torque(p, 0.0, 0.0).is_some();
+        for (parameter, &value) in p.iter().enumerate().take(LAW_PARAMETERS) {
+            if inside {
+                columns.push((Column::Law { effect: index, parameter }, T::parameter(value, first + parameter)));
+            }
+        }
+        first += p.len();
+    }
+    columns
 }
 
 /// Intermediate quantities at one instant.
@@ -112,8 +163,8 @@ impl Problem {
     /// The equations of `model` at an operating point.
     pub fn new(model: &Model, at: &Operation) -> Self {
         let lumps = Lumps::new(model, at);
-        let (free_re, free_im) = lumps.free_response();
-        let (stuck_re, stuck_im) = lumps.stuck_response();
+        let free: (f64, f64) = lumps.free_response();
+        let stuck: (f64, f64) = lumps.stuck_response();
         let laws = model.effects.clone();
         let mut states = 2;
         let mut take = |present: bool, count: usize| {
@@ -129,66 +180,21 @@ impl Problem {
         let q = take(lumps.branch.is_some(), 1);
         let has_psi = laws.iter().any(|(e, p)| e.interface_rate(p, 0.0, 0.0).is_some());
         let psi = take(has_psi, 1);
-        let inverse = lumps.inertia.recip();
+        let inverse = 1.0 / lumps.inertia.value;
         let (kc, cc) = (lumps.contact_stiffness.value, lumps.contact_damping.value);
-        let amplitude = free_re.value.hypot(free_im.value);
-        let stuck = stuck_re.value.hypot(stuck_im.value);
-        let mut columns = vec![
-            (Column::FreeRe, free_re),
-            (Column::FreeIm, free_im),
-            (Column::Damping, lumps.damping * inverse),
-            (Column::Stiffness, lumps.stiffness * inverse),
-            (Column::InverseInertia, inverse),
-            (Column::Arm, lumps.arm),
-            (Column::ContactStiffness, lumps.contact_stiffness),
-            (Column::ContactDamping, lumps.contact_damping),
-            (Column::Friction, lumps.friction),
-            (Column::Load, lumps.load),
-            (Column::Speed, lumps.speed),
-            (Column::LoadStiffness, lumps.load_stiffness),
-            (Column::Renewal, lumps.renewal),
-        ];
-        let mut support = [0.0; 3];
-        if let Some(s) = lumps.support {
-            let inverse = s.mass.recip();
-            let parts = [inverse, s.damping * inverse, s.stiffness * inverse];
-            support = parts.map(|part| part.value);
-            let kinds = [Column::SupportInverseMass, Column::SupportDamping, Column::SupportStiffness];
-            columns.extend(kinds.into_iter().zip(parts));
-        }
-        let (mut k1, mut branch_rate) = (0.0, 0.0);
-        if let Some((stiffness, tau)) = lumps.branch {
-            let rate = tau.recip();
-            (k1, branch_rate) = (stiffness.value, rate.value);
-            columns.extend([(Column::BranchStiffness, stiffness), (Column::BranchRate, rate)]);
-        }
-        let mut sigma2 = 0.0;
-        if let Some(viscosity) = lumps.rate_element {
-            sigma2 = viscosity.value;
-            columns.push((Column::RateViscosity, viscosity));
-        }
-        let (mut heating_gain, mut cooling_rate) = (0.0, 0.0);
-        if let Some((power, tau)) = lumps.heating {
-            let (gain, rate) = ((power * tau).recip(), tau.recip());
-            (heating_gain, cooling_rate) = (gain.value, rate.value);
-            columns.extend([(Column::HeatingGain, gain), (Column::CoolingRate, rate)]);
-        }
-        let mut first = FIRST_EFFECT_PARAMETER;
-        for (index, (effect, p)) in laws.iter().enumerate() {
-            let inside = effect.friction(p, 0.0, 0.0).is_some() || effect.torque(p, 0.0, 0.0).is_some();
-            for (parameter, &value) in p.iter().enumerate().take(LAW_PARAMETERS) {
-                if inside {
-                    columns.push((Column::Law { effect: index, parameter }, Dual::parameter(value, first + parameter)));
-                }
-            }
-            first += p.len();
-        }
+        let support = lumps.support.as_ref().map_or([0.0; 3], |s| {
+            let inverse = 1.0 / s.mass.value;
+            [inverse, s.damping.value * inverse, s.stiffness.value * inverse]
+        });
+        let branch = lumps.branch.as_deref().map(|(stiffness, tau)| (stiffness.value, 1.0 / tau.value));
+        let heating = lumps.heating.as_deref().map(|(power, tau)| (1.0 / (power.value * tau.value), 1.0 / tau.value));
+        let columns = coefficients::<f64>(&lumps, &laws).into_iter().map(|(column, _)| column).collect();
         let mut problem = Self {
             omega: lumps.omega,
-            free: (free_re.value, free_im.value),
-            c: (lumps.damping * inverse).value,
-            k: (lumps.stiffness * inverse).value,
-            inverse_inertia: inverse.value,
+            free,
+            c: lumps.damping.value * inverse,
+            k: lumps.stiffness.value * inverse,
+            inverse_inertia: inverse,
             b: lumps.arm.value,
             kc,
             cc: if lumps.omega * cc < NO_DAMPING * kc { 0.0 } else { cc },
@@ -197,12 +203,12 @@ impl Problem {
             speed: lumps.speed.value,
             load_stiffness: lumps.load_stiffness.value,
             renewal: lumps.renewal.value,
-            k1,
-            branch_rate,
-            sigma2,
+            k1: branch.map_or(0.0, |(stiffness, _)| stiffness),
+            branch_rate: branch.map_or(0.0, |(_, rate)| rate),
+            sigma2: lumps.rate_element.as_deref().map_or(0.0, |viscosity| viscosity.value),
             support,
-            heating_gain,
-            cooling_rate,
+            heating_gain: heating.map_or(0.0, |(gain, _)| gain),
+            cooling_rate: heating.map_or(0.0, |(_, rate)| rate),
             states,
             roller,
             heat,
@@ -210,7 +216,7 @@ impl Problem {
             q,
             psi,
             rate_element: lumps.rate_element.is_some(),
-            stroke: lumps.arm.value * (amplitude * stuck).sqrt(),
+            stroke: lumps.arm.value * (free.0.hypot(free.1) * stuck.0.hypot(stuck.1)).sqrt(),
             psi_scale: 1.0,
             columns,
             laws,
@@ -221,8 +227,8 @@ impl Problem {
     }
 
     /// Gradient of each column's lumped coefficient by the parameters of the model.
-    pub fn column_gradients(&self) -> impl Iterator<Item = &Dual> {
-        self.columns.iter().map(|(_, dual)| dual)
+    pub fn column_gradients(&self) -> Vec<Dual> {
+        coefficients(&self.lumps, &self.laws).into_iter().map(|(_, dual)| dual).collect()
     }
 
     /// Index of the stretch of the bristles among the states.

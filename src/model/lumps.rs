@@ -1,7 +1,7 @@
 //! The coefficients of the equations of motion as functions of all parameters, with gradients.
 
 use super::{Model, Operation};
-use crate::dual::Dual;
+use crate::dual::{Dual, Scalar};
 use crate::effects::Support;
 use crate::parameter::{FIRST_CONTACT_PARAMETER, FIRST_EFFECT_PARAMETER, RIG_PARAMETERS};
 use crate::scenario::{Dissipation, Elasticity, Excitation, Oscillator, Rig};
@@ -40,21 +40,21 @@ pub struct Lumps {
     /// Rate of renewal of the bristles \[1/s\].
     pub renewal: Dual,
     /// Viscoelastic branch: stiffness \[N/m\] and relaxation time \[s\].
-    pub branch: Option<(Dual, Dual)>,
+    pub branch: Option<Box<(Dual, Dual)>>,
     /// Viscous coefficient of the rate element \[N s/m\].
-    pub rate_element: Option<Dual>,
+    pub rate_element: Option<Box<Dual>>,
     /// Support of the roller.
-    pub support: Option<Support>,
+    pub support: Option<Box<Support>>,
     /// Power scale \[W\] and relaxation time \[s\] of the heating.
-    pub heating: Option<(Dual, Dual)>,
+    pub heating: Option<Box<(Dual, Dual)>>,
     /// Reading over true amplitude \[-\].
     pub amplitude_gain: Dual,
     /// Reading minus true phase \[rad\].
     pub phase_offset: Dual,
     /// Motion of the base, complex, which a reading of the motion in space adds to the coordinate \[rad, m\].
-    pub base_motion: Option<(Dual, Dual)>,
+    pub base_motion: Option<Box<(Dual, Dual)>>,
     /// Slip elements from the body to ground: stiffness, force at full slip, exponent.
-    pub joint: Option<[Dual; 3]>,
+    pub joint: Option<Box<[Dual; 3]>>,
 }
 
 impl Lumps {
@@ -113,7 +113,7 @@ impl Lumps {
             heating: None,
             amplitude_gain,
             phase_offset,
-            base_motion,
+            base_motion: base_motion.map(Box::new),
             joint: None,
         };
         let mut first = FIRST_EFFECT_PARAMETER;
@@ -135,7 +135,10 @@ impl Lumps {
         if let Some((re, im)) = effect.drive(p, self.omega) {
             let (x, y) = (self.torque_re, self.torque_im);
             (self.torque_re, self.torque_im) = (x * re - y * im, x * im + y * re);
-            self.base_motion = self.base_motion.map(|(x, y)| (x * re - y * im, x * im + y * re));
+            if let Some(base) = &mut self.base_motion {
+                let (x, y) = **base;
+                **base = (x * re - y * im, x * im + y * re);
+            }
         }
         if let Some(stiffness) = effect.load_stiffness(p) {
             self.load_stiffness = self.load_stiffness + stiffness;
@@ -146,16 +149,16 @@ impl Lumps {
         if let Some(angle) = effect.reading(p, self.omega) {
             self.phase_offset = self.phase_offset + angle;
         }
-        self.branch = self.branch.or(effect.branch(p));
-        self.rate_element = self.rate_element.or(effect.rate_element(p));
-        self.support = self.support.or(effect.support(p));
-        self.heating = self.heating.or(effect.heating(p));
-        self.joint = self.joint.or(effect.joint(p));
+        keep_first(&mut self.branch, effect.branch(p));
+        keep_first(&mut self.rate_element, effect.rate_element(p));
+        keep_first(&mut self.support, effect.support(p));
+        keep_first(&mut self.heating, effect.heating(p));
+        keep_first(&mut self.joint, effect.joint(p));
     }
 
     /// What the instrument shows of a motion of this complex amplitude: amplitude and phase in (-pi, pi].
     pub fn reading(&self, (re, im): (f64, f64)) -> (f64, f64) {
-        let (x, y) = self.base_motion.as_ref().map_or((0.0, 0.0), |(x, y)| (x.value, y.value));
+        let (x, y) = self.base_motion.as_ref().map_or((0.0, 0.0), |base| (base.0.value, base.1.value));
         let (re, im) = if self.base_motion.is_some() { (re + x, im + y) } else { (re, im) };
         self.polar_reading(re.hypot(im), im.atan2(re))
     }
@@ -166,32 +169,41 @@ impl Lumps {
     }
 
     /// Complex amplitude \[rad\] of the arm without contact: Gamma e^{i phi0} / (K - J w^2 + i w C).
-    pub fn free_response(&self) -> (Dual, Dual) {
+    pub fn free_response<T: Scalar>(&self) -> (T, T) {
         let w = self.omega;
-        let re = self.stiffness - self.inertia * (w * w);
-        let im = self.damping * w;
-        divide((self.torque_re, self.torque_im), (re, im))
+        let re = T::of(&self.stiffness) - T::of(&self.inertia) * (w * w);
+        let im = T::of(&self.damping) * w;
+        divide((T::of(&self.torque_re), T::of(&self.torque_im)), (re, im))
     }
 
     /// Complex amplitude \[rad\] of the arm with the bristles stuck to a roller at rest (case II, with a compliant support
     /// and a viscoelastic branch where there are any).
-    pub fn stuck_response(&self) -> (Dual, Dual) {
+    pub fn stuck_response<T: Scalar>(&self) -> (T, T) {
         let w = self.omega;
-        let mut z = (self.contact_stiffness, self.contact_damping * w);
-        if let Some((k1, tau)) = self.branch {
-            let wt = tau * w;
-            let scale = k1 * (wt * wt + Dual::constant(1.0)).recip();
+        let mut z = (T::of(&self.contact_stiffness), T::of(&self.contact_damping) * w);
+        if let Some((k1, tau)) = self.branch.as_deref() {
+            let wt = T::of(tau) * w;
+            let scale = T::of(k1) * (wt * wt + T::constant(1.0)).recip();
             z = (z.0 + scale * wt * wt, z.1 + scale * wt);
         }
-        if let Some(support) = self.support {
-            let s = (support.stiffness - support.mass * (w * w), support.damping * w);
+        if let Some(support) = &self.support {
+            let (mass, damping) = (T::of(&support.mass), T::of(&support.damping));
+            let s = (T::of(&support.stiffness) - mass * (w * w), damping * w);
             let product = (z.0 * s.0 - z.1 * s.1, z.0 * s.1 + z.1 * s.0);
             z = divide(product, (z.0 + s.0, z.1 + s.1));
         }
-        let b2 = self.arm * self.arm;
-        let re = self.stiffness - self.inertia * (w * w) + b2 * z.0;
-        let im = self.damping * w + b2 * z.1;
-        divide((self.torque_re, self.torque_im), (re, im))
+        let arm = T::of(&self.arm);
+        let b2 = arm * arm;
+        let re = T::of(&self.stiffness) - T::of(&self.inertia) * (w * w) + b2 * z.0;
+        let im = T::of(&self.damping) * w + b2 * z.1;
+        divide((T::of(&self.torque_re), T::of(&self.torque_im)), (re, im))
+    }
+}
+
+/// Of two effects that add the same the first counts.
+fn keep_first<T>(own: &mut Option<Box<T>>, other: Option<T>) {
+    if own.is_none() {
+        *own = other.map(Box::new);
     }
 }
 
@@ -249,7 +261,7 @@ impl Mode {
     }
 }
 
-fn divide(n: (Dual, Dual), d: (Dual, Dual)) -> (Dual, Dual) {
+fn divide<T: Scalar>(n: (T, T), d: (T, T)) -> (T, T) {
     let inverse = (d.0 * d.0 + d.1 * d.1).recip();
     ((n.0 * d.0 + n.1 * d.1) * inverse, (n.1 * d.0 - n.0 * d.1) * inverse)
 }

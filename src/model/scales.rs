@@ -20,8 +20,8 @@ impl Model {
         let lumps = Lumps::new(self, first);
         let (k, m, c) = (lumps.stiffness.value, lumps.inertia.value, lumps.damping.value);
         let motion = |at: &Operation| {
-            let (re, im) = Lumps::new(self, at).free_response();
-            re.value.hypot(im.value)
+            let (re, im): (f64, f64) = Lumps::new(self, at).free_response();
+            re.hypot(im)
         };
         let motion = points.iter().map(motion).filter(|x| x.is_finite()).fold(0.0, f64::max);
         let loads: Vec<f64> = points.iter().map(|at| at.load).filter(|load| *load > 0.0).collect();

@@ -30,9 +30,9 @@ pub fn integrated(model: &Model, at: &Operation, plan: &Plan) -> Integrated {
     }
     let problem = Problem::new(model, at);
     let lumps = &problem.lumps;
-    let (free_re, free_im) = lumps.free_response();
+    let (free_re, free_im): (f64, f64) = lumps.free_response();
     let found = integrate(&problem.sliders(), plan);
-    let (re, im) = (free_re.value + found.fundamental.0, free_im.value + found.fundamental.1);
+    let (re, im) = (free_re + found.fundamental.0, free_im + found.fundamental.1);
     Integrated {
         amplitude: re.hypot(im) * lumps.amplitude_gain.value,
         phase: wrap(im.atan2(re) + lumps.phase_offset.value),

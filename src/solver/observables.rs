@@ -1,7 +1,7 @@
 //! What is read of a motion: the observables of a steady state, and their derivatives by the parameters of the model.
 
 use super::{Method, Status, SteadyState};
-use crate::dual::MAX_PARAMETERS;
+use crate::dual::{Dual, MAX_PARAMETERS};
 use crate::model::contact::{LimitingState, Problem};
 use crate::model::lumps::Lumps;
 
@@ -29,11 +29,12 @@ pub fn response(problem: &Problem, relative: (f64, f64)) -> (f64, f64) {
 /// Derivatives of (amplitude, phase) by the parameters of the model from those of the relative motion by the columns.
 pub fn by_parameter(problem: &Problem, response: (f64, f64), columns: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let lumps = &problem.lumps;
-    let (free_re, free_im) = lumps.free_response();
+    let (free_re, free_im): (Dual, Dual) = lumps.free_response();
+    let gradients = problem.column_gradients();
     let mut by_parameter = vec![(0.0, 0.0); MAX_PARAMETERS];
     for (p, out) in by_parameter.iter_mut().enumerate() {
         let (mut dre, mut dim) = (free_re.gradient[p], free_im.gradient[p]);
-        for ((cre, cim), lump) in columns.iter().zip(problem.column_gradients()) {
+        for ((cre, cim), lump) in columns.iter().zip(&gradients) {
             dre += cre * lump.gradient[p];
             dim += cim * lump.gradient[p];
         }
@@ -88,7 +89,7 @@ pub fn stability(multiplier: f64) -> Status {
 /// Derivatives of (amplitude, phase) of the reading from those of the complex amplitude.
 pub fn polar_derivative(lumps: &Lumps, a: (f64, f64), da: (f64, f64), p: usize) -> (f64, f64) {
     let (mut a, mut da) = (a, da);
-    if let Some((re, im)) = &lumps.base_motion {
+    if let Some((re, im)) = lumps.base_motion.as_deref() {
         a = (a.0 + re.value, a.1 + im.value);
         da = (da.0 + re.gradient[p], da.1 + im.gradient[p]);
     }
@@ -103,12 +104,11 @@ pub fn polar_derivative(lumps: &Lumps, a: (f64, f64), da: (f64, f64), p: usize) 
 
 /// The observables of a state that is known in closed form.
 pub fn closed_form(lumps: &Lumps, limit: LimitingState, derivatives: bool) -> Solution {
-    let (re, im) = limit.response;
-    let a = (re.value, im.value);
-    let LimitingState { mean, stick_fraction, force, .. } = limit;
+    let LimitingState { response: a, stuck, mean, stick_fraction, force } = limit;
     let motion = Motion { response: a, mean, stick_fraction, force, cycles: 0, change: 0.0 };
     let state = motion.observe(lumps, Status::Steady, Method::Analytic);
     let derivatives = derivatives.then(|| {
+        let (re, im): (Dual, Dual) = if stuck { lumps.stuck_response() } else { lumps.free_response() };
         (0..MAX_PARAMETERS).map(|p| polar_derivative(lumps, a, (re.gradient[p], im.gradient[p]), p)).collect()
     });
     Solution { state, derivatives, others: Vec::new() }

@@ -336,8 +336,8 @@ fn alone(model: &Model, at: &Operation, with: &Search<'_>, warm: &mut Warm) -> S
     let mode = Alone::new(model, at);
     let lumps = &mode.lumps;
     if mode.is_linear() {
-        let limit =
-            LimitingState { response: lumps.free_response(), mean: 0.0, stick_fraction: 0.0, force: (0.0, 0.0) };
+        let response = lumps.free_response();
+        let limit = LimitingState { response, stuck: false, mean: 0.0, stick_fraction: 0.0, force: (0.0, 0.0) };
         return closed_form(lumps, limit, with.derivatives);
     }
     let states = oscillator::states(&mode, with.tolerance);

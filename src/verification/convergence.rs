@@ -37,10 +37,10 @@ fn time_integration() -> Check {
     let at = at(5e-5, 74.0);
     let fine = steady(&model, &at, Tolerance::default());
     let problem = Problem::new(&model, &at);
-    let (re, im) = problem.lumps.free_response();
+    let (re, im) = problem.free();
     let errors = [250, 500, 1000].map(|steps| {
         let found = integrate(&problem.sliders(), &Plan { steps, settled: 1e-11, ..Plan::default() });
-        let (re, im) = (re.value + found.fundamental.0, im.value + found.fundamental.1);
+        let (re, im) = (re + found.fundamental.0, im + found.fundamental.1);
         distance(&SteadyState { amplitude: re.hypot(im), phase: im.atan2(re), ..fine.clone() }, &fine)
     });
     let how =

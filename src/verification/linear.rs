@@ -29,9 +29,8 @@ pub fn maxwell_branch() -> Vec<Check> {
         let problem = Problem::new(&model, &at(0.0, f));
         let Ok(found) = shooting::solve(&problem, None, &Tolerance::default()) else { return f64::NAN };
         let (re, im) = found.cycle.fundamental;
-        let (stuck, free) = (problem.lumps.stuck_response(), problem.lumps.free_response());
-        let found = Complex::new(free.0.value + re, free.1.value + im);
-        distance(found, Complex::new(stuck.0.value, stuck.1.value))
+        let (stuck, free): ((f64, f64), _) = (problem.lumps.stuck_response(), problem.free());
+        distance(Complex::new(free.0 + re, free.1 + im), Complex::new(stuck.0, stuck.1))
     });
     let how = "complex stiffness of the stuck contact against the standard linear solid (Zener 1948), 55 to 95 Hz";
     let how_shot = "the same state by shooting against its closed form";

@@ -145,8 +145,8 @@ fn shooting_against_closed_forms(model: &Model) -> Check {
     let differences = points.map(|((speed, case), f)| {
         let problem = Problem::new(model, &at(speed, f));
         let Ok(found) = shooting::solve(&problem, None, &Tolerance::default()) else { return f64::NAN };
-        let (re, im) = problem.lumps.free_response();
-        let (re, im) = (re.value + found.cycle.fundamental.0, im.value + found.cycle.fundamental.1);
+        let (re, im) = problem.free();
+        let (re, im) = (re + found.cycle.fundamental.0, im + found.cycle.fundamental.1);
         let (alpha, phi) = limiting_oscillator(model, case, 2.5e-6).response(f);
         (re - alpha * phi.cos()).hypot(im - alpha * phi.sin()) / alpha
     });

@@ -14,7 +14,7 @@ impl Problem {
         let psi = self.state(self.psi, z);
         let limit = (p.mu * p.normal).max(1e-12 * self.force_scale());
         let (mut last, mut laws) = (None, [None; 3]);
-        for (index, (column, _)) in self.columns.iter().enumerate() {
+        for (index, column) in self.columns.iter().enumerate() {
             // Direct partial derivatives of the intermediate quantities by this column.
             let (mut dth, mut dw, mut dv, mut dn, mut dforce, mut dmu, mut dtorque) =
                 (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);

@@ -20,8 +20,8 @@ impl Problem {
     /// The continuum of elements that replaces the single one, where an effect asks for it.
     pub fn continuum(&self) -> Option<Sliders<'_>> {
         let n = self.laws.iter().find_map(|(e, p)| e.continuum(p)).filter(|n| *n > 1.0)?;
-        let (free, stuck) = (self.lumps.free_response(), self.lumps.stuck_response());
-        let amplitude = |(re, im): (crate::dual::Dual, crate::dual::Dual)| re.value.hypot(im.value);
+        let (free, stuck): (_, (f64, f64)) = (self.free, self.lumps.stuck_response());
+        let amplitude = |(re, im): (f64, f64)| re.hypot(im);
         // No stroke is much larger than those of the limiting cases; xm is where the last slider gives way.
         let stroke = 1.5 * self.b * amplitude(free).max(amplitude(stuck));
         let last = n * self.mu * self.load / self.kc;

@@ -1,7 +1,6 @@
 //! States known without a solver: limiting cases in closed form, and the first guesses near them.
 
 use super::Problem;
-use crate::dual::Dual;
 use crate::model::system::MAX_STATES;
 
 /// Amplitudes without contact that no motion reaches.
@@ -11,7 +10,9 @@ const MANY_SWINGS: f64 = 30.0;
 #[derive(Debug, Clone, Copy)]
 pub struct LimitingState {
     /// Complex amplitude of the arm \[rad\].
-    pub response: (Dual, Dual),
+    pub response: (f64, f64),
+    /// Whether the bristles stick, so that it is [`crate::model::lumps::Lumps::stuck_response`]; else the free one.
+    pub stuck: bool,
     /// Mean angle \[rad\].
     pub mean: f64,
     /// Share of the cycle in stick.
@@ -28,25 +29,30 @@ impl Problem {
         if self.rate_element || self.laws.iter().any(|(e, p)| e.torque(p, 0.0, 0.0).is_some()) {
             return None;
         }
-        let magnitude = |(re, im): (Dual, Dual)| re.value.hypot(im.value);
         let constant_friction = self.heat.is_none()
             && self.load_stiffness == 0.0
             && self.laws.iter().all(|(e, p)| e.friction(p, 0.0, 0.0).is_none());
         if constant_friction {
-            let response = self.lumps.free_response();
+            let response = self.free;
             // Bristles that are replaced keep being stretched at this rate; the interface slips at what is left of V.
             let relaxing = self.cc + if self.k1 > 0.0 { self.k1 / self.branch_rate } else { 0.0 };
             let stretching = self.mu * self.load * self.renewal / (self.kc + self.renewal * relaxing);
-            if self.speed - stretching > self.b * self.omega * magnitude(response) {
+            if self.speed - stretching > self.b * self.omega * response.0.hypot(response.1) {
                 let force = self.mu * self.load;
                 let mean = self.b * force * self.inverse_inertia / self.k;
-                return Some(LimitingState { response, mean, stick_fraction: 0.0, force: (force, force) });
+                return Some(LimitingState {
+                    response,
+                    stuck: false,
+                    mean,
+                    stick_fraction: 0.0,
+                    force: (force, force),
+                });
             }
         }
         if self.speed == 0.0 && self.continuum().is_none() {
             let stuck = self.static_contact();
             let (mu, ..) = self.friction(0.0, 0.0, 0.0);
-            let swing = self.load_stiffness.abs() * self.b * magnitude(stuck.response);
+            let swing = self.load_stiffness.abs() * self.b * stuck.response.0.hypot(stuck.response.1);
             if stuck.force.1 < mu * (self.load - swing) {
                 return Some(stuck);
             }
@@ -63,13 +69,13 @@ impl Problem {
 
     /// Case II: bristles that stick to a roller at rest throughout, started from rest.
     pub(super) fn static_contact(&self) -> LimitingState {
-        let (free, response) = (self.lumps.free_response(), self.lumps.stuck_response());
+        let (free, response): (_, (f64, f64)) = (self.free, self.lumps.stuck_response());
         // The force makes up the difference to the free arm: b F = (K - J w^2 + i w C)(A - A_free).
-        let (re, im) = (free.0.value - response.0.value, free.1.value - response.1.value);
+        let (re, im) = (free.0 - response.0, free.1 - response.1);
         let w = self.omega;
         let impedance = (self.k - w * w).hypot(w * self.c) / (self.inverse_inertia * self.b);
         let force = impedance * re.hypot(im);
-        LimitingState { response, mean: 0.0, stick_fraction: 1.0, force: (-force, force) }
+        LimitingState { response, stuck: true, mean: 0.0, stick_fraction: 1.0, force: (-force, force) }
     }
 
     /// The stuck motion (case II) of a contact whose strength grows without bound while it rests on a roller at rest:
@@ -112,8 +118,8 @@ impl Problem {
     /// State at time 0 of the motion with the bristles stuck to a roller at rest, where friction can hold them.
     pub(super) fn stuck_state(&self) -> Option<[f64; MAX_STATES]> {
         let w = self.omega;
-        let (free, stuck) = (self.lumps.free_response(), self.lumps.stuck_response());
-        let apart = (stuck.0.value - free.0.value, stuck.1.value - free.1.value);
+        let (free, stuck): (_, (f64, f64)) = (self.free, self.lumps.stuck_response());
+        let apart = (stuck.0 - free.0, stuck.1 - free.1);
         let scale = 1.0 / (self.inverse_inertia * self.b);
         // F = (K - J w^2 + i w C) (stuck - free)/b
         let force = times(apart, (scale * (self.k - w * w), scale * w * self.c));
@@ -131,7 +137,7 @@ impl Problem {
             y = (y.0 / (d.0 * d.0 + d.1 * d.1), y.1 / (d.0 * d.0 + d.1 * d.1));
             (z[i], z[i + 1]) = (y.1, w * y.0);
         }
-        let stretch = (y.0 - self.b * stuck.0.value, y.1 - self.b * stuck.1.value);
+        let stretch = (y.0 - self.b * stuck.0, y.1 - self.b * stuck.1);
         z[self.x] = stretch.1;
         if let Some(i) = self.q {
             // q = k1 x i w/(1/tau + i w)
