@@ -287,7 +287,8 @@ impl<'a> Search<'a> {
             .flat_map(of)
             .filter(|(number, addition)| self.goes_with(parents[*number], *addition))
             .collect();
-        let points = o.first_points.min(self.data.points.len());
+        // A look is the round before the first, and takes half of its points.
+        let points = (o.first_points / 2).min(self.data.points.len());
         // A continuum of sliders costs as much as all others together: it is looked at on fewer points, ...
         let costly = |from: &Hypothesis, addition: Addition| {
             extended(&from.model, &[addition]).has_continuum() && !from.model.has_continuum()
@@ -304,7 +305,9 @@ impl<'a> Search<'a> {
                 let from = parents[*number];
                 let known = fitted.iter().find(|(a, _)| a == addition).map(|(_, model)| model);
                 let known = known.filter(|_| !from.additions.is_empty());
-                let count = Count { known, starts: o.starts, shared: parents.len(), turn, seed: o.seed };
+                // Beside what leaves nothing but noise the promise alone decides: no more than would go on are looked at.
+                let starts = if self.structured(from) { o.starts } else { (o.starts as f64 * kept).ceil() as usize };
+                let count = Count { known, starts, shared: parents.len(), turn, seed: o.seed };
                 look(&self.data, &places[usize::from(costly(from, *addition))][*number], from, *addition, count)
             })
             .collect();
@@ -375,17 +378,19 @@ impl<'a> Search<'a> {
     /// the best.
     fn settle_all(&self, mut all: Vec<&mut Hypothesis>, best: &Hypothesis) {
         let best = self.bic(best);
-        all.par_iter_mut().for_each(|h| {
-            let effort = Effort { points: self.data.points.len(), evaluations: CONTINUED };
-            while h.fit.is_exhausted() && self.data.affords(&h.model, effort) {
+        let effort = Effort { points: self.data.points.len(), evaluations: CONTINUED };
+        all.retain(|h| h.fit.is_exhausted() && self.data.affords(&h.model, effort));
+        // In step, so that the budget is asked of the same count for any number of threads.
+        while !all.is_empty() && self.goes_on() {
+            let continued = all.into_par_iter().filter_map(|h| {
                 let before = self.bic(h);
-                **h = self.data.fitted((*h).clone(), CONTINUED);
+                *h = self.data.fitted(h.clone(), CONTINUED);
                 let gain = before - self.bic(h);
-                if gain < GAIN || before - 2.0 * gain > best + MARGIN {
-                    break;
-                }
-            }
-        });
+                let goes_on = gain >= GAIN && before - 2.0 * gain <= best + MARGIN && h.fit.is_exhausted();
+                goes_on.then_some(h)
+            });
+            all = continued.collect();
+        }
     }
 
     /// Whether a hypothesis leaves more than noise.

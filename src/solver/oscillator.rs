@@ -14,6 +14,7 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::rc::Rc;
+use std::sync::LazyLock;
 
 /// Highest harmonics that are tried in turn; all odd.
 const HARMONICS: [usize; 4] = [5, 11, 21, 41];
@@ -135,12 +136,17 @@ pub fn states(mode: &dyn SingleMode, tolerance: &Tolerance) -> Vec<Periodic> {
     found
 }
 
+/// Sine and cosine at the instants of the grid, and from the top down, where a joint is looked at.
+static GRID_PHASES: LazyLock<[[(f64, f64); GRID_INSTANTS]; 2]> = LazyLock::new(|| {
+    [0.0, 0.25].map(|from| std::array::from_fn(|j| (TAU * (from + (j as f64 + 0.5) / GRID_INSTANTS as f64)).sin_cos()))
+});
+
 /// Stiffness and quadrature of the forces over x = X sin(wt): the dynamic stiffness without the linear mode.
 pub fn describing(mode: &dyn SingleMode, amplitude: f64) -> (f64, f64) {
     let (omega, n) = (mode.omega(), GRID_INSTANTS);
+    let [instants, from_top] = &*GRID_PHASES;
     let (mut in_phase, mut quadrature) = (0.0, 0.0);
-    for j in 0..n {
-        let (sine, cosine) = (TAU * (j as f64 + 0.5) / n as f64).sin_cos();
+    for &(sine, cosine) in instants {
         let force = mode.force(amplitude * sine, omega * amplitude * cosine)[0];
         in_phase -= force * sine;
         quadrature -= force * cosine;
@@ -149,8 +155,7 @@ pub fn describing(mode: &dyn SingleMode, amplitude: f64) -> (f64, f64) {
     let (mut k, mut c) = (scale * in_phase, scale * quadrature);
     if let Some(joint) = mode.joint() {
         // On the way down from the top; on the way up it is the negative.
-        for j in 0..n / 2 {
-            let (sine, cosine) = (TAU * (0.25 + (j as f64 + 0.5) / n as f64)).sin_cos();
+        for &(sine, cosine) in &from_top[..n / 2] {
             let force = unloading(joint, amplitude, amplitude * sine);
             k += 2.0 * scale * force * sine;
             c += 2.0 * scale * force * cosine;
@@ -168,11 +173,12 @@ fn first_harmonic_roots(mode: &dyn SingleMode) -> Vec<f64> {
     // Nothing moves more than a mode in resonance that only the linear damping holds; a little beyond, to see it turn back.
     let most = 1.2 * drive / resistance;
     let detuning = |log: f64| static_part + describing(mode, log.exp()).0;
-    let excess = |log: f64| {
+    let both = |log: f64| {
         let x = log.exp();
         let (k, c) = describing(mode, x);
-        (x * (static_part + k).hypot(resistance + c) / drive).ln()
+        ((x * (static_part + k).hypot(resistance + c) / drive).ln(), static_part + k > 0.0)
     };
+    let excess = |log: f64| both(log).0;
     // From where no force of an effect can matter: far below the linear motion.
     let least = 1e-2 * (drive / static_part.hypot(resistance)).min(drive / stiffness).min(most);
     if !(least > 0.0 && most.is_finite()) {
@@ -181,10 +187,10 @@ fn first_harmonic_roots(mode: &dyn SingleMode) -> Vec<f64> {
     let (low, high) = (least.ln(), most.ln());
     let count = ((high - low) / std::f64::consts::LN_10 * GRID_PER_DECADE).ceil().max(8.0) as usize;
     let at = |i: usize| low + (high - low) * i as f64 / count as f64;
-    let mut grid: Vec<(f64, f64)> = (0..=count).map(|i| (at(i), excess(at(i)))).collect();
+    let looked: Vec<(f64, bool)> = (0..=count).map(|i| both(at(i))).collect();
+    let mut grid: Vec<(f64, f64)> = looked.iter().enumerate().map(|(i, (excess, _))| (at(i), *excess)).collect();
     // At the amplitudes of resonance the excess has dips as narrow as the resonance.
-    let signs: Vec<bool> = grid.iter().map(|(log, _)| detuning(*log) > 0.0).collect();
-    for i in (1..signs.len()).filter(|&i| signs[i] != signs[i - 1]) {
+    for i in (1..=count).filter(|&i| looked[i].1 != looked[i - 1].1) {
         let bracket = [grid[i - 1].0, grid[i].0];
         let resonance = regula_falsi(detuning, bracket, bracket.map(detuning), (RESONANT, 0.0), REFINEMENTS);
         grid.push((resonance, excess(resonance)));

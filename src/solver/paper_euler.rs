@@ -79,6 +79,22 @@ fn lockstep<const L: usize>(
     let mut force = of(&|c| if c.speed > 0.0 { c.friction_force } else { 0.0 });
     let mut th = of(&|c| if c.speed > 0.0 { c.arm * c.friction_force / c.stiffness } else { 0.0 });
     let mut w = [0.0f64; L];
+    // One step of all; whether each sticks.
+    let step = |th: &mut [f64; L], w: &mut [f64; L], force: &mut [f64; L], (sine, cosine): (f64, f64)| -> [bool; L] {
+        let mut sticks = [false; L];
+        for l in 0..L {
+            let acceleration = ahead[l] * sine + behind[l] * cosine + by_force[l] * force[l]
+                - by_velocity[l] * w[l]
+                - by_angle[l] * th[l];
+            let relative = speed[l] - arm[l] * w[l];
+            let trial = force[l] + (stiffness[l] * relative - damping[l] * acceleration) * dt[l];
+            sticks[l] = trial.abs() < limit[l];
+            th[l] += w[l] * dt[l];
+            w[l] += acceleration * dt[l];
+            force[l] = if sticks[l] { trial } else { limit[l].copysign(relative) };
+        }
+        sticks
+    };
     let mut before = [(0.0f64, 0.0f64); L];
     let mut calm = [0; L];
     let mut states: Vec<Option<SteadyState>> = vec![None; count];
@@ -88,31 +104,30 @@ fn lockstep<const L: usize>(
         let nothing = Sums { re: 0.0, im: 0.0, mean: 0.0, force: (f64::INFINITY, f64::NEG_INFINITY), stuck: 0 };
         let mut sums = [nothing; L];
         let (mut re, mut im) = ([0.0; L], [0.0; L]);
-        let ending = (0..count).any(|l| last[l] && states[l].is_none());
         let start = th;
-        for &(sine, cosine) in &turn {
-            if kept {
-                keep(th[0], w[0], force[0]);
-            }
-            for l in 0..L {
-                re[l] += th[l] * sine;
-                im[l] += th[l] * cosine;
-                if ending {
-                    sums[l].mean += th[l];
+        // Only in a last cycle more than the fundamental is asked for: without branches the lanes go side by side.
+        if (0..count).any(|l| last[l] && states[l].is_none()) {
+            for &turn in &turn {
+                if kept {
+                    keep(th[0], w[0], force[0]);
                 }
-                let acceleration = ahead[l] * sine + behind[l] * cosine + by_force[l] * force[l]
-                    - by_velocity[l] * w[l]
-                    - by_angle[l] * th[l];
-                let relative = speed[l] - arm[l] * w[l];
-                let trial = force[l] + (stiffness[l] * relative - damping[l] * acceleration) * dt[l];
-                let sticks = trial.abs() < limit[l];
-                th[l] += w[l] * dt[l];
-                w[l] += acceleration * dt[l];
-                force[l] = if sticks { trial } else { limit[l].copysign(relative) };
-                if ending {
-                    sums[l].stuck += usize::from(sticks);
+                let at = th;
+                let sticks = step(&mut th, &mut w, &mut force, turn);
+                for l in 0..L {
+                    re[l] += at[l] * turn.0;
+                    im[l] += at[l] * turn.1;
+                    sums[l].mean += at[l];
+                    sums[l].stuck += usize::from(sticks[l]);
                     sums[l].force = (sums[l].force.0.min(force[l]), sums[l].force.1.max(force[l]));
                 }
+            }
+        } else {
+            for &turn in &turn {
+                for l in 0..L {
+                    re[l] += th[l] * turn.0;
+                    im[l] += th[l] * turn.1;
+                }
+                step(&mut th, &mut w, &mut force, turn);
             }
         }
         for l in 0..count {
