@@ -49,7 +49,8 @@ impl Search<'_> {
         let mut steps: Vec<Step> = ladder.into_par_iter().enumerate().map(compared).collect();
         steps.push(step(steps.len(), chosen.clone(), explanation));
         let last = steps.len() - 1;
-        let candidates = self.rank(&steps, known, ties);
+        let unit = self.unit(chosen);
+        let candidates = self.rank(&steps, known, ties, unit);
         let end = &steps[last];
         let white = &end.comparison.whiteness;
         let verdict = verdict(&Evidence {
@@ -102,6 +103,12 @@ impl Search<'_> {
             };
             notes.push(format!("{label} would be better by {above:.1} in Schwarz's criterion, {verdict}"));
         }
+        if unit > 1.0 {
+            notes.push(format!(
+                "what is left is {:.2} times the noise: Schwarz's criterion counts squares in that, not in the noise",
+                unit.sqrt()
+            ));
+        }
         if !white.testable {
             notes.push(
                 "whether the residuals have structure cannot be tested: the series have too few neighbouring readings; no \
@@ -142,7 +149,7 @@ impl Search<'_> {
     }
 
     /// All hypotheses of the first round and those about the explanation, the best first.
-    fn rank(&self, steps: &[Step], known: &Known, ties: &[Vec<Hypothesis>]) -> Vec<Candidate> {
+    fn rank(&self, steps: &[Step], known: &Known, ties: &[Vec<Hypothesis>], unit: f64) -> Vec<Candidate> {
         let mut all: Vec<(Hypothesis, bool)> = Vec::new();
         let mut add = |hypothesis: &Hypothesis, testable: bool| {
             if !all.iter().any(|(known, _)| known.same_additions(hypothesis)) {
@@ -173,7 +180,7 @@ impl Search<'_> {
                 let (square, chi2) = (square(least), least.chi2());
                 hypothesis.estimate = Some(Estimate { square, chi2, basis: Basis::Contained });
             }
-            hypothesis.bic = self.bic(hypothesis);
+            hypothesis.bic = self.bic_in(unit, hypothesis);
         }
         // What was not fitted to all points is estimated, and never better than what was.
         let full = |h: &Hypothesis| h.basis() == Basis::AllPoints;
@@ -251,20 +258,22 @@ impl Search<'_> {
         rivals: &[Hypothesis],
         candidates: &[Candidate],
     ) -> Option<next::NextMeasurement> {
+        let unit = self.unit(chosen);
+        let bic = |h: &Hypothesis| self.bic_in(unit, h);
         let mut survivors: Vec<&Hypothesis> = rivals.iter().collect();
         let mut behind = None;
         if survivors.len() < 2 {
             // The explanation and its closest rival with as many additions; calibration alone has one only where the data
             // favour it, if too little to decide.
             let rival = candidates.iter().map(|c| &c.hypothesis).find(|h| {
-                if chosen.additions.is_empty() && h.bic >= self.bic(chosen) {
+                if chosen.additions.is_empty() && h.bic >= bic(chosen) {
                     return false;
                 }
                 h.additions != chosen.additions
                     && h.additions.len() == chosen.additions.len().max(1)
                     && h.estimate.is_none()
             })?;
-            behind = Some(self.bic(rival) - self.bic(chosen)).filter(|behind| *behind > MARGIN);
+            behind = Some(bic(rival) - bic(chosen)).filter(|behind| *behind > MARGIN);
             survivors = vec![chosen, rival];
         }
         let next = next::next(&survivors, self.table, &self.options.bounds)?;

@@ -28,11 +28,29 @@ impl Search<'_> {
 
     /// Schwarz's criterion.
     pub(super) fn bic(&self, hypothesis: &Hypothesis) -> f64 {
-        square(hypothesis) + self.data.price(hypothesis.fit.parameters.len())
+        self.bic_in(1.0, hypothesis)
+    }
+
+    /// The same with the sum of squares in another unit than that of the noise.
+    pub(super) fn bic_in(&self, unit: f64, hypothesis: &Hypothesis) -> f64 {
+        square(hypothesis) / unit + self.data.price(hypothesis.fit.parameters.len())
     }
 
     /// The criterion with a charge for having looked at many additions (extended BIC of Chen and Chen 2008).
     pub(super) fn score(&self, hypothesis: &Hypothesis) -> f64 {
-        self.bic(hypothesis) + 2.0 * hypothesis.additions.len() as f64 * (self.pool.len().max(1) as f64).ln()
+        self.score_in(1.0, hypothesis)
+    }
+
+    /// The same with the sum of squares in another unit.
+    pub(super) fn score_in(&self, unit: f64, hypothesis: &Hypothesis) -> f64 {
+        let looked_at = 2.0 * hypothesis.additions.len() as f64 * (self.pool.len().max(1) as f64).ln();
+        self.bic_in(unit, hypothesis) + looked_at
+    }
+
+    /// What squares are counted in beside a hypothesis: the noise, and where more is left, the mean square of that (the
+    /// quasi-likelihood of Burnham and Anderson 2002, section 2.5). A misfit a hundred times the noise makes no term
+    /// significant that takes off a hundredth of it.
+    pub(super) fn unit(&self, hypothesis: &Hypothesis) -> f64 {
+        if self.structured(hypothesis) { (square(hypothesis) / self.readings() as f64).max(1.0) } else { 1.0 }
     }
 }

@@ -410,15 +410,18 @@ impl<'a> Search<'a> {
     }
 
     /// Removes additions that the others make needless; the last may merely have helped an earlier one out of a local minimum.
+    /// What leaves structure is judged by what it leaves, not by the noise: there the last one may go, too.
     fn eliminate(&self, chosen: Hypothesis) -> Hypothesis {
+        let unit = self.unit(&chosen);
+        let least = usize::from(unit == 1.0);
         let mut chosen = chosen;
         let mut index = 0;
-        while chosen.additions.len() > 1 && index < chosen.additions.len() {
+        while chosen.additions.len() > least && index < chosen.additions.len() {
             let mut additions = chosen.additions.clone();
             additions.remove(index);
             let mut fewer = self.refit(&chosen, additions);
             self.settle_all(vec![&mut fewer], &chosen);
-            if self.score(&fewer) < self.score(&chosen) + MARGIN {
+            if self.score_in(unit, &fewer) < self.score_in(unit, &chosen) + MARGIN {
                 chosen = fewer;
                 index = 0;
             } else {

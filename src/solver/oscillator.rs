@@ -407,27 +407,33 @@ fn evaluate(mode: &dyn SingleMode, laid: &Laid, series: &[f64]) -> Balance {
     let z = DVector::from_column_slice(series);
     let (x, v) = (&laid.basis * &z, &laid.slopes * &z * omega);
     let mut force = DVector::zeros(n);
-    // Rows of the slopes of the force by the unknowns.
-    let mut slopes = DMatrix::zeros(n, unknowns);
     let mut motion = Vec::with_capacity(n);
     for j in 0..n {
         let [value, by_x, by_v] = mode.force(x[j], v[j]);
         force[j] = -value;
-        for m in 0..unknowns {
-            slopes[(j, m)] = -by_x * laid.basis[(j, m)] - by_v * omega * laid.slopes[(j, m)];
-        }
         motion.push([x[j], v[j], -by_x, -by_v]);
+    }
+    // Slopes of the force by the unknowns, one column each.
+    let mut slopes = DMatrix::zeros(n, unknowns);
+    for m in 0..unknowns {
+        let (basis, by_phase) = (laid.basis.column(m), laid.slopes.column(m));
+        for (((slope, [_, _, k, c]), x), v) in slopes.column_mut(m).iter_mut().zip(&motion).zip(&basis).zip(&by_phase) {
+            *slope = k * x + c * omega * v;
+        }
     }
     let mut by_joint = None;
     if let Some(joint) = mode.joint() {
         let (mut by_parameters, mut tangent) = (DMatrix::zeros(n, 3), 0.0);
         let (pulls, corners) = pulls(joint, x.as_slice(), &turns(laid, series));
-        for (j, pull) in pulls.into_iter().take(n).enumerate() {
-            let Some(from) = corners.get(pull.corner) else { break };
-            force[j] += pull.force;
-            for m in 0..unknowns {
-                slopes[(j, m)] += from.by[m] + pull.stiffness * (laid.basis[(j, m)] - from.dx[m]);
+        for m in 0..unknowns {
+            let basis = laid.basis.column(m);
+            for ((slope, pull), x) in slopes.column_mut(m).iter_mut().zip(&pulls).zip(&basis) {
+                let Some(from) = corners.get(pull.corner) else { break };
+                *slope += from.by[m] + pull.stiffness * (x - from.dx[m]);
             }
+        }
+        for (j, pull) in pulls.into_iter().take(n).enumerate() {
+            force[j] += pull.force;
             for (p, by) in pull.by_parameters.into_iter().enumerate() {
                 by_parameters[(j, p)] = by;
             }
