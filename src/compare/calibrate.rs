@@ -10,6 +10,7 @@ use crate::solver::cycle::Tolerance;
 use crate::statistics::{median, spread};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 /// Starts besides the stated values.
 const STARTS: usize = 12;
@@ -44,6 +45,8 @@ pub struct Calibration {
     pub fit: Fit,
     /// Residuals beyond this counted linearly.
     pub threshold: f64,
+    /// Steady states solved for it.
+    pub solved: u64,
 }
 
 impl Calibration {
@@ -95,10 +98,12 @@ pub fn calibrate(model: &Model, keys: &[String], points: &[Point], tolerance: To
     let model = model.clone().scaled_at(&operations);
     let mut best = calibrated(&model, keys, points, tolerance, seed);
     let started = resonance::started(&model, keys, points).map(|model| model.scaled_at(&operations));
-    if let Some(other) = started.map(|model| calibrated(&model, keys, points, tolerance, seed))
-        && other.fit.objective < best.fit.objective
-    {
-        best = other;
+    let mut solved = best.solved;
+    if let Some(other) = started.map(|model| calibrated(&model, keys, points, tolerance, seed)) {
+        solved += other.solved;
+        if other.fit.objective < best.fit.objective {
+            best = other;
+        }
     }
     for _ in 0..RESTARTS {
         // A contact that leaves its range has left the motion: what it does beyond is nothing that a search could start from.
@@ -107,13 +112,14 @@ pub fn calibrate(model: &Model, keys: &[String], points: &[Point], tolerance: To
         }
         let there = problem(&best.base, keys, [], tolerance).model(&best.fit.values).scaled_at(&operations);
         let other = calibrated(&there, keys, points, tolerance, seed);
+        solved += other.solved;
         // Of a number that the data do not determine any value does.
         if other.fit.objective > best.fit.objective * (1.0 - LOWER) {
             break;
         }
         best = other;
     }
-    best
+    Calibration { solved, ..best }
 }
 
 /// A calibration within the ranges about the model's own values.
@@ -124,10 +130,22 @@ fn calibrated(model: &Model, keys: &[String], points: &[Point], tolerance: Toler
     if !parameters.is_empty() {
         starts.extend((0..STARTS as u32).map(|i| scattered(&parameters, i, seed)));
     }
+    let solved = AtomicU64::new(0);
+    let minimised = |start: &[f64], settings: &Settings| {
+        let mut problem = stated.clone();
+        let fit = minimise(&mut problem, start, settings);
+        solved.fetch_add(problem.solved, Relaxed);
+        fit
+    };
     let mut tried: Vec<(f64, usize)> = starts
         .par_iter()
         .enumerate()
-        .map(|(index, start)| (robust_chi2(&stated.clone().evaluate(start, false).residuals, TAIL), index))
+        .map(|(index, start)| {
+            let mut problem = stated.clone();
+            let square = robust_chi2(&problem.evaluate(start, false).residuals, TAIL);
+            solved.fetch_add(problem.solved, Relaxed);
+            (square, index)
+        })
         .collect();
     // The stated values are always followed.
     tried[1..].sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -136,16 +154,16 @@ fn calibrated(model: &Model, keys: &[String], points: &[Point], tolerance: Toler
         .take(if parameters.is_empty() { 1 } else { FOLLOWED })
         .map(|&(_, index)| {
             let settings = Settings { evaluations: EVALUATIONS, threshold: f64::INFINITY, converged: CONVERGED };
-            minimise(&mut stated.clone(), &starts[index], &settings)
+            minimised(&starts[index], &settings)
         })
         .collect();
     let best = followed.into_iter().min_by(|a, b| a.objective.total_cmp(&b.objective));
-    let mut fit = best.unwrap_or_else(|| minimise(&mut stated.clone(), &starts[0], &SETTLE));
+    let mut fit = best.unwrap_or_else(|| minimised(&starts[0], &SETTLE));
     let mut threshold = TAIL * scale(&fit.evaluation.residuals).max(1.0);
     // What is far off has less pull the better the others fit.
     while fit.evaluation.residuals.amax() > threshold {
         let robust = Settings { evaluations: EVALUATIONS, threshold, converged: CONVERGED };
-        fit = minimise(&mut stated.clone(), &fit.values, &robust);
+        fit = minimised(&fit.values, &robust);
         let tighter = TAIL * scale(&fit.evaluation.residuals).max(1.0);
         if tighter > TIGHTER * threshold {
             break;
@@ -156,7 +174,7 @@ fn calibrated(model: &Model, keys: &[String], points: &[Point], tolerance: Toler
         fit.evaluation = problem(model, keys, points, tolerance).evaluate(&fit.values, true);
     }
     fit.objective = robust_chi2(&fit.evaluation.residuals, threshold);
-    Calibration { base: model.clone(), fit, threshold }
+    Calibration { base: model.clone(), fit, threshold, solved: solved.into_inner() }
 }
 
 const SETTLE: Settings = Settings { evaluations: 1, threshold: f64::INFINITY, converged: CONVERGED };

@@ -141,7 +141,7 @@ impl Search<'_> {
     /// A hypothesis against the readings; with `profile` intervals are by profile likelihood as far as the budget goes.
     pub(super) fn comparison(&self, hypothesis: &Hypothesis, profile: bool) -> Comparison {
         let (base, fit) = (hypothesis.model.clone(), hypothesis.fit.clone());
-        let calibration = Calibration { base, fit, threshold: TAIL };
+        let calibration = Calibration { base, fit, threshold: TAIL, solved: 0 };
         let left = || self.data.budget.saturating_sub(self.data.solved());
         let comparison = compare::judge(self.scenario, self.table, &calibration, profile.then(left));
         self.data.count(comparison.solved);

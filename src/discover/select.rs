@@ -169,7 +169,7 @@ impl<'a> Search<'a> {
             let mut full = self.race(&beam.iter().collect::<Vec<_>>(), &self.pool, Field::Best(0), known);
             // What leaves structure is held against everything else that a user might add by hand, fitted as it would be then.
             let mut least = full.iter().min_by(|a, b| self.bic(a).total_cmp(&self.bic(b))).unwrap_or(&chosen).clone();
-            if self.structured(&least) {
+            if self.structured(&least) && self.goes_on() {
                 // A race may end beside the minimum, where a resonance folds say; a calibration has other starting points.
                 least = self.calibrated(&least);
                 full.push(least.clone());
@@ -216,6 +216,7 @@ impl<'a> Search<'a> {
             Tolerance::default(),
             self.options.seed,
         );
+        self.data.count(found.solved);
         let moved = Hypothesis { model: found.base, fit: found.fit, ..hypothesis.clone() };
         if square(&moved) < square(hypothesis) { moved } else { hypothesis.clone() }
     }
