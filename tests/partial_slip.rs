@@ -110,8 +110,8 @@ fn with_equal_elements(model: &Model, at: &Operation) -> (f64, f64) {
     let continuum = problem.continuum().expect("a continuum");
     let found =
         parallel::solve(&Replaced { continuum, elements: equal_elements() }, &FINER, &mut None).expect("periodic");
-    let (re, im) = problem.lumps.free_response();
-    let (re, im) = (re.value + found.fundamental.0, im.value + found.fundamental.1);
+    let (re, im) = problem.free();
+    let (re, im) = (re + found.fundamental.0, im + found.fundamental.1);
     (re.hypot(im), wrap(im.atan2(re)))
 }
 

@@ -36,8 +36,8 @@ fn difference(model: &Model, at: &Operation, plan: &Plan) -> f64 {
     let found = integrate(&problem.sliders(), plan);
     let names: Vec<_> = model.effects.iter().map(|(e, _)| e.name()).collect();
     assert!(found.periodic, "{names:?} {at:?} not periodic after {} cycles, change {:e}", found.cycles, found.change);
-    let (re, im) = problem.lumps.free_response();
-    let (re, im) = (re.value + found.fundamental.0, im.value + found.fundamental.1);
+    let (re, im) = problem.free();
+    let (re, im) = (re + found.fundamental.0, im + found.fundamental.1);
     let state = steady(model, at);
     assert_eq!(state.status, Status::Steady, "{at:?}");
     let phase = wrap(im.atan2(re) + problem.lumps.phase_offset.value - state.phase);
