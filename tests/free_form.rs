@@ -97,7 +97,7 @@ fn laws_outside_the_catalogue_are_told_by_their_variable_and_their_curve() {
             found.statement
         )
         .expect("text");
-        for line in stickslip::free_form::lines(&found) {
+        for line in stickslip::free_form::lines(&found, true) {
             writeln!(told, "    {line}").expect("text");
         }
     }

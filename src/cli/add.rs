@@ -161,12 +161,13 @@ fn judgement(job: &Job<'_>, change: &Change) -> String {
             change.after.points.len()
         );
     }
+    let unit = if change.unit > 1.0 { ", squares in units of what is left" } else { "" };
     match (change.decided(), job.remove) {
-        (None, _) => format!("the data do not decide whether this effect is needed (BIC changes by {gain:+.1})"),
-        (Some(true), false) => format!("the data are for this effect (BIC falls by {gain:.1})"),
-        (Some(false), false) => format!("the data are against this effect (BIC rises by {:.1})", -gain),
-        (Some(true), true) => format!("the data do not need this effect (BIC falls by {gain:.1} without it)"),
-        (Some(false), true) => format!("the data need this effect (BIC rises by {:.1} without it)", -gain),
+        (None, _) => format!("the data do not decide whether this effect is needed (BIC changes by {gain:+.1}{unit})"),
+        (Some(true), false) => format!("the data are for this effect (BIC falls by {gain:.1}{unit})"),
+        (Some(false), false) => format!("the data are against this effect (BIC rises by {:.1}{unit})", -gain),
+        (Some(true), true) => format!("the data do not need this effect (BIC falls by {gain:.1} without it{unit})"),
+        (Some(false), true) => format!("the data need this effect (BIC rises by {:.1} without it{unit})", -gain),
     }
 }
 

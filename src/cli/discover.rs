@@ -10,8 +10,9 @@ use super::gates::{self, GateLimits, Verdicts};
 use super::plot::{self, Plot};
 use super::{Global, Json, Stamped, page, progress, say, simulate};
 use crate::compare;
-use crate::discover::{self, Candidate, Discovery, SearchOptions, Verdict};
+use crate::discover::{self, Basis, Candidate, Discovery, SearchOptions, Verdict};
 use crate::error::Result;
+use crate::fit::Correlation;
 use crate::free_form::{self, FreeForm};
 use crate::gate::{self, Judged};
 use crate::measurement::Table;
@@ -78,7 +79,8 @@ pub fn execute(
     });
     let mut judged = gate::of_comparison(&scenario.gate, &discovery.steps[0].comparison);
     judged.extend(gate::of_discovery(&scenario.gate, &discovery));
-    let free_form = free_form::beside(&discovery, free_form);
+    let asked = free_form;
+    let free_form = free_form::beside(&discovery, asked);
     if let Some(json) = json {
         let free_form = free_form::json(free_form.as_ref());
         let told = Told { discovery: &discover::json(&discovery), free_form };
@@ -89,7 +91,7 @@ pub fn execute(
         for line in words(&discovery) {
             say(global, &line)?;
         }
-        free_form.iter().flat_map(free_form::lines).try_for_each(|line| say(global, &line))?;
+        free_form.iter().flat_map(|found| free_form::lines(found, asked)).try_for_each(|line| say(global, &line))?;
         if plot.wanted() {
             plots(&discovery).iter().try_for_each(|line| say(global, line))?;
         }
@@ -146,20 +148,15 @@ pub(super) fn words(d: &Discovery) -> Vec<String> {
     lines.extend(without_outliers(c).map(|without| format!("  the last with a chi2 of {without}")));
     lines.push(format!("parameters ({}):", interval_words(c)));
     lines.extend(c.fit.parameters.iter().zip(&c.intervals).map(|(p, i)| format!("  {}", parameter(p, i))));
-    for tie in d.correlations.iter().take(SHOWN) {
-        lines.push(format!(
-            "  tied together: {} and {} (correlation {:.3})",
-            tie.parameters.0, tie.parameters.1, tie.value
-        ));
-    }
-    if d.correlations.len() > SHOWN {
-        lines.push(format!("  and {} more pairs (see --json)", d.correlations.len() - SHOWN));
-    }
+    lines.extend(tied(d));
     lines.push(verdict(c));
     lines.push("candidates:                       delta BIC  weight      chi2  left-out  from".into());
-    lines.extend(d.candidates.iter().take(CANDIDATES).map(|c| candidate(c, end.comparison.table.points.len())));
-    if d.candidates.len() > CANDIDATES {
-        lines.push(format!("  and {} more (see --json)", d.candidates.len() - CANDIDATES));
+    // What does no better than a smaller one that it contains says nothing of its own.
+    let own = |c: &&Candidate| c.hypothesis.basis() != Basis::Contained;
+    let shown: Vec<&Candidate> = d.candidates.iter().filter(own).take(CANDIDATES).collect();
+    lines.extend(shown.iter().map(|candidate| ranked(candidate, c.table.points.len())));
+    if d.candidates.len() > shown.len() {
+        lines.push(format!("  and {} more (see --json)", d.candidates.len() - shown.len()));
     }
     lines.push(LEGEND.into());
     for group in &d.indistinguishable {
@@ -174,9 +171,11 @@ pub(super) fn words(d: &Discovery) -> Vec<String> {
         };
         lines.push(format!("not testable with these data: {} ({shows})", names.join(", ")));
     }
-    lines.extend(d.outliers.iter().take(SHOWN).map(|outlier| stands_out(c, outlier)));
-    if d.outliers.len() > SHOWN {
-        lines.push(format!("and {} more readings that stand out (see --json)", d.outliers.len() - SHOWN));
+    // Beside a model that fails what stands out of it is no finding of its own.
+    let outliers = if d.verdict == Verdict::Unexplained { 1 } else { SHOWN };
+    lines.extend(d.outliers.iter().take(outliers).map(|outlier| stands_out(c, outlier)));
+    if d.outliers.len() > outliers {
+        lines.push(format!("and {} more readings that stand out (see --json)", d.outliers.len() - outliers));
     }
     if d.verdict == Verdict::Unexplained {
         lines.push("where the best model still fails:".into());
@@ -194,6 +193,16 @@ pub(super) fn words(d: &Discovery) -> Vec<String> {
     }
     lines.extend(step(d));
     lines
+}
+
+/// The estimates that are tied together, on one line.
+fn tied(d: &Discovery) -> Option<String> {
+    let pair = |tie: &Correlation| format!("{} and {} ({:.3})", tie.parameters.0, tie.parameters.1, tie.value);
+    let mut pairs: Vec<String> = d.correlations.iter().take(SHOWN).map(pair).collect();
+    if d.correlations.len() > SHOWN {
+        pairs.push(format!("{} more pairs (see --json)", d.correlations.len() - SHOWN));
+    }
+    (!pairs.is_empty()).then(|| format!("  tied together (correlation): {}", pairs.join("; ")))
 }
 
 /// How the frequencies of a table are written.
@@ -214,7 +223,7 @@ fn step(d: &Discovery) -> Option<String> {
     }
 }
 
-fn candidate(c: &Candidate, points: usize) -> String {
+fn ranked(c: &Candidate, points: usize) -> String {
     let held_out = c.held_out.map_or("-".into(), |h| format!("{:.2} %", h.rms_percent));
     let testable = if c.testable { "" } else { "  (not testable)" };
     format!(

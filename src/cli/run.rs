@@ -41,7 +41,7 @@ pub fn execute(path: &Path, (out, drawn): (&Path, &FigureOutput), global: &Globa
             super::discover::words(&discovery).iter().try_for_each(|line| say(global, line))?;
             if let Some(found) = free_form::beside(&discovery, false) {
                 figures.extend(simulate::free_form(&found, &scenario.id, results)?);
-                free_form::lines(&found).iter().try_for_each(|line| say(global, line))?;
+                free_form::lines(&found, true).iter().try_for_each(|line| say(global, line))?;
             }
             judged.extend(gate::of_comparison(&scenario.gate, &comparison));
             judged.extend(gate::of_discovery(&scenario.gate, &discovery));

@@ -25,7 +25,8 @@ pub use shifts::shifts;
 pub use whiteness::{Whiteness, scatter, whiteness};
 
 use crate::fit::{
-    Correlation, Fit, Interval, Prediction, Problem, approximate_intervals, correlations, profiled, read,
+    Correlation, Fit, Interval, Prediction, Problem, TAIL, approximate_intervals, correlations, profiled, read,
+    robust_chi2,
 };
 use crate::measurement::{Point, Table};
 use crate::model::Model;
@@ -207,6 +208,13 @@ impl Compared {
 }
 
 impl Comparison {
+    /// What squares are counted in where models are held against this one: the noise, and where more is left, the mean square of
+    /// that (the quasi-likelihood of Burnham and Anderson 2002, section 2.5). A misfit a hundred times the noise makes no term
+    /// significant that takes off a hundredth of it.
+    pub fn unit(&self) -> f64 {
+        unit(&self.whiteness, &self.fit, self.overall.readings)
+    }
+
     /// Number of points at which the model has no steady state.
     pub fn unsolved(&self) -> usize {
         self.points.iter().filter(|p| p.model.status != Status::Steady).count()
@@ -257,6 +265,11 @@ pub fn compare(scenario: &Scenario, table: &Table, options: &Options) -> Compari
     // Here, not by the first of the figures that are drawn in parallel.
     comparison.error_budget();
     comparison
+}
+
+/// As [`Comparison::unit`], of a fit to so many readings and the tests of what it leaves.
+pub fn unit(whiteness: &Whiteness, fit: &Fit, readings: usize) -> f64 {
+    if whiteness.structured { (robust_chi2(&fit.evaluation.residuals, TAIL) / readings as f64).max(1.0) } else { 1.0 }
 }
 
 /// Compares a model whose calibration is done with the measurements; intervals are by profile likelihood where

@@ -22,6 +22,8 @@ pub struct Change {
     pub after: Comparison,
     /// Schwarz's criterion before less that after: positive where the data are for the change.
     pub gain: f64,
+    /// What its squares are counted in: the less of both [`Comparison::unit`]s.
+    pub unit: f64,
 }
 
 impl Change {
@@ -84,7 +86,8 @@ fn conclude(
 ) -> Change {
     let calibration = calibrate(&model, keys, &table.points, Tolerance::default(), seed);
     let after = compare::judge(scenario, table, &calibration, Some(compare::PROFILES));
-    let criterion = |c: &Comparison| c.fit.schwarz(c.overall.readings);
+    let unit = before.unit().min(after.unit());
+    let criterion = |c: &Comparison| c.fit.schwarz(unit, c.overall.readings);
     let gain = criterion(&before) - criterion(&after);
-    Change { before, after, gain }
+    Change { before, after, gain, unit }
 }

@@ -47,10 +47,10 @@ impl Search<'_> {
         self.bic_in(unit, hypothesis) + looked_at
     }
 
-    /// What squares are counted in beside a hypothesis: the noise, and where more is left, the mean square of that (the
-    /// quasi-likelihood of Burnham and Anderson 2002, section 2.5). A misfit a hundred times the noise makes no term
-    /// significant that takes off a hundredth of it.
+    /// What squares are counted in beside a hypothesis, as [`compare::Comparison::unit`]; beside one that was not fitted to all
+    /// points, the noise.
     pub(super) fn unit(&self, hypothesis: &Hypothesis) -> f64 {
-        if self.structured(hypothesis) { (square(hypothesis) / self.readings() as f64).max(1.0) } else { 1.0 }
+        let tested = self.whiteness(hypothesis);
+        tested.map_or(1.0, |whiteness| compare::unit(&whiteness, &hypothesis.fit, self.readings()))
     }
 }

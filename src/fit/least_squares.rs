@@ -39,10 +39,10 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// Schwarz's criterion in units of the noise, less a constant common to all fits of the same readings, of which there are so
-    /// many; smaller is better.
-    pub fn schwarz(&self, readings: usize) -> f64 {
-        schwarz(robust_chi2(&self.evaluation.residuals, TAIL), self.parameters.len(), readings)
+    /// Schwarz's criterion with squares in this unit (1: in that of the noise), less a constant common to all fits of the same
+    /// readings, of which there are so many; smaller is better.
+    pub fn schwarz(&self, unit: f64, readings: usize) -> f64 {
+        schwarz(robust_chi2(&self.evaluation.residuals, TAIL) / unit, self.parameters.len(), readings)
     }
 
     /// Whether it ended for want of evaluations, not at a minimum.

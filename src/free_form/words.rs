@@ -97,13 +97,13 @@ fn list(found: &FreeForm, standing: Standing, words: impl Fn(&Dependence) -> Str
     found.classes.iter().filter(|class| class.standing == standing).map(words).collect()
 }
 
-/// The free form in lines of a terminal.
-pub fn lines(found: &FreeForm) -> Vec<String> {
+/// The free form in lines of a terminal: what it comes to, and `with_table` what each class leaves and its notes.
+pub fn lines(found: &FreeForm, with_table: bool) -> Vec<String> {
     let mut lines = vec![format!("free form: {}", found.statement)];
-    if !found.classes.is_empty() {
+    if with_table && !found.classes.is_empty() {
         lines.push("  left by smooth k and c of:           rms   explains  left-out".into());
     }
-    for class in &found.classes {
+    for class in found.classes.iter().filter(|_| with_table) {
         let predicted = class.predicted_rms_percent.map_or("-".into(), |percent| format!("{percent:.1} %"));
         let standing = match class.standing {
             Standing::Leading => "  <- the least",
@@ -121,6 +121,10 @@ pub fn lines(found: &FreeForm) -> Vec<String> {
         let named = named.map(|s| format!("{} (leaves {:.1} %)", s.effect, s.left_rms_percent));
         lines.push(format!("  nearest in shape: {}", named.collect::<Vec<_>>().join(", ")));
     }
-    lines.extend(found.notes.iter().map(|note| format!("  note: {note}")));
+    if with_table {
+        lines.extend(found.notes.iter().map(|note| format!("  note: {note}")));
+    } else if !found.classes.is_empty() {
+        lines.push("  each class, and what to heed: --free-form".into());
+    }
     lines
 }
