@@ -280,3 +280,26 @@ fn trials_can_be_written_as_scores_alone() {
     alone["trials"] = whole["trials"].clone();
     assert_eq!(alone, whole);
 }
+
+/// Practice table 3, bent by something that no effect does.
+#[test]
+fn the_print_of_a_search_fits_forty_lines_also_where_it_ends_in_structure() {
+    let dir = tempfile::tempdir().unwrap();
+    let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/practice/3");
+    std::fs::copy(from.join("scenario.toml"), dir.path().join("scenario.toml")).unwrap();
+    let table = std::fs::read_to_string(from.join("measurements.csv")).unwrap();
+    let bent = |(number, line): (usize, &str)| {
+        let mut cells: Vec<String> = line.split(',').map(String::from).collect();
+        if number > 0 {
+            let (frequency, amplitude): (f64, f64) = (cells[3].parse().unwrap(), cells[4].parse().unwrap());
+            cells[4] = format!("{:e}", amplitude * (1.0 + 0.06 * (0.3 * frequency).sin()));
+        }
+        cells.join(",") + "\n"
+    };
+    let table: String = table.lines().enumerate().map(bent).collect();
+    std::fs::write(dir.path().join("measurements.csv"), table).unwrap();
+    let output = stickslip(dir.path()).args(["discover", "scenario.toml"]).unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("unexplained") && text.contains("free form:"), "{text}");
+    assert!(text.lines().count() <= 40, "{} lines:\n{text}", text.lines().count());
+}

@@ -1,9 +1,10 @@
 //! What a discovery says, in words that the terminal and the report share.
 
-use super::{Discovery, Verdict};
+use super::{Discovery, Step, Verdict};
 use crate::compare::outlier_words;
 use crate::effects::{REGISTRY, fits_rig};
 use crate::fit::{Identified, Interval, Parameter};
+use crate::units::readable::percent;
 
 /// The verdict in a sentence.
 pub fn sentence(d: &Discovery) -> String {
@@ -33,9 +34,20 @@ pub fn sentence(d: &Discovery) -> String {
             )
         }
         Verdict::Unexplained if end.hypothesis.additions.is_empty() => {
-            "unexplained: structured misfit is left, and nothing of the catalogue reduces it".into()
+            "unexplained: structured misfit is left, and nothing of the catalogue takes off enough of it to count"
+                .into()
         }
-        Verdict::Unexplained => format!("unexplained: {all} helps, but structured misfit is left"),
+        Verdict::Unexplained => {
+            let error = |step: &Step| percent(step.comparison.overall.rms_error_percent / 100.0, 2);
+            let (before, after) = (error(&d.steps[0]), error(end));
+            if before == after {
+                format!("unexplained: {all} helps, but structured misfit is left")
+            } else {
+                format!(
+                    "unexplained: {all} takes the rms error from {before} to {after}, but structured misfit is left"
+                )
+            }
+        }
     }
 }
 
