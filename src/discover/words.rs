@@ -38,14 +38,14 @@ pub fn sentence(d: &Discovery) -> String {
                 .into()
         }
         Verdict::Unexplained => {
-            let error = |step: &Step| percent(step.comparison.overall.rms_error_percent / 100.0, 2);
+            let error = |step: &Step| step.comparison.overall.rms_error_percent / 100.0;
             let (before, after) = (error(&d.steps[0]), error(end));
-            if before == after {
-                format!("unexplained: {all} helps, but structured misfit is left")
+            let [from, to] = [before, after].map(|error| percent(error, 2));
+            // The search goes by squares over the noise: the relative error of the amplitude need not fall with them.
+            if after < before && from != to {
+                format!("unexplained: {all} takes the rms error from {from} to {to}, but structured misfit is left")
             } else {
-                format!(
-                    "unexplained: {all} takes the rms error from {before} to {after}, but structured misfit is left"
-                )
+                format!("unexplained: {all} helps, but structured misfit is left")
             }
         }
     }
