@@ -329,3 +329,23 @@ fn an_error_that_rose_is_not_told_as_one_that_fell() {
         assert!(errors[1] < errors[0], "{text}");
     }
 }
+
+#[test]
+fn a_jump_is_a_step_that_stays_and_not_one_of_two_sweeps_that_differ() {
+    let response = |f: f64, at: f64| 1.0 / ((1.0 - (f / at).powi(2)).powi(2) + (f / at / 30.0).powi(2)).sqrt();
+    let grid = |offset: f64| (0..60).map(move |i| 70.0 + offset + f64::from(i) / 3.0);
+    let twice = grid(0.0).map(|f| (f, response(f, 80.0))).chain(grid(0.1).map(|f| (f, 1.3 * response(f, 80.0))));
+    let folded = grid(0.0).map(|f| (f, response(f, 80.0) / if f > 81.0 { 5.0 } else { 1.0 }));
+    for (rows, expected) in [(twice.collect::<Vec<_>>(), false), (folded.collect(), true)] {
+        let dir = tempfile::tempdir().unwrap();
+        let lines = rows.iter().map(|(f, a)| format!("{f:.4},1,{:.6}\n", 0.01 * a));
+        std::fs::write(
+            dir.path().join("t.csv"),
+            "frequency_hz,force_n,amplitude_mm\n".to_string() + &lines.collect::<String>(),
+        )
+        .unwrap();
+        let output = stickslip(dir.path()).args(["new", "t.csv"]).unwrap();
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(text.contains("jump"), expected, "{text}");
+    }
+}

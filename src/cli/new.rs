@@ -433,16 +433,18 @@ fn digits(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value)
 }
 
-/// Steps of the response per drive between neighbours along the frequency that are far larger than the steps about them.
+/// Steps of the response per drive between neighbours along the frequency that are far larger than the steps about them, which
+/// do not take them back.
 fn jumps(points: &[&Point]) -> usize {
     let response = |p: &Point| p.amplitude / p.drive;
-    let step = |pair: &[&Point]| (response(pair[1]) / response(pair[0])).ln().abs();
+    let step = |pair: &[&Point]| (response(pair[1]) / response(pair[0])).ln();
     let steps: Vec<f64> = points.windows(2).map(step).collect();
     let noise = median(points.iter().map(|p| p.amplitude_sd / p.amplitude));
     let is_jump = |i: usize| {
-        let near = (i.saturating_sub(2)..(i + 3).min(steps.len())).filter(|&j| j != i).map(|j| steps[j]);
-        let largest = near.fold(0.0, f64::max);
-        steps[i] > JUMP.0 * largest.max(noise) && steps[i] > JUMP.1 * noise
+        let (first, end) = (i.saturating_sub(2), (i + 3).min(steps.len()));
+        let largest = (first..end).filter(|&j| j != i).map(|j| steps[j].abs()).fold(noise, f64::max);
+        let (step, kept) = (steps[i].abs(), steps[first..end].iter().sum::<f64>() * steps[i].signum());
+        step > JUMP.0 * largest && step > JUMP.1 * noise && 2.0 * kept > step
     };
     (0..steps.len()).filter(|&i| is_jump(i)).count()
 }

@@ -1,0 +1,104 @@
+#!/usr/bin/env python3
+"""Holds `discover` against `add`: no effect added by hand, and none added to the best of these, may explain more.
+
+    python3 tests/reference/against_add.py DIR [--binary PATH] [--jobs 1] [--only NAME ...]
+
+For each DIR/<name>/table.csv (or DIR/<name>/scenario.toml, where there is one) the end of `discover` is compared with every effect
+that `add` takes, and with every second effect beside the best of them, by Schwarz's criterion: the sum of squares over the noise
+and ln(readings) for each free parameter. Prints a line where `add` is better by more than 0.5, and the counts. Needs Python 3.9
+or later and nothing else.
+"""
+
+import argparse
+import concurrent.futures
+import json
+import math
+import os
+import shutil
+import sys
+import tempfile
+
+import score
+
+MOST = 0.5
+
+
+def compared(binary, scenario, timeout):
+    """(criterion, readings, whether more than noise is left), or None where nothing comes out."""
+    output, failure = score.call([binary, "compare", scenario, "--json", "-"], timeout)
+    if failure:
+        return None
+    told = json.loads(output)
+    readings = told["readings"]
+    return told["chi2_per_point"] * readings + len(told["parameters"]) * math.log(readings), readings, told["whiteness"]["structured"]
+
+
+def added(binary, scenario, scratch, effects, timeout):
+    """The scenario with a further effect each: [(criterion, effect, file)], the best first."""
+    found = []
+    for effect in effects:
+        file = os.path.join(scratch, f"{len(os.listdir(scratch))}.toml")
+        _, failure = score.call([binary, "add", effect, scenario, "-o", file], timeout)
+        told = None if failure or not os.path.exists(file) else compared(binary, file, timeout)
+        if told:
+            found.append((told[0], effect, file))
+    return sorted(found)
+
+
+def examine(binary, folder, name, effects, timeout):
+    """(name, what discover came to, its criterion, structured, best of add, names) or (name, why not)."""
+    with tempfile.TemporaryDirectory(prefix="stickslip-against-") as scratch:
+        own = os.path.join(folder, name)
+        scenario = os.path.join(scratch, "start.toml")
+        if os.path.exists(os.path.join(own, "scenario.toml")):
+            shutil.copytree(own, scratch, dirs_exist_ok=True)
+            scenario = os.path.join(scratch, "scenario.toml")
+        else:
+            _, failure = score.call([binary, "new", os.path.join(own, "table.csv"), "-o", scenario], timeout)
+            if failure:
+                return name, failure
+        start = compared(binary, scenario, timeout)
+        output, failure = score.call([binary, "discover", scenario, "--json", "-"], timeout)
+        if failure or not start:
+            return name, failure or "compare: no comparison"
+        told = json.loads(output)
+        end, readings = told["steps"][-1], start[1]
+        reached = end["chi2_per_point"] * readings + len(end["parameters"]) * math.log(readings)
+        if told["noise_factors"] != {"amplitude": 1.0, "phase": 1.0}:
+            return name, "deviations rescaled: squares in another unit"
+        once = added(binary, scenario, scratch, effects, timeout)
+        twice = [(c, f"{once[0][1]}+{e}", f) for c, e, f in added(binary, once[0][2], scratch, effects, timeout)] if once else []
+        best = min([(start[0], "nothing", "")] + once + twice)
+        return name, told["verdict"], "+".join(told["effects"]) or "-", reached, end["structured"], best[0], best[1], end["chi2_per_point"]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", metavar="DIR")
+    parser.add_argument("--binary", metavar="PATH", default=os.path.join("target", "release", "stickslip"))
+    parser.add_argument("--effects", metavar="LIST", required=True, help="names that `add` is asked for, with commas")
+    parser.add_argument("--jobs", type=int, default=1, help="tables at a time")
+    parser.add_argument("--timeout", type=float, default=120.0, help="seconds for each command")
+    parser.add_argument("--only", metavar="NAME", nargs="+", help="these tables only")
+    options = parser.parse_args()
+    names = [n for n in sorted(os.listdir(options.folder)) if os.path.isdir(os.path.join(options.folder, n))]
+    names = [n for n in names if not options.only or n in options.only]
+    binary, effects = os.path.abspath(options.binary), options.effects.split(",")
+    worse, compared_with = 0, 0
+    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+        for told in pool.map(lambda n: examine(binary, options.folder, n, effects, options.timeout), names):
+            if len(told) == 2:
+                print(f"{told[0]}: {told[1]}", flush=True)
+                continue
+            name, verdict, found, reached, structured, best, by, chi2 = told
+            compared_with += 1
+            if best < reached - MOST:
+                worse += 1
+                print(f"{name}: {verdict} {found} chi2 {chi2:.3g}, `add {by}` better by {reached - best:.1f}"
+                      f"{', beside structure' if structured else ''}", flush=True)
+    print(f"add better by more than {MOST:g} in {worse} of {compared_with}")
+    sys.exit(0 if worse == 0 else 1)
+
+
+if __name__ == "__main__":
+    main()
