@@ -267,10 +267,10 @@ impl<'a> Draft<'a> {
         while !tried.contains(&best) {
             tried.push(best);
             let (_, _, scenario, table) = &drafts[best];
-            let (_, found) = explain(scenario, table, &SHORT);
+            let found = explain(scenario, table, &SHORT);
             with = found.label();
-            criteria =
-                drafts.iter().map(|(_, _, scenario, table)| explained(scenario, table, &SHORT, &found)).collect();
+            let all: Vec<(&Scenario, &Table)> = drafts.iter().map(|(.., scenario, table)| (scenario, table)).collect();
+            criteria = explained(&all, &SHORT, &found);
             best = least(&criteria);
         }
         let (kind, text, ..) = drafts.remove(best);

@@ -96,10 +96,10 @@ pub fn problem<'a>(
 pub fn calibrate(model: &Model, keys: &[String], points: &[Point], tolerance: Tolerance, seed: u32) -> Calibration {
     let operations: Vec<Operation> = points.iter().map(crate::fit::operation).collect();
     let model = model.clone().scaled_at(&operations);
-    let mut best = calibrated(&model, keys, points, tolerance, seed);
+    let mut best = calibrate_about(&model, keys, points, tolerance, seed);
     let started = resonance::started(&model, keys, points).map(|model| model.scaled_at(&operations));
     let mut solved = best.solved;
-    if let Some(other) = started.map(|model| calibrated(&model, keys, points, tolerance, seed)) {
+    if let Some(other) = started.map(|model| calibrate_about(&model, keys, points, tolerance, seed)) {
         solved += other.solved;
         if other.fit.objective < best.fit.objective {
             best = other;
@@ -111,7 +111,7 @@ pub fn calibrate(model: &Model, keys: &[String], points: &[Point], tolerance: To
             break;
         }
         let there = problem(&best.base, keys, [], tolerance).model(&best.fit.values).scaled_at(&operations);
-        let other = calibrated(&there, keys, points, tolerance, seed);
+        let other = calibrate_about(&there, keys, points, tolerance, seed);
         solved += other.solved;
         // Of a number that the data do not determine any value does.
         if other.fit.objective > best.fit.objective * (1.0 - LOWER) {
@@ -122,8 +122,14 @@ pub fn calibrate(model: &Model, keys: &[String], points: &[Point], tolerance: To
     Calibration { solved, ..best }
 }
 
-/// A calibration within the ranges about the model's own values.
-fn calibrated(model: &Model, keys: &[String], points: &[Point], tolerance: Tolerance, seed: u32) -> Calibration {
+/// A calibration as [`calibrate`] within the ranges about the values that the model has, and no further.
+pub fn calibrate_about(
+    model: &Model,
+    keys: &[String],
+    points: &[Point],
+    tolerance: Tolerance,
+    seed: u32,
+) -> Calibration {
     let stated = problem(model, keys, points, tolerance.for_search());
     let parameters = stated.parameters().to_vec();
     let mut starts = vec![stated.values()];

@@ -15,7 +15,7 @@ mod whiteness;
 
 pub use budget::ErrorBudget;
 pub(crate) use calibrate::TIGHTER;
-pub use calibrate::{Calibration, calibrate, problem, settings_of};
+pub use calibrate::{Calibration, calibrate, calibrate_about, problem, settings_of};
 pub use curves::{ModelCurve, model_curves};
 pub use fingerprint::{ContactPoint, fingerprint};
 pub use json::{ComparisonJson, ForceJson, ParameterJson, SCHEMA, SettingJson, json, of_contact, units_of_force};
@@ -26,7 +26,7 @@ pub use whiteness::{Whiteness, scatter, whiteness};
 
 use crate::fit::{
     Correlation, Fit, Interval, Prediction, Problem, TAIL, approximate_intervals, correlations, profiled, read,
-    robust_chi2,
+    robust_chi2, typical_of,
 };
 use crate::measurement::{Point, Table};
 use crate::model::Model;
@@ -269,7 +269,9 @@ pub fn compare(scenario: &Scenario, table: &Table, options: &Options) -> Compari
 
 /// As [`Comparison::unit`], of a fit to so many readings and the tests of what it leaves.
 pub fn unit(whiteness: &Whiteness, fit: &Fit, readings: usize) -> f64 {
-    if whiteness.structured { (robust_chi2(&fit.evaluation.residuals, TAIL) / readings as f64).max(1.0) } else { 1.0 }
+    let residuals = &fit.evaluation.residuals;
+    let left = || robust_chi2(residuals, TAIL * typical_of(residuals)) / readings as f64;
+    if whiteness.structured { left().max(1.0) } else { 1.0 }
 }
 
 /// Compares a model whose calibration is done with the measurements; intervals are by profile likelihood where

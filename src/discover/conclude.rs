@@ -1,6 +1,6 @@
 //! What the rounds of a search say together: verdict, ladder, ranking, rivals, and what remains open.
 
-use super::hypothesis::{Addition, Basis, Estimate, Hypothesis, count, extended, square};
+use super::hypothesis::{Addition, Basis, Estimate, Hypothesis, count, extended};
 use super::known::{Entry, Known};
 use super::select::Search;
 use super::{Candidate, Discovery, Evidence, MARGIN, NotTestable, Step, Verdict, held_out, next, verdict};
@@ -14,6 +14,21 @@ use std::sync::OnceLock;
 const WORSE: f64 = 1.0;
 /// Rivals of the explanation whose prediction of left-out conditions and, where they are tied with it, profiles are computed.
 const RIVALS: usize = 3;
+
+/// Takes off the last additions as long as they raise the error of the amplitude, of what was fitted and of series that are left
+/// out, where what is left is no noise: misfit of one cause, spread over many readings, makes terms significant that only follow
+/// it. Tells the first that was taken off.
+fn beyond_prediction(steps: &mut Vec<Step>) -> Option<String> {
+    let mut first = None;
+    while let [.., before, last] = &steps[..]
+        && last.comparison.overall.rms_error_percent > before.comparison.overall.rms_error_percent
+        && let (Some(before), Some(last)) = (before.held_out, last.held_out)
+        && last.rms_percent > before.rms_percent
+    {
+        first = steps.pop()?.added;
+    }
+    first
+}
 
 impl Search<'_> {
     pub(super) fn conclude(
@@ -32,7 +47,7 @@ impl Search<'_> {
                 let additions = &chosen.additions[..length];
                 let mut all = known.with(additions);
                 all.push(self.refit(chosen, additions.to_vec()));
-                all.into_iter().min_by(|a, b| square(a).total_cmp(&square(b))).unwrap_or_else(|| chosen.clone())
+                Hypothesis::best_fit(all).unwrap_or_else(|| chosen.clone())
             }
         };
         let ladder: Vec<Hypothesis> = (0..chosen.additions.len()).map(rung).collect();
@@ -48,10 +63,12 @@ impl Search<'_> {
         };
         let mut steps: Vec<Step> = ladder.into_par_iter().enumerate().map(compared).collect();
         steps.push(step(steps.len(), chosen.clone(), explanation));
-        let last = steps.len() - 1;
         let unit = self.unit(chosen);
         let candidates = self.rank(&steps, known, ties, unit);
+        let further = if self.structured(chosen) { beyond_prediction(&mut steps) } else { None };
+        let last = steps.len() - 1;
         let end = &steps[last];
+        let chosen = &end.hypothesis.clone();
         let white = &end.comparison.whiteness;
         let verdict = verdict(&Evidence {
             testable: white.testable,
@@ -96,7 +113,9 @@ impl Search<'_> {
             let (label, pool) = (best.hypothesis.label(), self.pool.len());
             let more = best.hypothesis.additions.len().saturating_sub(end.hypothesis.additions.len());
             let takes = MARGIN + 2.0 * more as f64 * (pool.max(1) as f64).ln();
-            let verdict = if above < takes {
+            let verdict = if let Some(further) = &further {
+                format!("but {further} raises the error of the amplitude, of series that are left out too")
+            } else if above < takes {
                 format!("too little to decide for it: among {pool} that were looked at it takes {takes:.1}")
             } else {
                 "and the search, which goes step by step, did not end there".into()
@@ -174,13 +193,13 @@ impl Search<'_> {
             let hypothesis = &mut rest[0].0;
             let contained = |h: &Hypothesis| h.basis() == Basis::AllPoints && h.nested_in(hypothesis);
             let least = smaller.iter().map(|(h, _)| h).filter(|h| contained(h));
-            if let Some(least) = least.min_by(|a, b| square(a).total_cmp(&square(b)))
-                && square(least) + WORSE < square(hypothesis)
+            if let Some(least) = least.min_by(|a, b| a.square(unit).total_cmp(&b.square(unit)))
+                && least.square(unit) + WORSE < hypothesis.square(unit)
             {
-                let (square, chi2) = (square(least), least.chi2());
-                hypothesis.estimate = Some(Estimate { square, chi2, basis: Basis::Contained });
+                let (residuals, scale) = least.left();
+                hypothesis.estimate = Some(Estimate { residuals: residuals.clone(), scale, basis: Basis::Contained });
             }
-            hypothesis.bic = self.bic_in(unit, hypothesis);
+            hypothesis.bic = self.bic(unit, hypothesis);
         }
         // What was not fitted to all points is estimated, and never better than what was.
         let full = |h: &Hypothesis| h.basis() == Basis::AllPoints;
@@ -259,7 +278,7 @@ impl Search<'_> {
         candidates: &[Candidate],
     ) -> Option<next::NextMeasurement> {
         let unit = self.unit(chosen);
-        let bic = |h: &Hypothesis| self.bic_in(unit, h);
+        let bic = |h: &Hypothesis| self.bic(unit, h);
         let mut survivors: Vec<&Hypothesis> = rivals.iter().collect();
         let mut behind = None;
         if survivors.len() < 2 {

@@ -1,6 +1,6 @@
 //! What a hypothesis leaves, and the criteria by which hypotheses are held against each other.
 
-use super::hypothesis::{Hypothesis, square};
+use super::hypothesis::Hypothesis;
 use super::select::Search;
 use crate::compare::{self, Whiteness};
 use crate::measurement::Noise;
@@ -26,25 +26,23 @@ impl Search<'_> {
         self.data.readings()
     }
 
-    /// Schwarz's criterion.
-    pub(super) fn bic(&self, hypothesis: &Hypothesis) -> f64 {
-        self.bic_in(1.0, hypothesis)
-    }
-
-    /// The same with the sum of squares in another unit than that of the noise.
-    pub(super) fn bic_in(&self, unit: f64, hypothesis: &Hypothesis) -> f64 {
-        square(hypothesis) / unit + self.data.price(hypothesis.fit.parameters.len())
+    /// Schwarz's criterion with squares in this unit.
+    pub(super) fn bic(&self, unit: f64, hypothesis: &Hypothesis) -> f64 {
+        hypothesis.square(unit) + self.data.price(hypothesis.fit.parameters.len())
     }
 
     /// The criterion with a charge for having looked at many additions (extended BIC of Chen and Chen 2008).
-    pub(super) fn score(&self, hypothesis: &Hypothesis) -> f64 {
-        self.score_in(1.0, hypothesis)
+    pub(super) fn score(&self, unit: f64, hypothesis: &Hypothesis) -> f64 {
+        let looked_at = 2.0 * hypothesis.additions.len() as f64 * (self.pool.len().max(1) as f64).ln();
+        self.bic(unit, hypothesis) + looked_at
     }
 
-    /// The same with the sum of squares in another unit.
-    pub(super) fn score_in(&self, unit: f64, hypothesis: &Hypothesis) -> f64 {
-        let looked_at = 2.0 * hypothesis.additions.len() as f64 * (self.pool.len().max(1) as f64).ln();
-        self.bic_in(unit, hypothesis) + looked_at
+    /// The hypothesis of the least criterion, squares in the least unit of all, and that unit.
+    pub(super) fn least<'h>(&self, all: impl IntoIterator<Item = &'h Hypothesis>) -> Option<(f64, &'h Hypothesis)> {
+        let all: Vec<&Hypothesis> = all.into_iter().collect();
+        let unit = all.iter().map(|h| self.unit(h)).reduce(f64::min)?;
+        let least = all.into_iter().min_by(|a, b| self.bic(unit, a).total_cmp(&self.bic(unit, b)))?;
+        Some((unit, least))
     }
 
     /// What squares are counted in beside a hypothesis, as [`compare::Comparison::unit`]; beside one that was not fitted to all

@@ -2,11 +2,10 @@
 
 use super::hypothesis::{Addition, Hypothesis};
 use crate::compare::TIGHTER;
-use crate::fit::{Fit, Parameter, Problem, Settings, TAIL, cost, minimise, parameter, robust_chi2, schwarz};
+use crate::fit::{Fit, Parameter, Problem, Settings, TAIL, cost, minimise, parameter, schwarz, typical_of};
 use crate::measurement::Point;
 use crate::model::Model;
 use crate::solver::cycle::Tolerance;
-use crate::statistics::spread;
 use nalgebra::DVector;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
@@ -147,10 +146,11 @@ impl<'a> Data<'a> {
         let effort = Effort { points: self.points.len(), evaluations };
         let typical = typical_of(&fit.evaluation.residuals);
         let found = self.fit(model, &fit.parameters, &fit.values, typical, effort);
-        let worse = hypothesis.is_full(self.points.len())
-            && robust_chi2(&found.evaluation.residuals, TAIL) > robust_chi2(&fit.evaluation.residuals, TAIL);
-        let fit = if worse { Fit { termination: found.termination, ..hypothesis.fit } } else { found };
-        Hypothesis { fit, estimate: None, ..hypothesis }
+        let mut better = Hypothesis { fit: found, estimate: None, ..hypothesis.clone() };
+        if hypothesis.is_full(self.points.len()) && !better.fits_better_than(&hypothesis) {
+            better.fit = Fit { termination: better.fit.termination, ..hypothesis.fit };
+        }
+        better
     }
 }
 
@@ -158,11 +158,6 @@ impl<'a> Data<'a> {
 const SHARE: u64 = 10;
 /// Steady states that a densely measured series takes, about.
 const DENSE: usize = 100;
-
-/// Typical size of residuals, at least that of the noise.
-pub fn typical_of(residuals: &DVector<f64>) -> f64 {
-    spread(residuals.iter().copied(), 0.0).max(1.0)
-}
 
 /// Amplitudes and phases of points.
 pub fn readings<'p>(points: impl IntoIterator<Item = &'p Point>) -> usize {

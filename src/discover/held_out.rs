@@ -1,8 +1,8 @@
 //! Prediction of conditions that were left out of the fit.
 
-use super::data::{Data, typical_of};
+use super::data::Data;
 use super::hypothesis::Hypothesis;
-use crate::fit::{Parameter, Problem, TAIL, robust_chi2};
+use crate::fit::{Parameter, Problem, TAIL, robust_chi2, typical_of};
 use crate::measurement::Point;
 use crate::solver::cycle::Tolerance;
 use nalgebra::{DMatrix, DVector};

@@ -1,11 +1,12 @@
 //! What may be wrong with a model: a number of the rig or the instrument, or an effect that is missing; alone or together.
 
 use crate::effects::{self, Effect, REGISTRY, middle};
-use crate::fit::{Fit, Problem, TAIL, parameter, robust_chi2};
+use crate::fit::{Fit, Problem, parameter, robust_square, typical_of};
 use crate::measurement::Point;
 use crate::model::Model;
 use crate::scenario::parameters::base_keys;
 use crate::solver::cycle::Tolerance;
+use nalgebra::DVector;
 
 /// One thing to add to a model.
 #[derive(Clone, Copy)]
@@ -93,14 +94,14 @@ pub fn compatible(model: &Model, additions: &[Addition]) -> bool {
     effects::compatible(&all).is_ok()
 }
 
-/// A sum of squares over all points that its own fit has not reached.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Residuals that stand for those at all points, which its own fit has not reached.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
-    /// The sum of squares, large ones counted less.
-    pub square: f64,
-    /// The plain sum of squares.
-    pub chi2: f64,
-    /// Where it comes from.
+    /// Of some readings or all.
+    pub residuals: DVector<f64>,
+    /// All readings over those.
+    pub scale: f64,
+    /// Where they come from.
     pub basis: Basis,
 }
 
@@ -140,7 +141,7 @@ pub struct Hypothesis {
     pub fit: Fit,
     /// Where it was not fitted to all points, or not to its end: what its sum of squares over all would be.
     pub estimate: Option<Estimate>,
-    /// Schwarz's criterion in units of the noise, less a constant common to all hypotheses; smaller is better.
+    /// Schwarz's criterion in the unit of the ranking, less a constant common to all hypotheses; smaller is better.
     pub bic: f64,
 }
 
@@ -159,12 +160,35 @@ impl Hypothesis {
 
     /// Sum of squares over all points, or what it would be.
     pub fn chi2(&self) -> f64 {
-        self.estimate.map_or_else(|| self.fit.evaluation.chi2(), |estimate| estimate.chi2)
+        let (residuals, scale) = self.left();
+        scale * residuals.norm_squared()
     }
 
     /// What its sum of squares rests on.
     pub fn basis(&self) -> Basis {
-        self.estimate.map_or(Basis::AllPoints, |estimate| estimate.basis)
+        self.estimate.as_ref().map_or(Basis::AllPoints, |estimate| estimate.basis)
+    }
+
+    /// What it leaves: residuals, and all readings over those.
+    pub(super) fn left(&self) -> (&DVector<f64>, f64) {
+        self.estimate.as_ref().map_or((&self.fit.evaluation.residuals, 1.0), |e| (&e.residuals, e.scale))
+    }
+
+    /// Sum of squares over all points, or what it would be, in this unit; large ones count less.
+    pub(super) fn square(&self, unit: f64) -> f64 {
+        let (residuals, scale) = self.left();
+        scale * robust_square(residuals, unit)
+    }
+
+    /// Whether its sum of squares is the smaller one, large residuals counted as beside the smaller typical ones.
+    pub(super) fn fits_better_than(&self, other: &Self) -> bool {
+        let unit = typical_of(self.left().0).min(typical_of(other.left().0)).powi(2);
+        self.square(unit) < other.square(unit)
+    }
+
+    /// The best fit of hypotheses, the first of equal ones.
+    pub(super) fn best_fit(all: impl IntoIterator<Item = Self>) -> Option<Self> {
+        all.into_iter().reduce(|best, other| if other.fits_better_than(&best) { other } else { best })
     }
 
     /// Whether another has the same additions, in whatever order.
@@ -209,10 +233,4 @@ impl Hypothesis {
 /// Number of parameters of a model that `keys` name and a fit can move.
 pub fn count(model: &Model, keys: &[String]) -> usize {
     keys.iter().filter(|key| parameter(model, key).is_some()).count()
-}
-
-/// Sum of squares of the residuals, large ones counted less.
-pub(super) fn square(hypothesis: &Hypothesis) -> f64 {
-    let own = || robust_chi2(&hypothesis.fit.evaluation.residuals, TAIL);
-    hypothesis.estimate.map_or_else(own, |estimate| estimate.square)
 }

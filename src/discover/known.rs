@@ -1,6 +1,6 @@
 //! What a search has fitted so far.
 
-use super::hypothesis::{Addition, Basis, Hypothesis, square};
+use super::hypothesis::{Addition, Basis, Hypothesis};
 use crate::model::Model;
 
 /// A hypothesis with one more addition, and what the look at that saw.
@@ -17,7 +17,7 @@ impl Entry {
     pub fn keep(&mut self, hypothesis: Hypothesis) {
         let own = &self.hypothesis;
         let full = |h: &Hypothesis| h.estimate.is_none();
-        let better = if full(own) == full(&hypothesis) { square(&hypothesis) < square(own) } else { full(&hypothesis) };
+        let better = if full(own) == full(&hypothesis) { hypothesis.fits_better_than(own) } else { full(&hypothesis) };
         if better {
             self.hypothesis = hypothesis;
         }

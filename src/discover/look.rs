@@ -1,10 +1,10 @@
 //! A look at one more addition before any fit: at starting points over its ranges, and how much of the misfit each would take
 //! off in a linear estimate.
 
-use super::data::{Data, readings, typical_of};
+use super::data::{Data, readings};
 use super::hypothesis::{Addition, Hypothesis, extended};
 use crate::fit::resonance;
-use crate::fit::{Evaluation, Parameter, Problem, TAIL, parameter, robust_chi2};
+use crate::fit::{Evaluation, Parameter, Problem, TAIL, parameter, robust_chi2, typical_of};
 use crate::measurement::Point;
 use crate::model::Model;
 use crate::solver::cycle::Tolerance;

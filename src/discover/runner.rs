@@ -1,11 +1,11 @@
 //! One competitor of the race: a fit of one more addition from one starting point.
 
 use super::MARGIN;
-use super::data::{Data, Effort, typical_of};
+use super::data::{Data, Effort};
 use super::hypothesis::{Addition, Basis, Estimate, Hypothesis};
 use super::look::Start;
 use super::race::{Competitor, Round};
-use crate::fit::{Fit, Parameter, TAIL, robust_chi2};
+use crate::fit::{Fit, Parameter, TAIL, robust_chi2, robust_square, typical_of};
 use crate::model::Model;
 use nalgebra::{DMatrix, DVector};
 
@@ -42,8 +42,14 @@ pub(super) enum Bar<'s> {
     None,
     /// The hypothesis that it adds to, which leaves nothing but noise, less the margin.
     Parent,
-    /// This hypothesis.
-    At(&'s Hypothesis),
+    /// This hypothesis, squares in this unit.
+    At(&'s Hypothesis, f64),
+}
+
+impl Bar<'_> {
+    fn unit(self) -> f64 {
+        if let Self::At(_, unit) = self { unit } else { 1.0 }
+    }
 }
 
 impl<'s, 'a> Runner<'s, 'a> {
@@ -77,18 +83,21 @@ impl<'s, 'a> Runner<'s, 'a> {
         self.data.readings() as f64 / self.residuals.len().max(1) as f64
     }
 
-    /// The criterion of a hypothesis on the points that it was fitted to itself.
-    fn on_same_points(&self, other: &Hypothesis) -> f64 {
+    /// The criterion, squares in this unit.
+    fn bic(&self, unit: f64) -> f64 {
+        self.scale() * robust_square(&self.residuals, unit) + self.data.price(self.parameters.len())
+    }
+
+    /// The same of a hypothesis on the points that it was fitted to itself.
+    fn on_same_points(&self, other: &Hypothesis, unit: f64) -> f64 {
         let points = self.fit.as_ref().map_or(0, |fit| fit.evaluation.predictions.len());
         let residuals = self.data.part(&other.fit.evaluation.residuals, points);
-        self.scale() * robust_chi2(&residuals, TAIL) + self.data.price(other.fit.parameters.len())
+        self.scale() * robust_square(&residuals, unit) + self.data.price(other.fit.parameters.len())
     }
 
     /// As it stands; `full` where its fit is to all points.
     pub fn hypothesis(&self, full: bool) -> Hypothesis {
         let additions: Vec<Addition> = self.from.additions.iter().copied().chain([self.addition]).collect();
-        let square = self.scale() * robust_chi2(&self.residuals, TAIL);
-        let chi2 = self.scale() * self.residuals.norm_squared();
         let basis = match &self.fit {
             Some(fit) => Basis::SomePoints(fit.evaluation.predictions.len()),
             None => Basis::Linear,
@@ -101,7 +110,7 @@ impl<'s, 'a> Runner<'s, 'a> {
             fit
         };
         let fit = self.fit.clone().unwrap_or_else(unfitted);
-        let estimate = (!full).then_some(Estimate { square, chi2, basis });
+        let estimate = (!full).then(|| Estimate { residuals: self.residuals.clone(), scale: self.scale(), basis });
         Hypothesis { additions, model: self.model.clone(), fit, estimate, bic: f64::INFINITY }
     }
 }
@@ -119,12 +128,13 @@ impl Competitor for Runner<'_, '_> {
         if !self.data.affords(&self.model, effort) {
             return;
         }
-        let before = if self.fit.is_some() { self.badness(1.0) } else { f64::INFINITY };
+        let unit = self.bar.unit();
+        let before = if self.fit.is_some() { self.bic(unit) } else { f64::INFINITY };
         let fit = self.data.fit(&self.model, &self.parameters, &self.values, typical, effort);
         self.values.clone_from(&fit.values);
         self.residuals.clone_from(&fit.evaluation.residuals);
         self.fit = Some(fit);
-        self.gain = (before - self.badness(1.0)).max(0.0);
+        self.gain = (before - self.bic(unit)).max(0.0);
     }
 
     fn typical(&self) -> f64 {
@@ -139,14 +149,14 @@ impl Competitor for Runner<'_, '_> {
         let Some(fit) = &self.fit else { return false };
         // What it was fitted to is enough to tell, were it to gain in the next round, with twice the evaluations, twice as much.
         let gain = if fit.is_exhausted() { 2.0 * self.gain } else { 0.0 };
-        let above = |bar: f64| self.badness(1.0) - gain - bar > self.sure * self.scale();
+        let above = |bar: f64, unit: f64| self.bic(unit) - gain - bar > self.sure * self.scale();
         let count = first.residuals.len() as f64;
-        let noise = robust_chi2(&first.residuals, TAIL) < count + NOISE * (2.0 * count).sqrt();
+        let noise = robust_square(&first.residuals, 1.0) < count + NOISE * (2.0 * count).sqrt();
         let barred = match self.bar {
             Bar::None => false,
-            Bar::Parent => self.badness(1.0) + MARGIN >= self.on_same_points(self.from),
-            Bar::At(best) => above(self.on_same_points(best)),
+            Bar::Parent => self.bic(1.0) + MARGIN >= self.on_same_points(self.from, 1.0),
+            Bar::At(best, unit) => above(self.on_same_points(best, unit), unit),
         };
-        barred || (noise && above(first.badness(1.0)))
+        barred || (noise && above(first.bic(1.0), 1.0))
     }
 }

@@ -1,19 +1,20 @@
 //! Forward selection with a beam, exchange and backward elimination, from the calibrated base to the explanation.
 
 use super::Discovery;
-use super::data::{Data, Effort, typical_of};
-use super::hypothesis::{Addition, Basis, Estimate, Hypothesis, additions, compatible, extended, square};
+use super::data::{Data, Effort};
+use super::hypothesis::{Addition, Basis, Estimate, Hypothesis, additions, compatible, extended};
 use super::known::{Entry, Known};
 use super::look::{Count, Look, Parent, look};
 use super::options::{MARGIN, MISTAKE, SearchOptions};
 use super::race::{Competitor, Race, Round};
 use super::runner::{Bar, COSTLY, Runner};
 use crate::compare::{self, Calibration};
-use crate::fit::{TAIL, robust_chi2};
+use crate::fit::{TAIL, robust_chi2, robust_square, schwarz, typical_of};
 use crate::measurement::{Noise, Table};
 use crate::model::Model;
 use crate::scenario::Scenario;
 use crate::solver::cycle::Tolerance;
+use nalgebra::DVector;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
@@ -41,17 +42,28 @@ pub fn discover_counted(
     searched(&table.applied_to(scenario), table, (options, solved), Noise::STATED)
 }
 
-/// What explains the measurements of a scenario as far as the forward selection goes, and Schwarz's criterion of that, which is
-/// comparable between scenarios with the same table.
-pub fn explain(scenario: &Scenario, table: &Table, options: &SearchOptions) -> (f64, Hypothesis) {
+/// What explains the measurements of a scenario as far as the forward selection goes.
+pub fn explain(scenario: &Scenario, table: &Table, options: &SearchOptions) -> Hypothesis {
     let scenario = table.applied_to(scenario);
     let (search, start) = Search::begin(&scenario, table, options, &Arc::default());
-    let chosen = search.forward(&start, &mut Known::default());
-    (search.score(&chosen), chosen)
+    search.forward(&start, &mut Known::default())
 }
 
-/// The same criterion of what was found for a scenario, with another instrument.
-pub fn explained(scenario: &Scenario, table: &Table, options: &SearchOptions, by: &Hypothesis) -> f64 {
+/// Schwarz's criterion of what was found for one of some scenarios in each of them: they share the readings, not the instrument.
+pub fn explained(drafts: &[(&Scenario, &Table)], options: &SearchOptions, by: &Hypothesis) -> Vec<f64> {
+    let taken = drafts.iter().map(|(scenario, table)| explained_by(scenario, table, options, by));
+    let taken: Vec<(f64, usize, Hypothesis)> = taken.collect();
+    let unit = taken.iter().map(|(unit, ..)| *unit).fold(f64::INFINITY, f64::min);
+    taken.iter().map(|(_, readings, h)| schwarz(h.square(unit), h.fit.parameters.len(), *readings)).collect()
+}
+
+/// What was found for a scenario, fitted in another; the unit of squares beside it and the number of readings.
+fn explained_by(
+    scenario: &Scenario,
+    table: &Table,
+    options: &SearchOptions,
+    by: &Hypothesis,
+) -> (f64, usize, Hypothesis) {
     let scenario = table.applied_to(scenario);
     let (search, start) = Search::begin(&scenario, table, options, &Arc::default());
     let mut taken = search.reduced(by, by.additions.clone());
@@ -61,11 +73,13 @@ pub fn explained(scenario: &Scenario, table: &Table, options: &SearchOptions, by
             *value = start.fit.values[own];
         }
     }
-    taken.estimate = Some(Estimate { square: f64::INFINITY, chi2: f64::INFINITY, basis: Basis::Linear });
+    // Its residuals are of the other instrument: nothing to hold the fit against.
+    let residuals = DVector::from_element(1, f64::INFINITY);
+    taken.estimate = Some(Estimate { residuals, scale: 1.0, basis: Basis::Linear });
     let mut taken = search.data.fitted(taken, CONTINUED);
     let aim = taken.clone();
     search.settle_all(vec![&mut taken], &aim);
-    search.score(&taken)
+    (search.unit(&taken), search.readings(), taken)
 }
 
 /// Where the readings scatter more or less than their standard deviations say, these are scaled and the search begins again.
@@ -103,8 +117,8 @@ pub(super) struct Search<'a> {
 enum Field<'h> {
     /// The best of all, from starting points of this part of the sequence.
     Best(usize),
-    /// Every candidate by itself, unless it cannot come below this hypothesis.
-    Each(Option<&'h Hypothesis>),
+    /// Every candidate by itself, unless it cannot come below this hypothesis, squares in this unit.
+    Each(Option<(&'h Hypothesis, f64)>),
 }
 
 impl<'a> Search<'a> {
@@ -168,7 +182,7 @@ impl<'a> Search<'a> {
             }
             let mut full = self.race(&beam.iter().collect::<Vec<_>>(), &self.pool, Field::Best(0), known);
             // What leaves structure is held against everything else that a user might add by hand, fitted as it would be then.
-            let mut least = full.iter().min_by(|a, b| self.bic(a).total_cmp(&self.bic(b))).unwrap_or(&chosen).clone();
+            let mut least = self.least(&full).map_or(&chosen, |(_, least)| least).clone();
             if self.structured(&least) && self.goes_on() {
                 // A race may end beside the minimum, where a resonance folds say; a calibration has other starting points.
                 least = self.calibrated(&least);
@@ -176,14 +190,16 @@ impl<'a> Search<'a> {
             }
             if self.structured(&least) && self.goes_on() {
                 let others = self.not_fitted_beside(&chosen, known);
-                full.extend(self.race(&[&chosen], &others, Field::Each(Some(&least)), known));
+                let bar = Some((&least, self.unit(&least)));
+                full.extend(self.race(&[&chosen], &others, Field::Each(bar), known));
             }
             // What explains less where readings are far off is no step towards an explanation.
             let scale = TAIL * typical_of(&chosen.fit.evaluation.residuals);
             let misfit = |h: &Hypothesis| robust_chi2(&h.fit.evaluation.residuals, scale);
             full.retain(|h| !self.structured(h) || misfit(h) <= misfit(&chosen));
             let Some(best) = self.pick(&full, chosen.additions.is_empty()) else { break };
-            if self.score(&chosen) - self.score(&best) <= MARGIN {
+            let unit = self.unit(&best).min(self.unit(&chosen));
+            if self.score(unit, &chosen) - self.score(unit, &best) <= MARGIN {
                 break;
             }
             chosen = self.eliminate(best);
@@ -195,7 +211,8 @@ impl<'a> Search<'a> {
                 break;
             }
             full.push(chosen.clone());
-            full.sort_by(|a, b| self.bic(a).total_cmp(&self.bic(b)));
+            let unit = self.least(&full).map_or(1.0, |(unit, _)| unit);
+            full.sort_by(|a, b| self.bic(unit, a).total_cmp(&self.bic(unit, b)));
             beam.clear();
             for hypothesis in full {
                 if beam.len() < self.options.beam && !beam.iter().any(|h| h.same_additions(&hypothesis)) {
@@ -206,10 +223,10 @@ impl<'a> Search<'a> {
         chosen
     }
 
-    /// A hypothesis where the calibration of `compare` and `add` takes it, if that is better.
+    /// A hypothesis where a calibration from starting points about its fit takes it, if that is better.
     fn calibrated(&self, hypothesis: &Hypothesis) -> Hypothesis {
         let keys: Vec<String> = hypothesis.fit.parameters.iter().map(|p| p.key.clone()).collect();
-        let found = compare::calibrate(
+        let found = compare::calibrate_about(
             &hypothesis.fitted(),
             &keys,
             &self.table.points,
@@ -218,7 +235,7 @@ impl<'a> Search<'a> {
         );
         self.data.count(found.solved);
         let moved = Hypothesis { model: found.base, fit: found.fit, ..hypothesis.clone() };
-        if square(&moved) < square(hypothesis) { moved } else { hypothesis.clone() }
+        if moved.fits_better_than(hypothesis) { moved } else { hypothesis.clone() }
     }
 
     /// Candidates of which no fit to all points is known beside a hypothesis.
@@ -256,8 +273,7 @@ impl<'a> Search<'a> {
         fitted.par_iter_mut().filter(|(_, h)| !h.is_full(all)).for_each(|(_, h)| {
             *h = self.data.fitted(h.clone(), CONTINUED);
         });
-        let best = fitted.iter().map(|(_, h)| h).min_by(|a, b| square(a).total_cmp(&square(b)));
-        if let Some(best) = best.cloned() {
+        if let Some(best) = Hypothesis::best_fit(fitted.iter().map(|(_, h)| h.clone())) {
             self.settle_all(fitted.iter_mut().map(|(_, h)| h).collect(), &best);
         }
         for (of, hypothesis) in &fitted {
@@ -281,7 +297,7 @@ impl<'a> Search<'a> {
         let o = self.options;
         let (turn, kept, bar) = match entered {
             Field::Best(turn) => (turn, o.kept, Bar::None),
-            Field::Each(best) => (0, 1.0, best.map_or(Bar::None, Bar::At)),
+            Field::Each(best) => (0, 1.0, best.map_or(Bar::None, |(best, unit)| Bar::At(best, unit))),
         };
         let of = |number: usize| pool.iter().map(move |addition| (number, *addition));
         let work: Vec<(usize, Addition)> = (0..parents.len())
@@ -344,7 +360,7 @@ impl<'a> Search<'a> {
         {
             let rest = places[0][0][0].rest();
             let scale = self.data.readings() as f64 / rest.len().max(1) as f64;
-            let aim = scale * robust_chi2(&rest, TAIL) + self.data.price(only.fit.parameters.len());
+            let aim = scale * robust_square(&rest, 1.0) + self.data.price(only.fit.parameters.len());
             field.retain(|runner| runner.badness(1.0) + MARGIN < aim);
             field.iter_mut().for_each(|runner| runner.bar = Bar::Parent);
         }
@@ -353,8 +369,7 @@ impl<'a> Search<'a> {
 
     /// The best fit of one addition to a hypothesis.
     pub(super) fn add(&self, from: &Hypothesis, addition: Addition, known: &mut Known) -> Option<Hypothesis> {
-        let found = self.race(&[from], &[addition], Field::Each(None), known);
-        found.into_iter().min_by(|a, b| square(a).total_cmp(&square(b)))
+        Hypothesis::best_fit(self.race(&[from], &[addition], Field::Each(None), known))
     }
 
     /// A hypothesis where its fit is, and with the base where the scenario states it: once something is missing, a calibration
@@ -378,15 +393,16 @@ impl<'a> Search<'a> {
     /// Follows fits that ended for want of evaluations, in a curved valley say, to their minimum, while they may come level with
     /// the best.
     fn settle_all(&self, mut all: Vec<&mut Hypothesis>, best: &Hypothesis) {
-        let best = self.bic(best);
+        let unit = self.unit(best);
+        let best = self.bic(unit, best);
         let effort = Effort { points: self.data.points.len(), evaluations: CONTINUED };
         all.retain(|h| h.fit.is_exhausted() && self.data.affords(&h.model, effort));
         // In step, so that the budget is asked of the same count for any number of threads.
         while !all.is_empty() && self.goes_on() {
             let continued = all.into_par_iter().filter_map(|h| {
-                let before = self.bic(h);
+                let before = self.bic(unit, h);
                 *h = self.data.fitted(h.clone(), CONTINUED);
-                let gain = before - self.bic(h);
+                let gain = before - self.bic(unit, h);
                 let goes_on = gain >= GAIN && before - 2.0 * gain <= best + MARGIN && h.fit.is_exhausted();
                 goes_on.then_some(h)
             });
@@ -402,7 +418,8 @@ impl<'a> Search<'a> {
     /// The best of hypotheses. Of those that the data do not tell apart the simpler: at first a recalibration; once something
     /// is known to be missing, an effect.
     fn pick(&self, all: &[Hypothesis], first: bool) -> Option<Hypothesis> {
-        let bic = |h: &Hypothesis| self.bic(h);
+        let unit = self.least(all)?.0;
+        let bic = |h: &Hypothesis| self.bic(unit, h);
         let best = all.iter().map(bic).fold(f64::INFINITY, f64::min);
         let preferred = |h: &Hypothesis| h.additions.last().is_some_and(|a| a.is_effect() != first);
         let close: Vec<&Hypothesis> = all.iter().filter(|h| bic(h) - best < MARGIN).collect();
@@ -422,7 +439,7 @@ impl<'a> Search<'a> {
             additions.remove(index);
             let mut fewer = self.refit(&chosen, additions);
             self.settle_all(vec![&mut fewer], &chosen);
-            if self.score_in(unit, &fewer) < self.score_in(unit, &chosen) + MARGIN {
+            if self.score(unit, &fewer) < self.score(unit, &chosen) + MARGIN {
                 chosen = fewer;
                 index = 0;
             } else {
@@ -476,15 +493,17 @@ impl<'a> Search<'a> {
                 self.race(&[&rest], &self.pool, Field::Best(1), known);
             }
             let mut rivals = known.beside(&additions);
-            let own = self.bic(&chosen);
-            let best = rivals.iter().min_by(|a, b| self.bic(a).total_cmp(&self.bic(b)));
-            if let Some(best) = best.filter(|best| self.bic(best) + MARGIN < own) {
+            // Nothing but noise is left.
+            let bic = |h: &Hypothesis| self.bic(1.0, h);
+            let own = bic(&chosen);
+            let best = rivals.iter().min_by(|a, b| bic(a).total_cmp(&bic(b)));
+            if let Some(best) = best.filter(|best| bic(best) + MARGIN < own) {
                 chosen = self.eliminate(best.clone());
                 ties.clear();
                 continue;
             }
-            rivals.retain(|h| h.additions.last() != Some(&addition) && self.bic(h) - own < MARGIN);
-            rivals.sort_by(|a, b| self.bic(a).total_cmp(&self.bic(b)));
+            rivals.retain(|h| h.additions.last() != Some(&addition) && bic(h) - own < MARGIN);
+            rivals.sort_by(|a, b| bic(a).total_cmp(&bic(b)));
             let mut itself = chosen.clone();
             itself.additions.remove(index);
             itself.additions.push(addition);

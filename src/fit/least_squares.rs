@@ -42,7 +42,7 @@ impl Fit {
     /// Schwarz's criterion with squares in this unit (1: in that of the noise), less a constant common to all fits of the same
     /// readings, of which there are so many; smaller is better.
     pub fn schwarz(&self, unit: f64, readings: usize) -> f64 {
-        schwarz(robust_chi2(&self.evaluation.residuals, TAIL) / unit, self.parameters.len(), readings)
+        schwarz(robust_square(&self.evaluation.residuals, unit), self.parameters.len(), readings)
     }
 
     /// Whether it ended for want of evaluations, not at a minimum.
@@ -51,9 +51,19 @@ impl Fit {
     }
 }
 
+/// Sum of squares in this unit (1: in that of the noise), residuals beyond [`TAIL`] of its root counted with their logarithm.
+pub fn robust_square(residuals: &DVector<f64>, unit: f64) -> f64 {
+    robust_chi2(residuals, TAIL * unit.sqrt()) / unit
+}
+
 /// Sum of squares with residuals beyond `threshold` counted with their logarithm.
 pub fn robust_chi2(residuals: &DVector<f64>, threshold: f64) -> f64 {
     residuals.iter().map(|&r| soften(r, threshold).0.powi(2)).sum()
+}
+
+/// Typical size of residuals, at least that of the noise.
+pub fn typical_of(residuals: &DVector<f64>) -> f64 {
+    crate::statistics::spread(residuals.iter().copied(), 0.0).max(1.0)
 }
 
 /// Schwarz's criterion of so many parameters and a sum of squares over so many readings, less a constant: smaller is better.
@@ -159,5 +169,33 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Target<'_, '_> {
             }
         }
         Some(jacobian)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Half of the readings off by `near`, the others by `far`.
+    fn misfit(near: f64, far: f64) -> DVector<f64> {
+        DVector::from_fn(100, |i, _| if i % 2 == 0 { near } else { far })
+    }
+
+    #[test]
+    fn squares_in_a_unit_do_not_depend_on_that_of_the_readings() {
+        let residuals = misfit(0.7, 30.0);
+        for factor in [1e-3, 7.0, 1e4] {
+            let scaled = robust_square(&(&residuals * factor), 9.0 * factor * factor);
+            assert!((scaled / robust_square(&residuals, 9.0) - 1.0).abs() < 1e-12, "{factor}");
+        }
+    }
+
+    #[test]
+    fn what_is_left_far_above_the_noise_is_judged_by_its_squares() {
+        // The mean of the logarithms prefers the first, that of the squares the second.
+        let (uneven, even) = (misfit(40.0, 400.0), misfit(150.0, 150.0));
+        assert!(robust_square(&uneven, 1.0) < robust_square(&even, 1.0));
+        let unit = 150.0 * 150.0;
+        assert!(robust_square(&uneven, unit) > robust_square(&even, unit));
     }
 }

@@ -8,7 +8,7 @@ mod problem;
 mod profile;
 pub mod resonance;
 
-pub use least_squares::{CONVERGED, Fit, Settings, TAIL, minimise, robust_chi2, schwarz};
+pub use least_squares::{CONVERGED, Fit, Settings, TAIL, minimise, robust_chi2, robust_square, schwarz, typical_of};
 pub use parameter::{Parameter, parameter};
 pub use problem::{Evaluation, Prediction, Problem, TROUBLED, cost, operation, read};
 pub use profile::{Correlation, Identified, Interval, Profiles, approximate_intervals, correlations, profiled};

@@ -3,10 +3,10 @@
 
     python3 tests/reference/against_add.py DIR [--binary PATH] [--jobs 1] [--only NAME ...]
 
-For each DIR/<name>/table.csv (or DIR/<name>/scenario.toml, where there is one) the end of `discover` is compared with every effect
-that `add` takes, and with every second effect beside the best of them, by Schwarz's criterion: the sum of squares over the noise
-and ln(readings) for each free parameter. Prints a line where `add` is better by more than 0.5, and the counts. Needs Python 3.9
-or later and nothing else.
+For each DIR/<name>/table.csv (or DIR/<name>/scenario.toml, where there is one) the best that `discover` lists is compared with every
+effect that `add` takes, and with every second effect beside the best of them, by Schwarz's criterion: squares over those of the
+noise - where `discover` leaves structure, over the mean square of what is left - and ln(readings) for each free parameter. Prints
+a line where `add` is better by more than 0.5, and the counts. Needs Python 3.9 or later and nothing else.
 """
 
 import argparse
@@ -24,29 +24,33 @@ MOST = 0.5
 
 
 def compared(binary, scenario, timeout):
-    """(criterion, readings, whether more than noise is left), or None where nothing comes out."""
+    """(chi2 per reading, parameters, readings), or None where nothing comes out."""
     output, failure = score.call([binary, "compare", scenario, "--json", "-"], timeout)
     if failure:
         return None
     told = json.loads(output)
-    readings = told["readings"]
-    return told["chi2_per_point"] * readings + len(told["parameters"]) * math.log(readings), readings, told["whiteness"]["structured"]
+    return told["chi2_per_point"], len(told["parameters"]), told["readings"]
+
+
+def criterion(fit, unit):
+    chi2, parameters, readings = fit
+    return chi2 / unit * readings + parameters * math.log(readings)
 
 
 def added(binary, scenario, scratch, effects, timeout):
-    """The scenario with a further effect each: [(criterion, effect, file)], the best first."""
+    """The scenario with a further effect each: [(fit, effect, file)]."""
     found = []
     for effect in effects:
         file = os.path.join(scratch, f"{len(os.listdir(scratch))}.toml")
         _, failure = score.call([binary, "add", effect, scenario, "-o", file], timeout)
-        told = None if failure or not os.path.exists(file) else compared(binary, file, timeout)
-        if told:
-            found.append((told[0], effect, file))
-    return sorted(found)
+        fit = None if failure or not os.path.exists(file) else compared(binary, file, timeout)
+        if fit:
+            found.append((fit, effect, file))
+    return found
 
 
 def examine(binary, folder, name, effects, timeout):
-    """(name, what discover came to, its criterion, structured, best of add, names) or (name, why not)."""
+    """(name, what discover came to, its best, structured, best of add, its names) or (name, why not)."""
     with tempfile.TemporaryDirectory(prefix="stickslip-against-") as scratch:
         own = os.path.join(folder, name)
         scenario = os.path.join(scratch, "start.toml")
@@ -62,14 +66,20 @@ def examine(binary, folder, name, effects, timeout):
         if failure or not start:
             return name, failure or "compare: no comparison"
         told = json.loads(output)
-        end, readings = told["steps"][-1], start[1]
-        reached = end["chi2_per_point"] * readings + len(end["parameters"]) * math.log(readings)
         if told["noise_factors"] != {"amplitude": 1.0, "phase": 1.0}:
             return name, "deviations rescaled: squares in another unit"
+        end, best = told["steps"][-1], told["candidates"][0]
+        listed = [(fit["chi2_per_point"], len(fit["parameters"]), start[2]) for fit in (end, best)]
         once = added(binary, scenario, scratch, effects, timeout)
-        twice = [(c, f"{once[0][1]}+{e}", f) for c, e, f in added(binary, once[0][2], scratch, effects, timeout)] if once else []
-        best = min([(start[0], "nothing", "")] + once + twice)
-        return name, told["verdict"], "+".join(told["effects"]) or "-", reached, end["structured"], best[0], best[1], end["chi2_per_point"]
+        twice = []
+        if once:
+            _, first, file = min(once, key=lambda found: criterion(found[0], 1.0))
+            twice = [(fit, f"{first}+{second}", f) for fit, second, f in added(binary, file, scratch, effects, timeout)]
+        by_hand = [(start, "nothing", "")] + once + twice
+        unit = max(1.0, min(fit[0] for fit in listed)) if end["structured"] else 1.0
+        reached = min(criterion(fit, unit) for fit in listed)
+        fit, by, _ = min(by_hand, key=lambda found: criterion(found[0], unit))
+        return name, told["verdict"], "+".join(told["effects"]) or "-", reached, end["structured"], criterion(fit, unit), by, end["chi2_per_point"]
 
 
 def main():
