@@ -475,26 +475,36 @@ impl<'a> Search<'a> {
     }
 
     /// Replaces every addition in turn by another that explains better beside the others, itself at another place included;
-    /// with what does as well in the place of each, itself first.
+    /// with what does as well in the place of each, itself first. What is no explanation has none that does as well.
     fn exchange(&self, chosen: Hypothesis, known: &mut Known) -> (Hypothesis, Vec<Vec<Hypothesis>>) {
         let mut chosen = chosen;
         let mut ties: Vec<Vec<Hypothesis>> = Vec::new();
-        // What is no explanation has none that does as well.
-        if self.structured(&chosen) {
-            return (chosen, ties);
-        }
+        // One for all exchanges beside structure, so that they come to an end.
+        let mut unit = self.unit(&chosen);
         while ties.len() < chosen.additions.len() {
             let index = ties.len();
+            let structured = self.structured(&chosen);
+            if !structured {
+                unit = 1.0;
+            }
+            if structured && !self.goes_on() {
+                break;
+            }
             let addition = chosen.additions[index];
             let mut additions = chosen.additions.clone();
             additions.remove(index);
-            if !known.raced(&additions) {
-                let rest = self.refit(&chosen, additions.clone());
-                self.race(&[&rest], &self.pool, Field::Best(1), known);
+            let rest = || self.refit(&chosen, additions.clone());
+            if structured {
+                // Raced again only at a better place than all that it was raced at.
+                let rest = rest();
+                if known.with(&additions).iter().all(|seen| rest.fits_better_than(seen)) {
+                    self.race(&[&rest], &self.pool, Field::Best(1), known);
+                }
+            } else if !known.raced(&additions) {
+                self.race(&[&rest()], &self.pool, Field::Best(1), known);
             }
             let mut rivals = known.beside(&additions);
-            // Nothing but noise is left.
-            let bic = |h: &Hypothesis| self.bic(1.0, h);
+            let bic = |h: &Hypothesis| self.bic(unit, h);
             let own = bic(&chosen);
             let best = rivals.iter().min_by(|a, b| bic(a).total_cmp(&bic(b)));
             if let Some(best) = best.filter(|best| bic(best) + MARGIN < own) {
@@ -509,6 +519,9 @@ impl<'a> Search<'a> {
             itself.additions.push(addition);
             rivals.insert(0, itself);
             ties.push(rivals);
+        }
+        if self.structured(&chosen) {
+            ties.clear();
         }
         (chosen, ties)
     }
