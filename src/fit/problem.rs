@@ -62,7 +62,7 @@ impl Evaluation {
 
     /// Number of points at which the model has no steady state.
     pub fn troubled(&self) -> usize {
-        self.predictions.iter().filter(|p| p.status != Status::Steady).count()
+        self.predictions.iter().filter(|p| !p.status.is_steady()).count()
     }
 }
 
@@ -170,11 +170,11 @@ impl<'a> Problem<'a> {
             }
             let solution = solve_steady(&model, &operation(point), &tolerance, derivatives, warm);
             let state = solution.state;
-            if state.status != Status::Steady {
+            if !state.status.is_steady() {
                 troubled.fetch_add(1, Relaxed);
             }
             let gradient = match &solution.derivatives {
-                Some(all) if state.status == Status::Steady => indices.iter().map(|&i| all[i]).collect(),
+                Some(all) if state.status.is_steady() => indices.iter().map(|&i| all[i]).collect(),
                 _ => vec![(0.0, 0.0); indices.len()],
             };
             let others = solution.others;
@@ -209,7 +209,7 @@ impl<'a> Problem<'a> {
             let predictions = solved.into_iter().map(|(p, _)| p).collect();
             return Evaluation { residuals, jacobian, predictions, lost };
         }
-        let steady = self.points.iter().zip(&solved).filter(|(_, (p, _))| p.status == Status::Steady);
+        let steady = self.points.iter().zip(&solved).filter(|(_, (p, _))| p.status.is_steady());
         let squares = steady.map(|(point, (prediction, _))| {
             let (amplitude, phase) = read(point, prediction);
             (amplitude.powi(2) + phase.map_or(0.0, |r| r.powi(2)), 1 + usize::from(phase.is_some()))
@@ -219,7 +219,7 @@ impl<'a> Problem<'a> {
         let mut row = 0;
         for (point, (prediction, gradient)) in self.points.iter().zip(&solved) {
             let (amplitude, phase) = match prediction.status {
-                Status::Steady => read(point, prediction),
+                Status::Steady | Status::Stuck => read(point, prediction),
                 _ if lost => (LOST.1, point.phase.map(|_| LOST.1)),
                 _ if average > TROUBLED => (average, point.phase.map(|_| average)),
                 _ => read(point, prediction),
@@ -300,7 +300,7 @@ pub fn read(point: &Point, prediction: &Prediction) -> (f64, Option<f64>) {
     let amplitude = (prediction.amplitude - point.amplitude) / point.amplitude_sd;
     let phase = point.phase.zip(point.phase_sd).map(|(phase, sd)| wrap(prediction.phase - phase) / sd);
     match prediction.status {
-        Status::Steady => (amplitude, phase),
+        Status::Steady | Status::Stuck => (amplitude, phase),
         _ => (troubled(amplitude), phase.map(troubled)),
     }
 }

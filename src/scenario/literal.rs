@@ -19,7 +19,7 @@ pub struct Estimate {
     pub value: f64,
     /// SI unit.
     pub unit: &'static str,
-    /// Lower end of the 95 % interval, where the data give one.
+    /// Lower end of the 95 % interval, where the data give one; that and the upper end are the value where it was held.
     pub low: Option<f64>,
     /// Upper end of the 95 % interval, where the data give one.
     pub high: Option<f64>,
@@ -56,6 +56,7 @@ impl Estimate {
         let value = style.number(self.value / style.factor, fine);
         let unit = if style.unit.is_empty() { String::new() } else { format!(" {}", style.unit) };
         let interval = match (self.low, self.high) {
+            (Some(low), Some(high)) if low == high => "held".into(),
             (Some(low), Some(high)) => format!("{} to {}{unit}", number(low), number(high)),
             (Some(low), None) => format!("at least {}{unit}", number(low)),
             (None, Some(high)) => format!("at most {}{unit}", number(high)),
