@@ -161,7 +161,7 @@ pub fn example(effect: &dyn Effect) -> String {
 
 fn range(info: &ParameterInfo) -> String {
     if info.held {
-        return "kept at a scale of the data".into();
+        return "held".into();
     }
     let sign = if info.signed { "± " } else { "" };
     info.range.map_or(String::new(), |(low, high)| format!("{sign}{} to {}", number(low), number(high)))

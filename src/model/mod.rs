@@ -87,6 +87,12 @@ impl Model {
         self.effects.iter().any(|(effect, p)| effect.joint(&joint(p)).is_some())
     }
 
+    /// Whether a body without a contact may rest for a part of the cycle, or nearly.
+    pub fn may_stop(&self) -> bool {
+        let dual = |p: &[f64]| p.iter().map(|&x| Dual::constant(x)).collect::<Vec<_>>();
+        self.effects.iter().any(|(effect, p)| effect.dry_friction(&dual(p)).is_some() || effect.torque_is_steep(p))
+    }
+
     /// The parameter number `index`: rig, contact, instrument, operating point ([`crate::parameter`] states where each begins), then
     /// the effects; or None where there is none of that number.
     pub fn parameter<'a>(&'a mut self, at: &'a mut Operation, index: usize) -> Option<&'a mut f64> {

@@ -46,6 +46,9 @@ impl Estimate {
             let text = units::format(self.value, self.unit);
             if self.unit == "1" { text } else { format!("\"{text}\"") }
         };
+        if self.low.is_some() && self.low == self.high {
+            return Written { literal: fresh(), interval: "held".into() };
+        }
         let style = Style::of(&old.map_or_else(fresh, String::from), self.unit);
         let place = self.place(style.factor);
         // An end far below the estimate has digits of its own.
@@ -56,7 +59,6 @@ impl Estimate {
         let value = style.number(self.value / style.factor, fine);
         let unit = if style.unit.is_empty() { String::new() } else { format!(" {}", style.unit) };
         let interval = match (self.low, self.high) {
-            (Some(low), Some(high)) if low == high => "held".into(),
             (Some(low), Some(high)) => format!("{} to {}{unit}", number(low), number(high)),
             (Some(low), None) => format!("at least {}{unit}", number(low)),
             (None, Some(high)) => format!("at most {}{unit}", number(high)),

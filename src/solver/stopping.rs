@@ -13,16 +13,16 @@ use crate::roots::regula_falsi;
 use std::f64::consts::TAU;
 
 /// Steps of a cycle, and of one with a slope without bound.
-const STEPS: [usize; 2] = [1024, 8192];
+const STEPS: [usize; 2] = [256, 2048];
 /// Fewest steps of a coarse search.
-const FEWEST: usize = 128;
+const FEWEST: usize = 96;
 /// Parts of a step between which the body stops or starts, at most.
 const PARTS: usize = 8;
 /// Corrections of the start of a cycle, and the largest relative one that is left.
 const CORRECTIONS: usize = 60;
 const LEFT: f64 = 1e-9;
 /// Relative size of the changes by which derivatives are taken: half the digits of what a cycle is good for.
-const CHANGE: f64 = 1e-5;
+const CHANGE: f64 = 1e-6;
 /// Iterations for the velocity at the end of a step, and its accuracy relative to the largest velocity.
 const ITERATIONS: usize = 80;
 const VELOCITY: f64 = 1e-13;
@@ -246,15 +246,12 @@ impl<'a> Shot<'a> {
     }
 
     /// Slopes of end and response of a cycle by its start.
-    fn slopes(&self, start: [f64; 2], size: f64) -> [Slope; 2] {
+    fn slopes(&self, start: [f64; 2], cycle: &Cycle, size: f64) -> [Slope; 2] {
         [0, 1].map(|which| {
             let change = CHANGE * if which == 0 { size } else { size * self.mode.omega() };
-            let moved = |sign: f64| {
-                let mut start = start;
-                start[which] += sign * change;
-                self.cycle(start)
-            };
-            Slope::of(&moved(1.0), &moved(-1.0), 2.0 * change)
+            let mut moved = start;
+            moved[which] += change;
+            Slope::of(&self.cycle(moved), cycle, change)
         })
     }
 }
@@ -296,7 +293,7 @@ pub fn states(mode: &dyn SingleMode, tolerance: &Tolerance, derivatives: bool) -
         return vec![stuck(mode)];
     }
     let most = STEPS[usize::from(mode.is_steep())];
-    let steps = ((most as f64 / tolerance.coarsening().powi(2)) as usize).max(FEWEST);
+    let steps = ((most as f64 / tolerance.coarsening().powi(3)) as usize).max(FEWEST);
     let shot = Shot::new(mode, numbers, steps);
     if !shot.fastest.is_finite() {
         return Vec::new();
@@ -357,7 +354,7 @@ fn periodic(shot: &Shot<'_>, start: [f64; 2], tolerance: &Tolerance, derivatives
         if !(size > 0.0 && large(residual).is_finite()) {
             return None;
         }
-        let map = shot.slopes(start, size);
+        let map = shot.slopes(start, &cycle, size);
         let by = carried(&map, residual);
         let next = [start[0] + by[0], start[1] + by[1]];
         let tried = shot.cycle(next);
@@ -383,8 +380,8 @@ fn found(
         if change == 0.0 || !derivatives {
             return (0.0, 0.0);
         }
-        let cycle = |sign: f64| Shot::new(shot.mode, moved(sign * change), shot.steps).cycle(start);
-        let own = Slope::of(&cycle(1.0), &cycle(-1.0), 2.0 * change);
+        let moved = Shot::new(shot.mode, moved(change), shot.steps).cycle(start);
+        let own = Slope::of(&moved, cycle, change);
         let along = carried(&map, own.end);
         let part = |i: usize| own.response[i] + map[0].response[i] * along[0] + map[1].response[i] * along[1];
         (part(0), part(1))
