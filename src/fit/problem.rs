@@ -284,11 +284,13 @@ impl Problem<'_> {
     }
 }
 
-/// Steady states of a single slider that one of a model costs, as measured: of a joint 0.1 ms instead of 0.03 ms, where the body may
-/// stop 0.5 ms; a continuum of sliders has its own solution by itself, and none beside another law of the contact.
+/// Steady states of a single slider that one of a model costs, as measured: of a joint 0.1 ms instead of 0.03 ms, where dry friction
+/// may stop the body 0.3 ms, under a damping without a bounded slope some milliseconds; a continuum of sliders has its own solution
+/// by itself, and none beside another law of the contact.
 pub fn cost(model: &Model) -> u64 {
     match (model.has_continuum(), model.effects.len()) {
-        (false, _) if model.may_stop() => 15,
+        (false, _) if model.is_steep() => 100,
+        (false, _) if model.has_dry_friction() => 10,
         (false, _) if model.has_joint() => 3,
         (false, _) => 1,
         (true, 1) => 3,

@@ -293,7 +293,7 @@ pub fn states(mode: &dyn SingleMode, tolerance: &Tolerance, derivatives: bool) -
         return vec![stuck(mode)];
     }
     let most = STEPS[usize::from(mode.is_steep())];
-    let steps = ((most as f64 / tolerance.coarsening().powi(3)) as usize).max(FEWEST);
+    let steps = ((most as f64 / tolerance.coarsening().powi(4)) as usize).max(FEWEST);
     let shot = Shot::new(mode, numbers, steps);
     if !shot.fastest.is_finite() {
         return Vec::new();
