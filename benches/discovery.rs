@@ -6,7 +6,7 @@
 use divan::Bencher;
 use std::path::Path;
 use stickslip::compare::calibrate;
-use stickslip::discover::{Addition, SearchOptions, additions, compatible, discover, extended};
+use stickslip::discover::{Addition, Candidates, SearchOptions, additions, compatible, discover, extended};
 use stickslip::fit::{Parameter, Problem, Settings, TAIL, minimise, parameter};
 use stickslip::measurement::{self, Table};
 use stickslip::model::Model;
@@ -28,7 +28,10 @@ fn practice(number: u32) -> (Scenario, Table) {
 fn pool() -> Vec<Addition> {
     let (scenario, _) = practice(1);
     let base = Model::new(&scenario);
-    additions(&base, &scenario.free, true).into_iter().filter(|addition| compatible(&base, &[*addition])).collect()
+    additions(&base, &scenario.free, true, &Candidates::default())
+        .into_iter()
+        .filter(|addition| compatible(&base, &[*addition]))
+        .collect()
 }
 
 fn names() -> Vec<&'static str> {

@@ -1,11 +1,11 @@
-//! Puts a user's own effect, the worked example of `CONTRIBUTING.md`, into the model of a scenario and solves it.
+//! Puts an effect of one's own, as the worked example of `CONTRIBUTING.md` is, into the model of a scenario and solves it.
 #![allow(clippy::print_stdout)]
 
 use stickslip::effects::{Effect, Group, Law, Measure, ParameterInfo, Zero};
 use stickslip::model::{Model, Operation};
 use stickslip::solver::{Warm, cycle::Tolerance, solve_steady};
 
-#[path = "../tests/worked_example/viscous_film.rs"]
+#[path = "../src/effects/viscous_film.rs"]
 mod viscous_film;
 
 fn main() {

@@ -84,6 +84,11 @@ impl Dual {
         let root = self.value.sqrt();
         self.chain(root, 0.5 / root)
     }
+    /// Power of a positive number.
+    pub fn powd(self, exponent: Self) -> Self {
+        let value = self.value.powf(exponent.value);
+        self.combine(exponent, value, exponent.value * value / self.value, value * self.value.ln())
+    }
     /// Reciprocal.
     pub fn recip(self) -> Self {
         self.chain(1.0 / self.value, -1.0 / (self.value * self.value))
@@ -142,5 +147,8 @@ mod tests {
         let dx = (-0.4 + 1.0 / (1.7 * 1.7)) / root - numerator * 0.5 / root.powi(3);
         let dy = 1.7 / root - numerator * -0.4 / root.powi(3);
         assert!((f.gradient[0] - dx).abs() < 1e-14 && (f.gradient[1] - dy).abs() < 1e-14);
+        let power = x.powd(y);
+        assert!((power.gradient[0] + 0.4 * 1.7f64.powf(-1.4)).abs() < 1e-15);
+        assert!((power.gradient[1] - 1.7f64.powf(-0.4) * 1.7f64.ln()).abs() < 1e-15);
     }
 }

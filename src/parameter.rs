@@ -49,6 +49,8 @@ pub struct ParameterInfo {
     pub alone: Option<(f64, f64)>,
     /// Whether a search should try both signs.
     pub signed: bool,
+    /// Whether it only says at what the others are stated: a search keeps it at the size of its measure.
+    pub held: bool,
     /// One phrase of meaning.
     pub meaning: &'static str,
 }
@@ -71,6 +73,7 @@ impl ParameterInfo {
             measure: Measure::Number,
             alone: None,
             signed: false,
+            held: false,
             meaning,
         }
     }
@@ -102,6 +105,11 @@ impl ParameterInfo {
         Self { signed: true, ..self }
     }
 
+    /// The same, which no fit moves.
+    pub const fn held(self) -> Self {
+        Self { held: true, ..self }
+    }
+
     /// Its unit on a rig with that coordinate: the catalogue states effects of the rig for an angle.
     pub fn unit_for(&self, coordinate: Coordinate) -> &'static str {
         match (coordinate, self.unit) {
@@ -113,6 +121,9 @@ impl ParameterInfo {
             (Coordinate::Displacement, "N m s^2/rad^2") => "N s^2/m^2",
             (Coordinate::Displacement, "N m/rad^3") => "N/m^3",
             (Coordinate::Displacement, "N m/rad^5") => "N/m^5",
+            (Coordinate::Displacement, "rad/s") => "m/s",
+            (Coordinate::Displacement, "rad/(N m)") => "m/N",
+            (Coordinate::Displacement, "rad/(N m s^2)") => "m/(N s^2)",
             (_, unit) => unit,
         }
     }
@@ -149,12 +160,27 @@ pub enum Measure {
     /// Cubic stiffness that bends a resonance by its width; beside a contact, one as strong as the stiffness at the
     /// deflection under friction.
     Cubic,
+    /// Quadratic stiffness that bends a resonance by its width; beside a contact, one as strong as the stiffness at the
+    /// deflection under friction.
+    Even,
+    /// The same of the fifth power.
+    Quintic,
     /// Quadratic damping as strong as the linear one.
     Quadratic,
     /// Stiffness that moves the resonance by its width.
     Stiffness,
     /// Force that the drive has at resonance.
     Force,
+    /// Median load.
+    Load,
+    /// Largest motion without contact.
+    Motion,
+    /// Its speed at w0.
+    Rate,
+    /// 1/K.
+    Compliance,
+    /// w0^2/K.
+    InverseMass,
 }
 
 /// Sizes of a rig and its motion, SI units.
@@ -174,6 +200,8 @@ pub struct Scales {
     pub contact_stiffness: f64,
     /// mu W at the median load \[N\].
     pub friction_force: f64,
+    /// Median load \[N\].
+    pub load: f64,
     /// Largest speed of the roller \[m/s\]; 0 where none turns.
     pub roller_speed: f64,
     /// Whether there is a contact.
@@ -191,9 +219,15 @@ impl Scales {
         lever: 0.06,
         contact_stiffness: 8.9e4,
         friction_force: 10.0,
+        load: 20.0,
         roller_speed: 0.1,
         has_contact: true,
     };
+
+    /// Deflection under friction, or the motion where it is larger.
+    fn deflection(&self) -> f64 {
+        (self.lever * self.friction_force / self.stiffness).max(self.motion)
+    }
 
     /// Speed of the motion at the contact, and of the roller where it turns.
     fn speed(&self) -> f64 {
@@ -216,13 +250,21 @@ impl Measure {
             Self::ContactMass => of.contact_stiffness / of.omega.powi(2),
             Self::Power => of.friction_force * of.speed(),
             Self::Loss => 1.0 / of.quality,
-            Self::Cubic if of.has_contact => {
-                of.stiffness / (of.lever * of.friction_force / of.stiffness).max(of.motion).powi(2)
-            }
+            Self::Cubic if of.has_contact => of.stiffness / of.deflection().powi(2),
+            Self::Even if of.has_contact => of.stiffness / of.deflection(),
+            Self::Quintic if of.has_contact => of.stiffness / of.deflection().powi(4),
+            // Its bend is that of a cubic stiffness of -10/9 K2^2/K.
+            Self::Even => of.stiffness / (of.quality.sqrt() * of.motion),
+            Self::Quintic => of.stiffness / (of.quality * of.motion.powi(4)),
             Self::Cubic => of.stiffness / (of.quality * of.motion.powi(2)),
             Self::Quadratic => of.stiffness / (of.quality * of.omega.powi(2) * of.motion),
             Self::Stiffness => of.stiffness / of.quality,
             Self::Force => of.stiffness * of.motion / of.quality,
+            Self::Load => of.load,
+            Self::Motion => of.motion,
+            Self::Rate => of.motion * of.omega,
+            Self::Compliance => 1.0 / of.stiffness,
+            Self::InverseMass => of.omega.powi(2) / of.stiffness,
         }
     }
 }

@@ -224,3 +224,41 @@ fn what_cannot_be_done_is_told_before_the_fit() {
     refused(&["stribeck", "paper.toml"], "published procedure");
     assert_eq!(read(dir, "mine.toml"), MINE);
 }
+
+/// A number at which others are stated is written, and no fit moves it.
+#[test]
+fn a_held_parameter_is_written_and_not_freed() {
+    let dir = folder();
+    let dir = dir.path();
+    let output = stickslip(dir).args(["add", "load-stiffening", "mine.toml"]).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let mine = read(dir, "mine.toml");
+    assert!(mine.contains("\nN_ref = \"20 N\"  # 95 %: held"), "{mine}");
+    assert!(mine.contains("\"effect.load-stiffening.m\"]") && !mine.contains("load-stiffening.N_ref"), "{mine}");
+    let free = mine.replace("load-stiffening.m\"", "load-stiffening.N_ref\"");
+    std::fs::write(dir.join("free.toml"), free).unwrap();
+    stickslip(dir).args(["check", "free.toml"]).assert().code(2).stderr(contains("load-stiffening.N_ref"));
+}
+
+#[test]
+fn what_a_search_asks_for_is_named_and_told() {
+    let dir = folder();
+    let dir = dir.path();
+    let search = |list: &str| {
+        let mut command = stickslip(dir);
+        command.args(["discover", "mine.toml", "--max-effects", "1", "--json", "-", "--candidates", list]);
+        command
+    };
+    search("stribeck,viscus-film").assert().code(2).stderr(contains("did you mean `viscous-film`"));
+    let output = search("viscous-film,sensor-delay").output().unwrap();
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["asked"], serde_json::json!(["viscous-film", "sensor-delay"]));
+    let names: Vec<&str> = json["candidates"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .flat_map(|c| c["effects"].as_array().unwrap())
+        .filter_map(|name| name.as_str())
+        .collect();
+    assert!(names.contains(&"viscous-film") && !names.contains(&"rate-strengthening"), "{names:?}");
+}

@@ -7,27 +7,27 @@ use stickslip::effects::{Effect, Group, Law, Measure, ParameterInfo, Zero};
 use stickslip::model::Model;
 use stickslip::scenario::Formulation::Series;
 
-#[path = "worked_example/viscous_film.rs"]
+#[path = "../src/effects/viscous_film.rs"]
 mod viscous_film;
 
 #[test]
 fn the_page_shows_the_file_that_is_compiled_here() {
     let page = include_str!("../CONTRIBUTING.md").replace("\r\n", "\n");
-    let file = include_str!("worked_example/viscous_film.rs").replace("\r\n", "\n");
+    let file = include_str!("../src/effects/viscous_film.rs").replace("\r\n", "\n");
     assert!(page.contains(&format!("```rust\n{file}```\n")));
 }
 
 #[test]
 fn the_worked_example_is_a_dashpot_in_series_with_the_bristles() {
     static FILM: viscous_film::ViscousFilm = viscous_film::ViscousFilm;
-    let gamma = 5.0;
-    let model = Model { effects: vec![(&FILM, vec![gamma])], ..paper_model(Series) };
+    let b = 5.0;
+    let model = Model { effects: vec![(&FILM, vec![b])], ..paper_model(Series) };
     let (rig, contact) = (*model.rig.arm(), model.contact);
     for frequency in [60.0, 71.0, 80.0] {
         let at = at(0.02, frequency);
         let w = std::f64::consts::TAU * frequency;
-        // 1/Z = 1/(kc + i w cc) + 1/(i w gamma W)
-        let (k, c, eta) = (contact.stiffness, w * contact.damping, w * gamma * at.load);
+        // 1/Z = 1/(kc + i w cc) + 1/(i w b W)
+        let (k, c, eta) = (contact.stiffness, w * contact.damping, w * b * at.load);
         let square = k * k + c * c;
         let (re, im) = (k / square, -c / square - 1.0 / eta);
         let square = re * re + im * im;

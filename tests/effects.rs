@@ -86,6 +86,8 @@ fn every_parameter_has_a_unit_limits_and_a_range_within_them() {
     for effect in REGISTRY {
         let infos = effect.parameters();
         assert!((1..=4).contains(&infos.len()), "{}", effect.name());
+        // Numbers of the registry are also those of the keys that a fit moves.
+        assert!(infos.is_sorted_by_key(|info| info.held), "{}", effect.name());
         for info in infos {
             let what = format!("{} {}", effect.name(), info.key);
             assert!(!info.key.is_empty() && !info.symbol.is_empty() && !info.meaning.is_empty(), "{what}");

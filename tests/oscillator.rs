@@ -1,41 +1,15 @@
 //! Rigs without a contact: closed forms, an integration that shares no shortcut, derivatives, folds.
 
+mod common;
+
+use common::oscillator;
 use std::f64::consts::TAU;
 use stickslip::effects::find;
 use stickslip::model::{Model, Operation};
-use stickslip::scenario::{
-    self, Contact, Coordinate, Dissipation, Elasticity, Excitation, Instrument, Oscillator, Rig,
-};
+use stickslip::scenario;
 use stickslip::solver::cycle::Tolerance;
 use stickslip::solver::time::Plan;
 use stickslip::solver::{Solution, Status, Warm, integrated, solve_steady};
-
-/// A mass on a spring, driven by a force.
-fn oscillator(mass: f64, frequency: f64, quality: f64) -> Model {
-    let rig = Rig::Oscillator(Oscillator {
-        coordinate: Coordinate::Displacement,
-        excitation: Excitation::Force,
-        absolute: false,
-        mass,
-        mass_stated: true,
-        elasticity: frequency,
-        elasticity_form: Elasticity::NaturalFrequency,
-        dissipation: quality,
-        dissipation_form: Dissipation::QualityFactor,
-        spring_stiffness: 0.0,
-        spring_damping: 0.0,
-        contact_factor: 0.0,
-    });
-    let paper = Model::new(&scenario::paper());
-    Model {
-        rig,
-        contact: Contact::NONE,
-        has_contact: false,
-        instrument: Instrument::default(),
-        signals: rig.signals(),
-        ..paper
-    }
-}
 
 fn with(mut model: Model, name: &str, parameters: &[f64]) -> Model {
     model.effects.push((find(name).expect("registered"), parameters.to_vec()));
@@ -133,9 +107,13 @@ fn balance_and_integration_agree() {
     let k = mass * (TAU * f0).powi(2);
     let motion = force * quality / k;
     let c = (k * mass).sqrt() / quality;
-    let cases: [(&str, Vec<f64>); 7] = [
+    let cases: [(&str, Vec<f64>); 11] = [
         ("cubic-stiffness", vec![0.3 * k / quality / motion.powi(2)]),
         ("cubic-stiffness", vec![-0.3 * k / quality / motion.powi(2)]),
+        ("quintic-stiffness", vec![0.3 * k / quality / motion.powi(4)]),
+        ("asymmetric-stiffness", vec![-0.8 * k / quality.sqrt() / motion]),
+        ("clearance", vec![0.06 * k, 0.4 * motion]),
+        ("power-damping", vec![0.5 * force, 1.3, motion * TAU * f0]),
         ("quadratic-damping", vec![2.0 * c / (motion * TAU * f0)]),
         ("friction-joint", vec![0.3 * k, 0.4 * force, 1.0]),
         ("friction-joint", vec![0.3 * k, 0.4 * force, 2.5]),
@@ -165,6 +143,14 @@ fn zero_strength_is_the_linear_mode() {
         ("cubic-stiffness", vec![0.0]),
         ("quadratic-damping", vec![0.0]),
         ("friction-joint", vec![0.0, 1.0, 2.0]),
+        ("quintic-stiffness", vec![0.0]),
+        ("asymmetric-stiffness", vec![0.0]),
+        ("clearance", vec![0.0, 1e-3]),
+        ("clearance", vec![1.0, 1e3]),
+        ("power-damping", vec![0.0, 0.5, 1.0]),
+        ("power-damping", vec![0.0, 1.5, 1.0]),
+        ("pivot-friction", vec![0.0]),
+        ("residual-modes", vec![0.0, 0.0]),
         ("structural-damping", vec![0.0]),
         ("sensor-delay", vec![0.0]),
         ("actuator-lag", vec![0.0]),

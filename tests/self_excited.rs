@@ -47,7 +47,7 @@ fn every_point_over_the_catalogue_ends_in_a_number_or_in_words() {
         (seed >> 11) as f64 / (1u64 << 53) as f64
     };
     let (mut steady_points, mut integrated, mut excited, mut failed) = (0, 0, 0, 0);
-    for effect in effects::REGISTRY {
+    for effect in effects::REGISTRY.iter().filter(|effect| effects::fits_rig(**effect, true).is_ok()) {
         for _ in 0..20 {
             let value = |p: &effects::ParameterInfo, u: f64| {
                 let (low, high) = p.range.unwrap_or((p.minimum, p.maximum));
@@ -69,6 +69,7 @@ fn every_point_over_the_catalogue_ends_in_a_number_or_in_words() {
                     excited += 1;
                     assert!(state.amplitude.is_finite() && why.contains("average"), "{state:?}");
                 }
+                Status::Stuck => panic!("a contact has no such state: {state:?}"),
                 Status::Failed(why) => {
                     failed += 1;
                     assert!(state.amplitude.is_nan() && why.len() > 20, "{state:?}");

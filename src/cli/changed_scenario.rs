@@ -33,8 +33,9 @@ pub fn trial(
         detectable_change: f64::INFINITY,
         contradicted: false,
     };
-    let keys = Addition::Effect(effect).keys().into_iter();
-    let values = keys.zip(effect.parameters().iter().zip(typical(effect))).map(one).filter(|_| !job.remove).collect();
+    let key = |info: &ParameterInfo| format!("effect.{}.{}", effect.name(), info.key);
+    let infos = effect.parameters().iter();
+    let values = infos.zip(typical(effect)).map(|pair| one((key(pair.0), pair))).filter(|_| !job.remove).collect();
     write(job, effect, scenario, values, file, target).map(|_| ())
 }
 
@@ -55,8 +56,25 @@ pub fn fitted(
         contradicted: c.whiteness.structured,
         ..estimate(parameter, interval, detectable_change(column))
     };
-    let values = pairs.map(one).collect();
+    let added = c.model.effects.iter().filter(|(own, _)| !job.remove && own.name() == effect.name());
+    let numbers = added.flat_map(|(_, values)| effect.parameters().iter().zip(values));
+    let coordinate = scenario.rig.coordinate();
+    let held = numbers.filter(|(info, _)| info.held).map(|(info, &value)| held(effect, &info.on(coordinate), value));
+    let values = pairs.map(one).chain(held).collect();
     write(job, effect, scenario, values, file, target)
+}
+
+/// A parameter that no fit moves.
+fn held(effect: &dyn Effect, info: &ParameterInfo, value: f64) -> Estimate {
+    Estimate {
+        key: format!("effect.{}.{}", effect.name(), info.key),
+        value,
+        unit: info.unit,
+        low: Some(value),
+        high: Some(value),
+        detectable_change: f64::INFINITY,
+        contradicted: false,
+    }
 }
 
 /// A fitted parameter; ends of its interval that are only bounds of the search are left out.

@@ -136,6 +136,9 @@ enum Command {
         /// Search otherwise than by default: NAME=VALUE, as docs/search.md lists them
         #[arg(long, value_name = "NAME=VALUE", value_delimiter = ',')]
         search: Vec<String>,
+        /// Effects to ask for: names, or all [default: those that `stickslip effects` does not mark]
+        #[arg(long, value_name = "LIST", value_delimiter = ',')]
+        candidates: Vec<String>,
         /// Tell on which variable what is missing depends also where the catalogue explains it
         #[arg(long)]
         free_form: bool,
@@ -276,12 +279,13 @@ pub fn run(cli: Cli) -> Result<()> {
             max_effects,
             seed,
             search,
+            candidates,
             free_form,
             gates,
             verdict,
             limits,
         } => {
-            let options = trial::searched(&search, max_effects, seed)?;
+            let options = trial::searched((&search, &candidates), max_effects, seed)?;
             let json = json.map(Json::from);
             let out = out.as_deref().map(|out| (out, &drawn));
             let job = discover::Job { path: &scenario, json: json.as_ref(), out, free_form, plot };

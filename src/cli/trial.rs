@@ -3,7 +3,7 @@
 use super::figure_output::FigureOutput;
 use super::folder::Folder;
 use super::{Global, Json, say, simulate};
-use crate::discover::SearchOptions;
+use crate::discover::{Candidates, SearchOptions};
 use crate::error::{Error, Result};
 use crate::trial::{self, Bench, Options, Record, Summary};
 use crate::{scenario, terminal, units};
@@ -54,14 +54,26 @@ pub struct Arguments {
     /// Search otherwise than by default: NAME=VALUE, as docs/search.md lists them
     #[arg(long, value_name = "NAME=VALUE", value_delimiter = ',')]
     search: Vec<String>,
+    /// Effects to ask for: names, or all [default: those that `stickslip effects` does not mark]
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    candidates: Vec<String>,
 }
 
-/// The options of a search with settings NAME=VALUE.
+/// The options of a search with settings NAME=VALUE, and the effects that it asks for.
 ///
 /// # Errors
-/// [`Error::Input`] naming the first setting that is none.
-pub(super) fn searched(settings: &[String], max_effects: u8, seed: u32) -> Result<SearchOptions> {
-    let mut options = SearchOptions { max_effects: max_effects.into(), seed, ..SearchOptions::default() };
+/// [`Error::Input`] naming the first setting that is none, or the first effect.
+pub(super) fn searched(
+    (settings, candidates): (&[String], &[String]),
+    max_effects: u8,
+    seed: u32,
+) -> Result<SearchOptions> {
+    let candidates = Candidates::of(candidates).map_err(|why| {
+        Error::Input(format!(
+            "error: --candidates: {why}\n  = help: names of effects or `all`; `stickslip effects` lists them"
+        ))
+    })?;
+    let mut options = SearchOptions { max_effects: max_effects.into(), seed, candidates, ..SearchOptions::default() };
     for setting in settings {
         options.set(setting).map_err(|why| {
             let list: Vec<String> =
@@ -84,7 +96,7 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
         noise: a.noise.iter().map(|text| share("--noise", text, 1e-6)).collect::<Result<_>>()?,
         outliers: share("--outliers", &a.outliers, 0.0)?,
         phase: !a.no_phase,
-        search: searched(&a.search, a.max_effects, 0)?,
+        search: searched((&a.search, &a.candidates), a.max_effects, 0)?,
         out: a.out.clone(),
         inputs: a.conditions.iter().cloned().collect(),
     };

@@ -56,7 +56,7 @@ fn contact(model: &Model, p: &Compared, amplitude: f64, phase: f64, sd: (f64, f6
     let (w, b) = (TAU * point.frequency, if model.has_contact { lumps.arm.value } else { 1.0 });
     let (alpha, phi) = (amplitude / lumps.amplitude_gain.value, phase - lumps.phase_offset.value);
     // Of a motion in space, that relative to the base.
-    let (alpha, phi, sd) = lumps.base_motion.as_deref().map_or((alpha, phi, sd), |(re, im)| {
+    let (alpha, phi, sd) = lumps.read_beside.as_deref().map_or((alpha, phi, sd), |(re, im)| {
         let (re, im) = (alpha * phi.cos() - re.value, alpha * phi.sin() - im.value);
         let relative = re.hypot(im);
         (relative, im.atan2(re), (sd.0 * alpha / relative, sd.1 * alpha / relative))

@@ -31,7 +31,6 @@ use crate::fit::{
 use crate::measurement::{Point, Table};
 use crate::model::Model;
 use crate::scenario::{Scenario, Signal, Signals};
-use crate::solver::Status;
 use crate::solver::cycle::Tolerance;
 use crate::statistics::wrap;
 use crate::units::count;
@@ -217,7 +216,7 @@ impl Comparison {
 
     /// Number of points at which the model has no steady state.
     pub fn unsolved(&self) -> usize {
-        self.points.iter().filter(|p| p.model.status != Status::Steady).count()
+        self.points.iter().filter(|p| !p.model.status.is_steady()).count()
     }
 
     /// Three numbers that add up. Integrated over time when first asked for, which takes long where motions settle slowly.

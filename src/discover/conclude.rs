@@ -144,6 +144,7 @@ impl Search<'_> {
             verdict,
             candidates,
             indistinguishable,
+            asked: self.pool.iter().filter(|addition| addition.is_effect()).map(Addition::name).collect(),
             not_testable,
             outliers,
             next_measurement,

@@ -1,5 +1,6 @@
 //! What may be wrong with a model: a number of the rig or the instrument, or an effect that is missing; alone or together.
 
+use super::candidates::Candidates;
 use crate::effects::{self, Effect, REGISTRY, middle};
 use crate::fit::{Fit, Problem, parameter, robust_square, typical_of};
 use crate::measurement::Point;
@@ -52,9 +53,9 @@ impl std::fmt::Debug for Addition {
     }
 }
 
-/// Everything that may be added to a model whose parameters `free` move already: first recalibrations, then effects. Effects
-/// of a contact need one.
-pub fn additions(model: &Model, free: &[String], with_phase: bool) -> Vec<Addition> {
+/// Everything that may be added to a model whose parameters `free` move already: first recalibrations, then those of the
+/// `candidates` that fit its rig.
+pub fn additions(model: &Model, free: &[String], with_phase: bool, candidates: &Candidates) -> Vec<Addition> {
     let movable = |key: &&'static str| {
         !key.starts_with("contact.")
             && !free.iter().any(|f| f == key)
@@ -67,7 +68,8 @@ pub fn additions(model: &Model, free: &[String], with_phase: bool) -> Vec<Additi
     let mut all: Vec<Addition> = keys.filter(movable).map(Addition::Recalibration).collect();
     let absent = |effect: &&&'static dyn Effect| !model.effects.iter().any(|(e, _)| e.name() == effect.name());
     let fits = |effect: &&&'static dyn Effect| effects::fits_rig(**effect, model.has_contact).is_ok();
-    all.extend(REGISTRY.iter().filter(absent).filter(fits).map(|effect| Addition::Effect(*effect)));
+    let asked = |effect: &&&'static dyn Effect| candidates.include(**effect);
+    all.extend(REGISTRY.iter().filter(asked).filter(absent).filter(fits).map(|effect| Addition::Effect(*effect)));
     all
 }
 

@@ -149,7 +149,8 @@ pub struct Count<'k> {
 /// A starting point as shares of the ranges of an addition, or as values.
 enum Sample {
     Known(Vec<f64>),
-    Shares(Vec<f64>, bool),
+    /// Shares of the ranges, and which of the parameters of either sign are negative, a bit for each.
+    Shares(Vec<f64>, usize),
     Step(f64),
     Resonance,
 }
@@ -163,7 +164,7 @@ impl Count<'_> {
         }
         let model = extended(&from.model, &[addition]);
         let own: Vec<Parameter> = addition.keys().iter().filter_map(|key| parameter(&model, key)).collect();
-        let signed = own.iter().any(|p| p.signed);
+        let signs = 1 << own.iter().filter(|p| p.signed).count();
         let count = (self.starts * own.len() / self.shared).max(2);
         let shares = |number: usize| -> Vec<f64> {
             match own.len() {
@@ -171,10 +172,8 @@ impl Count<'_> {
                 n => (0..n as u32).map(|d| f64::from(sobol_burley::sample(number as u32, d, self.seed))).collect(),
             }
         };
-        // Both signs of a point before the next one.
-        let of = |i: usize| {
-            if signed { Sample::Shares(shares(i / 2), i % 2 == 1) } else { Sample::Shares(shares(i), false) }
-        };
+        // All signs of a point before the next one.
+        let of = |i: usize| Sample::Shares(shares(i / signs), i % signs);
         let known = self.known.and_then(|model| {
             let Addition::Effect(effect) = addition else { return None };
             let (_, values) = model.effects.iter().find(|(e, _)| e.name() == effect.name())?;
@@ -204,7 +203,12 @@ impl Sample {
                 model
             }
             Self::Shares(shares, negative) => {
-                let turned = |p: &Parameter| if p.signed && *negative { p.mirrored() } else { p.clone() };
+                let mut signs = *negative;
+                let turned = |p: &Parameter| {
+                    let turn = p.signed && signs & 1 == 1;
+                    signs >>= usize::from(p.signed);
+                    if turn { p.mirrored() } else { p.clone() }
+                };
                 let parameters: Vec<Parameter> = parameters.iter().map(turned).collect();
                 let values: Vec<f64> = parameters.iter().zip(shares).map(|(p, &share)| p.within(share)).collect();
                 with(&model, parameters, &values)

@@ -4,6 +4,7 @@
 //! one after the other. They are ranked by Schwarz's criterion and by the prediction of left-out conditions.
 
 mod add;
+mod candidates;
 mod conclude;
 mod criteria;
 mod data;
@@ -22,6 +23,7 @@ mod verdict;
 mod words;
 
 pub use add::{Change, fit_addition, fit_removal};
+pub use candidates::Candidates;
 pub use fall::{Fall, Part, STRENGTHS, State};
 pub use held_out::{HeldOut, held_out};
 pub use hypothesis::{Addition, Basis, Estimate, Hypothesis, additions, compatible, extended};
@@ -129,6 +131,8 @@ pub struct Discovery {
     pub candidates: Vec<Candidate>,
     /// Groups of names that the data do not tell apart.
     pub indistinguishable: Vec<Vec<String>>,
+    /// Effects that were asked for.
+    pub asked: Vec<&'static str>,
     /// Effects that the data cannot show.
     pub not_testable: Vec<NotTestable>,
     /// Readings that stand out of the best explanation.

@@ -1,5 +1,6 @@
 //! How a search is made: everything about it that is a choice.
 
+use super::candidates::Candidates;
 use super::next::Bounds;
 
 /// Schwarz's criterion of two hypotheses closer than this: the data do not decide between them. Odds of twenty to one where
@@ -34,6 +35,8 @@ pub struct SearchOptions {
     /// Steady states that may be solved, each counted by what it costs: a joint's as three. When they are spent the best so far is
     /// reported as that.
     pub budget: u64,
+    /// Effects that are asked for.
+    pub candidates: Candidates,
     /// Where the next measurement may be.
     pub bounds: Bounds,
 }
@@ -97,6 +100,7 @@ impl Default for SearchOptions {
             survivors: 6,
             beam: 4,
             budget: 1_000_000,
+            candidates: Candidates::default(),
             bounds: Bounds::default(),
         }
     }

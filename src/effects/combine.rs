@@ -13,7 +13,7 @@ const SINGLE: &[(&str, Contributes)] = &[
     ("an internal state of the interface", |e, p, _| e.interface_rate(p, 1.0, 1.0).is_some()),
     ("the heating of the interface", |e, _, d| e.heating(d).is_some()),
     ("a viscoelastic branch", |e, _, d| e.branch(d).is_some()),
-    ("a joint to ground", |e, _, d| e.joint(d).is_some()),
+    ("a joint to ground", |e, _, d| slips(e, d)),
     ("the support of the roller", |e, _, d| e.support(d).is_some()),
 ];
 
@@ -43,20 +43,21 @@ pub fn compatible(effects: &[&dyn Effect]) -> Result<(), String> {
 /// Whether an effect enters the equations of the contact or of its load.
 pub fn enters_contact(effect: &dyn Effect) -> bool {
     let (p, d) = sample(effect);
-    (effect.joint(&d).is_none() && SINGLE.iter().any(|(_, contributes)| contributes(effect, &p, &d)))
+    (effect.beside_contact() && SINGLE.iter().any(|(_, contributes)| contributes(effect, &p, &d)))
         || effect.friction(&p, 1.0, 1.0).is_some()
         || effect.load_stiffness(&d).is_some()
         || effect.renewal(&d, Dual::constant(1.0)).is_some()
+        || effect.contact_factor(&d, Dual::constant(1.0)).is_some()
 }
 
 /// Whether an effect can act on a rig with or without a contact; the error says why not.
 pub fn fits_rig(effect: &dyn Effect, contact: bool) -> Result<(), String> {
-    let (p, d) = sample(effect);
+    let (p, _) = sample(effect);
     let of_contact = enters_contact(effect) || effect.continuum(&p).is_some();
     let name = effect.name();
-    match (of_contact, effect.joint(&d).is_some()) {
+    match (of_contact, effect.beside_contact()) {
         (true, _) if !contact => Err(format!("`{name}` is an effect of the contact, and the rig has none")),
-        (_, true) if contact => Err(format!("`{name}` is solved for rigs without a [contact]")),
+        (_, false) if contact => Err(format!("`{name}` is solved for rigs without a [contact]")),
         _ => Ok(()),
     }
 }
@@ -64,7 +65,15 @@ pub fn fits_rig(effect: &dyn Effect, contact: bool) -> Result<(), String> {
 /// Whether the published procedure can carry an effect: only changes of the drive, of the linear damping and of the reading.
 pub fn in_paper_formulation(effect: &dyn Effect) -> bool {
     let (p, d) = sample(effect);
-    !enters_contact(effect) && effect.torque(&p, 0.0, 0.0).is_none() && effect.joint(&d).is_none()
+    !enters_contact(effect)
+        && effect.torque(&p, 0.0, 0.0).is_none()
+        && !slips(effect, &d)
+        && effect.residual(&d, 1.0).is_none()
+}
+
+/// Whether an effect holds the body to the ground by friction.
+fn slips(effect: &dyn Effect, d: &[Dual]) -> bool {
+    effect.joint(d).is_some() || effect.dry_friction(d).is_some()
 }
 
 fn sample(effect: &dyn Effect) -> (Vec<f64>, Vec<Dual>) {
@@ -83,7 +92,9 @@ mod tests {
         for (i, one) in REGISTRY.iter().enumerate() {
             for other in &REGISTRY[..i] {
                 let both = [one.name(), other.name()];
-                let excluded = both.contains(&"lugre") && both.contains(&"partial-slip");
+                let excluded = [["lugre", "partial-slip"], ["friction-joint", "pivot-friction"]]
+                    .iter()
+                    .any(|pair| pair.iter().all(|name| both.contains(name)));
                 assert_eq!(compatible(&[*other, *one]).is_err(), excluded, "{both:?}");
             }
         }
@@ -91,7 +102,8 @@ mod tests {
         assert!(compatible(&[lugre, lugre]).is_err());
         let message = compatible(&[find("partial-slip").expect("registered"), lugre]).expect_err("two elements");
         assert!(message.starts_with("`partial-slip` and `lugre` cannot be combined"), "{message}");
-        let all: Vec<_> = REGISTRY.iter().copied().filter(|e| e.name() != "lugre").collect();
+        let groups = ["lugre", "pivot-friction"];
+        let all: Vec<_> = REGISTRY.iter().copied().filter(|e| !groups.contains(&e.name()) && e.searched()).collect();
         assert_eq!(compatible(&all), Ok(()));
     }
 

@@ -58,6 +58,9 @@ impl Effect for FrictionJoint {
         LIST
     }
 
+    fn beside_contact(&self) -> bool {
+        false
+    }
     fn joint(&self, p: &[Dual]) -> Option<[Dual; 3]> {
         Some([p[0], p[1], p[2]])
     }

@@ -5,24 +5,32 @@
 //! contributions in one place. Every law is stated once, here, and every solver evaluates that statement.
 
 mod actuator_lag;
+mod asymmetric_stiffness;
+mod clearance;
 mod combine;
 mod contact_renewal;
 mod cubic_stiffness;
 mod friction_joint;
 mod frictional_heating;
 mod grosch;
+mod load_stiffening;
 mod lugre;
 mod maxwell_branch;
 mod normal_coupling;
 mod partial_slip;
+mod pivot_friction;
+mod power_damping;
 mod quadratic_damping;
+mod quintic_stiffness;
 mod rate_and_state;
 mod rate_strengthening;
+mod residual_modes;
 mod roller_compliance;
 mod sensor_delay;
 mod stribeck;
 mod structural_damping;
 mod typical;
+mod viscous_film;
 
 pub use crate::parameter::{Measure, ParameterInfo, Scales};
 pub use combine::{compatible, enters_contact, fits_rig, in_paper_formulation};
@@ -114,9 +122,14 @@ pub trait Effect: Sync {
     fn zero(&self) -> &'static [Zero];
     /// Its parameters in order, at most four where it has a law.
     fn parameters(&self) -> &'static [ParameterInfo];
-    /// Keys of its parameters as in `[fit] free`.
+    /// Whether a search asks for it by default.
+    fn searched(&self) -> bool {
+        true
+    }
+    /// Keys of the parameters that a fit may move, as in `[fit] free`.
     fn keys(&self) -> Vec<String> {
-        self.parameters().iter().map(|info| format!("effect.{}.{}", self.name(), info.key)).collect()
+        let movable = self.parameters().iter().filter(|info| !info.held);
+        movable.map(|info| format!("effect.{}.{}", self.name(), info.key)).collect()
     }
 
     /// Term added to the friction coefficient at slip rate `s >= 0` \[m/s\] and interface state `psi` (0 where there is none).
@@ -133,6 +146,10 @@ pub trait Effect: Sync {
     }
     /// Stiffness \[N/m\] that couples the arm's displacement at the contact, b th, into the normal load.
     fn load_stiffness(&self, _p: &[Dual]) -> Option<Dual> {
+        None
+    }
+    /// Factor on stiffness and damping of the bristles under the load `load` \[N\], which is positive.
+    fn contact_factor(&self, _p: &[Dual], _load: Dual) -> Option<Dual> {
         None
     }
     /// Viscoelastic branch beside the bristles: (stiffness \[N/m\], relaxation time \[s\]).
@@ -164,6 +181,22 @@ pub trait Effect: Sync {
     fn torque_is_kinked(&self) -> bool {
         false
     }
+    /// Whether the torque is so rough that many instants of a cycle have to be looked at.
+    fn torque_is_rough(&self, _p: &[f64]) -> bool {
+        false
+    }
+    /// Whether the slope of the torque has no bound where the angular velocity is zero.
+    fn torque_is_steep(&self, _p: &[f64]) -> bool {
+        false
+    }
+    /// Dry friction between the body and the ground \[N, N m\]: a force against the velocity that holds the body at rest.
+    fn dry_friction(&self, _p: &[Dual]) -> Option<Dual> {
+        None
+    }
+    /// Whether the solvers of a contact can carry it.
+    fn beside_contact(&self) -> bool {
+        true
+    }
     /// Stiffness \[N m/rad\] added to the arm.
     fn stiffness(&self, _p: &[Dual]) -> Option<Dual> {
         None
@@ -184,6 +217,10 @@ pub trait Effect: Sync {
     fn reading(&self, _p: &[Dual], _omega: f64) -> Option<Dual> {
         None
     }
+    /// Motion per torque of the drive \[rad/(N m), m/N\] that is read beside that of the mode at `omega` \[rad/s\].
+    fn residual(&self, _p: &[Dual], _omega: f64) -> Option<Dual> {
+        None
+    }
 }
 
 /// All effects, in the order of the catalogue.
@@ -193,18 +230,26 @@ pub static REGISTRY: &[&dyn Effect] = &[
     &grosch::Grosch,
     &rate_and_state::RateAndState,
     &frictional_heating::FrictionalHeating,
+    &viscous_film::ViscousFilm,
     &normal_coupling::NormalCoupling,
+    &load_stiffening::LoadStiffening,
     &maxwell_branch::MaxwellBranch,
     &partial_slip::PartialSlip,
     &contact_renewal::ContactRenewal,
     &lugre::LuGre,
     &cubic_stiffness::CubicStiffness,
+    &quintic_stiffness::QuinticStiffness,
+    &asymmetric_stiffness::AsymmetricStiffness,
+    &clearance::Clearance,
     &quadratic_damping::QuadraticDamping,
+    &power_damping::PowerDamping,
     &friction_joint::FrictionJoint,
+    &pivot_friction::PivotFriction,
     &structural_damping::StructuralDamping,
     &actuator_lag::ActuatorLag,
     &roller_compliance::RollerCompliance,
     &sensor_delay::SensorDelay,
+    &residual_modes::ResidualModes,
 ];
 
 /// The effect of that name.

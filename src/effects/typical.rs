@@ -2,9 +2,12 @@
 
 use super::{Effect, ParameterInfo, Scales};
 
-/// Values in the middle of what a search covers on a rig of these scales (geometric mean).
+/// Values in the middle of what a search covers on a rig of these scales (geometric mean); those held, at their scale.
 pub fn middle(effect: &dyn Effect, scales: &Scales) -> Vec<f64> {
     let middle = |(info, typical): (&ParameterInfo, f64)| {
+        if info.held {
+            return info.measure.size(scales);
+        }
         if info.alone.is_none() || scales.has_contact {
             return typical * (info.measure.size(scales) / info.measure.size(&Scales::PAPER));
         }

@@ -196,6 +196,7 @@ pub fn status_word(status: &Status) -> &'static str {
     match status {
         Status::Steady => "steady",
         Status::SelfExcited(_) => "self-excited",
+        Status::Stuck => "stuck",
         Status::Failed(_) => "failed",
     }
 }

@@ -52,7 +52,7 @@ pub fn parameter(model: &Model, key: &str) -> Option<Parameter> {
         let mut index = FIRST_EFFECT_PARAMETER;
         for (candidate, values) in &model.effects {
             for (info, &value) in candidate.parameters().iter().zip(values) {
-                if candidate.name() == effect && info.key == name {
+                if candidate.name() == effect && info.key == name && !info.held {
                     return Some(of_effect(key, &info.on(model.rig.coordinate()), index, value, model));
                 }
                 index += 1;

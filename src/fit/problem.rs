@@ -62,7 +62,7 @@ impl Evaluation {
 
     /// Number of points at which the model has no steady state.
     pub fn troubled(&self) -> usize {
-        self.predictions.iter().filter(|p| p.status != Status::Steady).count()
+        self.predictions.iter().filter(|p| !p.status.is_steady()).count()
     }
 }
 
@@ -170,11 +170,11 @@ impl<'a> Problem<'a> {
             }
             let solution = solve_steady(&model, &operation(point), &tolerance, derivatives, warm);
             let state = solution.state;
-            if state.status != Status::Steady {
+            if !state.status.is_steady() {
                 troubled.fetch_add(1, Relaxed);
             }
             let gradient = match &solution.derivatives {
-                Some(all) if state.status == Status::Steady => indices.iter().map(|&i| all[i]).collect(),
+                Some(all) if state.status.is_steady() => indices.iter().map(|&i| all[i]).collect(),
                 _ => vec![(0.0, 0.0); indices.len()],
             };
             let others = solution.others;
@@ -209,7 +209,7 @@ impl<'a> Problem<'a> {
             let predictions = solved.into_iter().map(|(p, _)| p).collect();
             return Evaluation { residuals, jacobian, predictions, lost };
         }
-        let steady = self.points.iter().zip(&solved).filter(|(_, (p, _))| p.status == Status::Steady);
+        let steady = self.points.iter().zip(&solved).filter(|(_, (p, _))| p.status.is_steady());
         let squares = steady.map(|(point, (prediction, _))| {
             let (amplitude, phase) = read(point, prediction);
             (amplitude.powi(2) + phase.map_or(0.0, |r| r.powi(2)), 1 + usize::from(phase.is_some()))
@@ -219,7 +219,7 @@ impl<'a> Problem<'a> {
         let mut row = 0;
         for (point, (prediction, gradient)) in self.points.iter().zip(&solved) {
             let (amplitude, phase) = match prediction.status {
-                Status::Steady => read(point, prediction),
+                Status::Steady | Status::Stuck => read(point, prediction),
                 _ if lost => (LOST.1, point.phase.map(|_| LOST.1)),
                 _ if average > TROUBLED => (average, point.phase.map(|_| average)),
                 _ => read(point, prediction),
@@ -284,10 +284,13 @@ impl Problem<'_> {
     }
 }
 
-/// Steady states of a single slider that one of a model costs, as measured: of a joint 0.1 ms instead of 0.03 ms; a continuum of
-/// sliders has its own solution by itself, and none beside another law of the contact.
+/// Steady states of a single slider that one of a model costs, as measured: of a joint 0.1 ms instead of 0.03 ms, where dry friction
+/// may stop the body 0.3 ms, under a damping without a bounded slope some milliseconds; a continuum of sliders has its own solution
+/// by itself, and none beside another law of the contact.
 pub fn cost(model: &Model) -> u64 {
     match (model.has_continuum(), model.effects.len()) {
+        (false, _) if model.is_steep() => 100,
+        (false, _) if model.has_dry_friction() => 10,
         (false, _) if model.has_joint() => 3,
         (false, _) => 1,
         (true, 1) => 3,
@@ -300,7 +303,7 @@ pub fn read(point: &Point, prediction: &Prediction) -> (f64, Option<f64>) {
     let amplitude = (prediction.amplitude - point.amplitude) / point.amplitude_sd;
     let phase = point.phase.zip(point.phase_sd).map(|(phase, sd)| wrap(prediction.phase - phase) / sd);
     match prediction.status {
-        Status::Steady => (amplitude, phase),
+        Status::Steady | Status::Stuck => (amplitude, phase),
         _ => (troubled(amplitude), phase.map(troubled)),
     }
 }

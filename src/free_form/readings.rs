@@ -132,7 +132,9 @@ impl<'a> Readings<'a> {
             let (amplitude, phase) = (all[index].0 / state.amplitude, all[index].1);
             let of_motion =
                 Complex::new(amplitude - gain.gradient[index] / gain.value, phase - offset.gradient[index]) * read;
-            let motion = (x.conj() * of_motion).re / x.norm_sqr();
+            let beside = lumps.read_beside.as_deref();
+            let beside = beside.map_or(Complex::ZERO, |(re, im)| Complex::new(re.gradient[index], im.gradient[index]));
+            let motion = (x.conj() * (of_motion - beside)).re / x.norm_sqr();
             [amplitude * per, phase * per, motion * per]
         };
         let mut derivatives = vec![by(self.index, self.units[0]), by(self.index + 1, self.units[1])];
@@ -154,11 +156,11 @@ impl<'a> Readings<'a> {
     }
 }
 
-/// Complex amplitude of the coordinate from a reading: without the motion of the base where that is read along, as far as a phase
+/// Complex amplitude of the coordinate from a reading: without what is read beside it, the motion of the base say, as far as a phase
 /// tells it.
 fn relative(lumps: &Lumps, amplitude: f64, phase: f64, has_phase: bool) -> Complex<f64> {
     let read = Complex::from_polar(amplitude / lumps.amplitude_gain.value, phase - lumps.phase_offset.value);
-    match lumps.base_motion.as_deref() {
+    match lumps.read_beside.as_deref() {
         Some((re, im)) if has_phase => read - Complex::new(re.value, im.value),
         _ => read,
     }

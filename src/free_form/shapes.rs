@@ -7,7 +7,7 @@ use crate::effects::{Effect, REGISTRY, compatible, fits_rig, middle};
 use crate::fit::operation;
 use crate::model::Model;
 use crate::model::alone::Alone;
-use crate::solver::oscillator::describing;
+use crate::solver::describing::describing;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -91,16 +91,18 @@ impl<'a> Law<'a> {
         self.readings.points.iter().zip(&self.motion).map(at).collect()
     }
 
-    /// What the effect leaves at a place of its ranges (0 to 1 each), its strength being free.
+    /// What the effect leaves at a place of its ranges (0 to 1 each), its strength being free; those held, which come last, have
+    /// no place.
     fn shape(&self, place: &[f64]) -> Option<Shape> {
         let infos = self.effect.parameters();
-        let value = |(info, share): (&crate::effects::ParameterInfo, &f64)| {
+        let value = |(number, info): (usize, &crate::effects::ParameterInfo)| {
+            let Some(share) = place.get(number) else { return info.measure.size(&self.base.scales) };
             let (low, high) = info.search_range(&self.base.scales);
             // From a range that begins at zero, three decades.
             let low = if low > 0.0 { low } else { 1e-3 * high };
             (low * (high / low).powf(*share)).clamp(info.minimum, info.maximum)
         };
-        let parameters: Vec<f64> = infos.iter().zip(place).map(value).collect();
+        let parameters: Vec<f64> = infos.iter().enumerate().map(value).collect();
         let signed = infos.first().is_some_and(|info| info.signed);
         let tried = &self.judged.tried[self.leading];
         let residuals = tried.class.left_by(&tried.fitted, &self.force(&parameters), signed)?;
@@ -115,7 +117,7 @@ impl<'a> Law<'a> {
 
     /// The best place: the strength needs none, of one more parameter a grid, of several a grid each and all together.
     fn nearest(&self) -> Option<Shape> {
-        let free = self.effect.parameters().len();
+        let free = self.effect.parameters().iter().filter(|info| !info.held).count();
         let mut best = vec![0.5; free];
         let mut found = self.shape(&best)?;
         let mut step = 1.0 / (TRIED - 1) as f64;

@@ -31,15 +31,17 @@ impl Alone {
 
     /// Whether the mode is linear, so that its motion is known in closed form.
     pub fn is_linear(&self) -> bool {
-        self.laws.is_empty() && self.lumps.joint.is_none()
+        self.laws.is_empty() && self.lumps.joint.is_none() && self.lumps.dry_friction.is_none()
     }
 
-    /// Gradients of what the derivatives of a solution are known by: M, C, K, the drive (real, imaginary) and the three
-    /// numbers of the joint.
-    pub fn gradients(&self) -> [Dual; 8] {
-        let Lumps { inertia, damping, stiffness, torque_re, torque_im, ref joint, .. } = self.lumps;
-        let [k, force, exponent] = joint.as_deref().copied().unwrap_or([Dual::constant(0.0); 3]);
-        [inertia, damping, stiffness, torque_re, torque_im, k, force, exponent]
+    /// Gradients of what the derivatives of a solution are known by: M, C, K, the drive (real, imaginary), the three numbers
+    /// of the joint and dry friction.
+    pub fn gradients(&self) -> [Dual; 9] {
+        let Lumps { inertia, damping, stiffness, torque_re, torque_im, ref joint, ref dry_friction, .. } = self.lumps;
+        let none = Dual::constant(0.0);
+        let [k, force, exponent] = joint.as_deref().copied().unwrap_or([none; 3]);
+        let dry = dry_friction.as_deref().copied().unwrap_or(none);
+        [inertia, damping, stiffness, torque_re, torque_im, k, force, exponent, dry]
     }
 
     /// Index among the parameters of the model of column number `column`.
@@ -64,6 +66,15 @@ impl SingleMode for Alone {
     }
     fn joint(&self) -> Option<[f64; 3]> {
         self.lumps.joint.as_deref().map(|joint| joint.each_ref().map(|dual| dual.value))
+    }
+    fn dry_friction(&self) -> f64 {
+        self.lumps.dry_friction.as_deref().map_or(0.0, |friction| friction.value)
+    }
+    fn is_rough(&self) -> bool {
+        self.laws.iter().any(|(effect, p, _)| effect.torque_is_rough(p))
+    }
+    fn is_steep(&self) -> bool {
+        self.laws.iter().any(|(effect, p, _)| effect.torque_is_steep(p))
     }
     fn add_columns(&self, x: f64, v: f64, weight: f64, sums: &mut [f64]) {
         for (effect, p, first) in &self.laws {

@@ -51,10 +51,13 @@ pub struct Lumps {
     pub amplitude_gain: Dual,
     /// Reading minus true phase \[rad\].
     pub phase_offset: Dual,
-    /// Motion of the base, complex, which a reading of the motion in space adds to the coordinate \[rad, m\].
-    pub base_motion: Option<Box<(Dual, Dual)>>,
+    /// Motion of the base, complex, which a reading of the motion in space adds to the coordinate \[rad, m\], and that of the
+    /// modes outside the band.
+    pub read_beside: Option<Box<(Dual, Dual)>>,
     /// Slip elements from the body to ground: stiffness, force at full slip, exponent.
     pub joint: Option<Box<[Dual; 3]>>,
+    /// Dry friction between the body and the ground.
+    pub dry_friction: Option<Box<Dual>>,
 }
 
 impl Lumps {
@@ -113,14 +116,23 @@ impl Lumps {
             heating: None,
             amplitude_gain,
             phase_offset,
-            base_motion: base_motion.map(Box::new),
+            read_beside: base_motion.map(Box::new),
             joint: None,
+            dry_friction: None,
         };
         let mut first = FIRST_EFFECT_PARAMETER;
+        let mut residual: Option<Dual> = None;
         for (effect, parameters) in &model.effects {
             let p: Vec<Dual> = parameters.iter().enumerate().map(|(i, &v)| Dual::parameter(v, first + i)).collect();
             first += p.len();
             lumps.add(*effect, &p);
+            residual = [residual, effect.residual(&p, omega)].into_iter().flatten().reduce(|a, b| a + b);
+        }
+        // In proportion to the drive as all effects leave it.
+        if let Some(residual) = residual {
+            let none = Dual::constant(0.0);
+            let (x, y) = lumps.read_beside.take().map_or((none, none), |beside| *beside);
+            lumps.read_beside = Some(Box::new((x + residual * lumps.torque_re, y + residual * lumps.torque_im)));
         }
         lumps
     }
@@ -135,13 +147,17 @@ impl Lumps {
         if let Some((re, im)) = effect.drive(p, self.omega) {
             let (x, y) = (self.torque_re, self.torque_im);
             (self.torque_re, self.torque_im) = (x * re - y * im, x * im + y * re);
-            if let Some(base) = &mut self.base_motion {
+            if let Some(base) = &mut self.read_beside {
                 let (x, y) = **base;
                 **base = (x * re - y * im, x * im + y * re);
             }
         }
         if let Some(stiffness) = effect.load_stiffness(p) {
             self.load_stiffness = self.load_stiffness + stiffness;
+        }
+        if let Some(factor) = effect.contact_factor(p, self.load).filter(|_| self.load.value > 0.0) {
+            self.contact_stiffness = self.contact_stiffness * factor;
+            self.contact_damping = self.contact_damping * factor;
         }
         if let Some(rate) = effect.renewal(p, self.speed) {
             self.renewal = self.renewal + rate;
@@ -154,12 +170,12 @@ impl Lumps {
         keep_first(&mut self.support, effect.support(p));
         keep_first(&mut self.heating, effect.heating(p));
         keep_first(&mut self.joint, effect.joint(p));
+        keep_first(&mut self.dry_friction, effect.dry_friction(p));
     }
 
     /// What the instrument shows of a motion of this complex amplitude: amplitude and phase in (-pi, pi].
     pub fn reading(&self, (re, im): (f64, f64)) -> (f64, f64) {
-        let (x, y) = self.base_motion.as_ref().map_or((0.0, 0.0), |base| (base.0.value, base.1.value));
-        let (re, im) = if self.base_motion.is_some() { (re + x, im + y) } else { (re, im) };
+        let (re, im) = self.read_beside.as_ref().map_or((re, im), |by| (re + by.0.value, im + by.1.value));
         self.polar_reading(re.hypot(im), im.atan2(re))
     }
 

@@ -87,6 +87,17 @@ impl Model {
         self.effects.iter().any(|(effect, p)| effect.joint(&joint(p)).is_some())
     }
 
+    /// Whether dry friction may stop a body without a contact.
+    pub fn has_dry_friction(&self) -> bool {
+        let dual = |p: &[f64]| p.iter().map(|&x| Dual::constant(x)).collect::<Vec<_>>();
+        self.effects.iter().any(|(effect, p)| effect.dry_friction(&dual(p)).is_some())
+    }
+
+    /// Whether a damping has a slope without bound at rest.
+    pub fn is_steep(&self) -> bool {
+        self.effects.iter().any(|(effect, p)| effect.torque_is_steep(p))
+    }
+
     /// The parameter number `index`: rig, contact, instrument, operating point ([`crate::parameter`] states where each begins), then
     /// the effects; or None where there is none of that number.
     pub fn parameter<'a>(&'a mut self, at: &'a mut Operation, index: usize) -> Option<&'a mut f64> {

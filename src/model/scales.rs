@@ -34,6 +34,7 @@ impl Model {
             lever: lumps.arm.value,
             contact_stiffness: lumps.contact_stiffness.value,
             friction_force: lumps.friction.value * load,
+            load,
             roller_speed: points.iter().map(|at| at.speed).fold(0.0, f64::max),
             has_contact: self.has_contact,
         }

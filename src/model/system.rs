@@ -182,7 +182,7 @@ pub struct Linear {
     pub damping: f64,
 }
 
-/// A single mode without a contact: M x'' + C x' + K x = drive + force(x, x') - joint(history of x).
+/// A single mode without a contact: M x'' + C x' + K x = drive + force(x, x') - joint(history of x) - dry friction.
 pub trait SingleMode {
     /// M, C and K.
     fn linear(&self) -> [f64; 3];
@@ -194,6 +194,12 @@ pub trait SingleMode {
     fn force(&self, x: f64, v: f64) -> [f64; 3];
     /// Slip elements to ground, where there are any: stiffness, force at full slip, exponent.
     fn joint(&self) -> Option<[f64; 3]>;
+    /// Dry friction against ground; zero where there is none.
+    fn dry_friction(&self) -> f64;
+    /// Whether the force of the laws is so rough that many instants of a cycle have to be looked at.
+    fn is_rough(&self) -> bool;
+    /// Whether its slope by x' has no bound at rest.
+    fn is_steep(&self) -> bool;
     /// Adds the derivatives of the force by the parameters of the laws, times `weight`, to `sums`.
     fn add_columns(&self, x: f64, v: f64, weight: f64, sums: &mut [f64]);
     /// Number of these parameters.

@@ -155,7 +155,7 @@ pub fn answer(scenario: &Scenario) -> Option<Answer> {
     let others: Vec<Judge> = others.into_iter().filter(|other| other.judge(&target).all()).collect();
     let searched: Vec<(Hypothesis, Vec<bool>)> = REGISTRY
         .par_iter()
-        .filter(|effect| fits_rig(**effect, base.has_contact).is_ok())
+        .filter(|effect| effect.searched() && fits_rig(**effect, base.has_contact).is_ok())
         .filter(|effect| compatible(&base, &[Addition::Effect(**effect)]))
         .filter(|effect| !base.effects.iter().any(|(present, _)| present.name() == effect.name()))
         .map(|effect| search::search(&base, *effect, &condition, &points, (&judge, &others)))

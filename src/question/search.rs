@@ -141,9 +141,11 @@ impl<'a> Search<'a> {
 
     /// The effect at values rounded as they are told, over all frequencies at full accuracy.
     fn setting(&self, (parameters, values): &Start) -> Setting {
-        let values: Vec<f64> = values.iter().map(|&x| rounded(x)).collect();
-        let strain = strain(parameters, &values);
-        let mut model = self.base.clone();
+        let moved: Vec<f64> = values.iter().map(|&x| rounded(x)).collect();
+        let strain = strain(parameters, &moved);
+        let mut model = self.problem(parameters).model(&moved);
+        let values = model.effects.pop().map_or_else(Vec::new, |(_, values)| values);
+        model.clone_from(self.base);
         model.effects.push((self.effect, values.clone()));
         let curve = curve(&model, self.condition, self.judge.frequency());
         let features = self.judge.judge(&curve);

@@ -152,7 +152,7 @@ fn curve(curve: &Curve, scenario: &Scenario) -> CurveView {
             value: Some(state.stick_fraction).filter(|share| share.is_finite()),
             text: percent(state.stick_fraction, 3),
         })),
-        steady: count(|status| matches!(status, Status::Steady)),
+        steady: count(Status::is_steady),
         self_excited: count(|status| matches!(status, Status::SelfExcited(_))),
         failed: count(|status| matches!(status, Status::Failed(_))),
     }

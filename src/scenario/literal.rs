@@ -19,7 +19,7 @@ pub struct Estimate {
     pub value: f64,
     /// SI unit.
     pub unit: &'static str,
-    /// Lower end of the 95 % interval, where the data give one.
+    /// Lower end of the 95 % interval, where the data give one; that and the upper end are the value where it was held.
     pub low: Option<f64>,
     /// Upper end of the 95 % interval, where the data give one.
     pub high: Option<f64>,
@@ -46,6 +46,9 @@ impl Estimate {
             let text = units::format(self.value, self.unit);
             if self.unit == "1" { text } else { format!("\"{text}\"") }
         };
+        if self.low.is_some() && self.low == self.high {
+            return Written { literal: fresh(), interval: "held".into() };
+        }
         let style = Style::of(&old.map_or_else(fresh, String::from), self.unit);
         let place = self.place(style.factor);
         // An end far below the estimate has digits of its own.

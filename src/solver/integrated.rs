@@ -6,7 +6,6 @@ use crate::model::contact::Problem;
 use crate::model::continuum::Element;
 use crate::model::system::SingleMode;
 use crate::model::{Model, Operation};
-use crate::statistics::wrap;
 use std::f64::consts::TAU;
 
 /// What a time integration reads.
@@ -33,12 +32,8 @@ pub fn integrated(model: &Model, at: &Operation, plan: &Plan) -> Integrated {
     let (free_re, free_im): (f64, f64) = lumps.free_response();
     let found = integrate(&problem.sliders(), plan);
     let (re, im) = (free_re + found.fundamental.0, free_im + found.fundamental.1);
-    Integrated {
-        amplitude: re.hypot(im) * lumps.amplitude_gain.value,
-        phase: wrap(im.atan2(re) + lumps.phase_offset.value),
-        mean: found.mean,
-        periodic: found.periodic,
-    }
+    let (amplitude, phase) = lumps.reading((re, im));
+    Integrated { amplitude, phase, mean: found.mean, periodic: found.periodic }
 }
 
 /// Cycles, in quality factors, after which a motion that began at rest differs by less than 1e-8 from the steady one.

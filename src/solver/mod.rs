@@ -7,6 +7,7 @@ mod columns;
 mod cubic;
 pub mod cycle;
 mod dense;
+pub mod describing;
 mod eliminated;
 mod elimination;
 mod events;
@@ -31,6 +32,7 @@ pub mod shooting;
 mod sliders;
 mod stages;
 mod steady;
+mod stopping;
 pub mod time;
 mod tolerance;
 
@@ -48,16 +50,24 @@ pub enum Status {
     Steady,
     /// The periodic solution is unstable, or none was approached: the numbers are a lock-in average.
     SelfExcited(String),
+    /// The body sticks: friction holds it against the drive, and the amplitude is zero.
+    Stuck,
     /// No answer; the numbers are NaN.
     Failed(String),
 }
 
 impl Status {
+    /// Whether it is a steady state, a body at rest included.
+    pub fn is_steady(&self) -> bool {
+        matches!(self, Self::Steady | Self::Stuck)
+    }
+
     /// One word for tables.
     pub fn word(&self) -> &'static str {
         match self {
             Self::Steady => "steady",
             Self::SelfExcited(_) => "self-excited",
+            Self::Stuck => "stuck",
             Self::Failed(_) => "failed",
         }
     }

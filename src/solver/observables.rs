@@ -89,11 +89,15 @@ pub fn stability(multiplier: f64) -> Status {
 /// Derivatives of (amplitude, phase) of the reading from those of the complex amplitude.
 pub fn polar_derivative(lumps: &Lumps, a: (f64, f64), da: (f64, f64), p: usize) -> (f64, f64) {
     let (mut a, mut da) = (a, da);
-    if let Some((re, im)) = lumps.base_motion.as_deref() {
+    if let Some((re, im)) = lumps.read_beside.as_deref() {
         a = (a.0 + re.value, a.1 + im.value);
         da = (da.0 + re.gradient[p], da.1 + im.gradient[p]);
     }
     let square = a.0 * a.0 + a.1 * a.1;
+    if square == 0.0 {
+        // A body that sticks does so at neighbouring parameters too.
+        return (0.0, 0.0);
+    }
     let amplitude = square.sqrt();
     let gain = lumps.amplitude_gain;
     (

@@ -5,22 +5,21 @@
 //! stable states between the folds of a resonance are found at any frequency, whatever was solved before. Newton's method on
 //! all harmonics starts from them. Unknowns are the mean and the cosine and sine of every harmonic.
 
-use super::joint::{Instant, pulls, unloading};
+use super::describing::{companions, describing, is_odd, nearly};
+use super::joint::{Instant, pulls};
 use super::tolerance::Tolerance;
 use crate::model::system::SingleMode;
-use crate::roots::regula_falsi;
 use nalgebra::{DMatrix, DVector};
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::rc::Rc;
-use std::sync::LazyLock;
 
 /// Highest harmonics that are tried in turn; all odd.
 const HARMONICS: [usize; 4] = [5, 11, 21, 41];
-/// Instants per harmonic, and under a joint, whose force has kinks: at the default accuracy, and at least.
+/// Instants per harmonic, and under a joint or a law, whose force has kinks: at the default accuracy, and at least.
 const INSTANTS: usize = 6;
-const INSTANTS_OF_JOINT: (usize, usize) = (512, 64);
+const INSTANTS_OF_KINKS: (usize, usize) = (512, 64);
 /// Largest of the last harmonics over the first at which a series is long enough: what is left out acts on the first harmonic
 /// by its square.
 const TAIL: f64 = 5e-5;
@@ -30,15 +29,8 @@ const LONGEST_TAIL: f64 = 1e-2;
 const STEPS: usize = 40;
 /// Relative Newton step below which a balance that no step improves any more is as good as its kinks allow.
 const AT_KINKS: f64 = 1e-6;
-/// Amplitudes at which the balance of the first harmonic is looked at, per factor of ten, and instants for it.
-const GRID_PER_DECADE: f64 = 8.0;
-const GRID_INSTANTS: usize = 16;
-/// Refinements of where two roots may have met; relative accuracy of roots and of the amplitudes of resonance.
-const REFINEMENTS: usize = 30;
-const ROOT: f64 = 1e-6;
-const RESONANT: f64 = 1e-7;
-/// A damping ratio that stands for none.
-const UNDAMPED: f64 = 1e-9;
+/// Multiples of an amplitude of one harmonic from which a state is looked for in turn, until there is one.
+const AROUND: [f64; 3] = [1.0, 0.6, 1.6];
 /// Largest modulus of the multipliers of a stable state: rounding apart, one.
 const STABLE: f64 = 1.0 + 1e-9;
 /// Amplitudes of two states that differ by less than this share are one.
@@ -80,8 +72,23 @@ impl Periodic {
         if self.first() == 0 { 0.0 } else { self.series[0] }
     }
 
-    /// Derivatives of (real, imaginary) part of the amplitude by M, C, K, drive (real, imaginary), and the joint's numbers.
-    pub fn derivatives(&self, omega: f64) -> [(f64, f64); 8] {
+    /// What is read of it, with its derivatives.
+    pub fn found(&self, omega: f64) -> Found {
+        Found {
+            response: self.response(),
+            mean: self.mean(),
+            cycles: self.steps,
+            left: self.left,
+            multiplier: self.multiplier,
+            rest: 0.0,
+            by: self.derivatives(omega),
+            by_law: self.by_laws().collect(),
+        }
+    }
+
+    /// Derivatives of (real, imaginary) part of the amplitude by M, C, K, drive (real, imaginary), the joint's numbers and dry
+    /// friction, of which it has none.
+    fn derivatives(&self, omega: f64) -> [(f64, f64); 9] {
         let first = self.first();
         let part = |which: usize| {
             let adjoint = &self.adjoints[which];
@@ -97,34 +104,57 @@ impl Periodic {
             }
             let joint = self.by_joint[which];
             // The drive stands on the other side.
-            [-mass, -damping, -stiffness, adjoint[first + 1], adjoint[first], -joint[0], -joint[1], -joint[2]]
+            [-mass, -damping, -stiffness, adjoint[first + 1], adjoint[first], -joint[0], -joint[1], -joint[2], 0.0]
         };
         let (imaginary, real) = (part(0), part(1));
         std::array::from_fn(|i| (real[i], imaginary[i]))
     }
 
     /// The same by the parameters of the laws.
-    pub fn by_laws(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+    fn by_laws(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         self.by_law[1].iter().zip(&self.by_law[0]).map(|(real, imaginary)| (*real, *imaginary))
     }
 }
 
+/// What is read of a periodic state.
+#[derive(Debug, Clone)]
+pub struct Found {
+    /// Complex amplitude A of x = Im(A e^{iwt}).
+    pub response: (f64, f64),
+    /// Mean.
+    pub mean: f64,
+    /// Cycles, or Newton steps, that it took.
+    pub cycles: usize,
+    /// Relative size of the last correction.
+    pub left: f64,
+    /// Largest modulus of the Floquet multipliers.
+    pub multiplier: f64,
+    /// Share of the cycle in which the body rests.
+    pub rest: f64,
+    /// Derivatives of the response by M, C, K, drive (real, imaginary), the joint's numbers and dry friction.
+    pub by: [(f64, f64); 9],
+    /// The same by the parameters of the laws.
+    pub by_law: Vec<(f64, f64)>,
+}
+
 /// All stable periodic states, the smallest amplitude first; without any, the unstable ones.
 pub fn states(mode: &dyn SingleMode, tolerance: &Tolerance) -> Vec<Periodic> {
-    let roots = first_harmonic_roots(mode);
-    let [.., stiffness] = mode.linear();
     let mut found: Vec<Periodic> = Vec::new();
-    // Of three the middle one is unstable, as is every other one between folds. Beyond where the restoring force ends there is
-    // no oscillation.
-    for root in roots.into_iter().step_by(2).filter(|root| stiffness + describing(mode, *root).0 > 0.0) {
-        let Some(periodic) = solve(mode, root, tolerance) else { continue };
-        let (re, im) = periodic.response();
-        let same = |other: &Periodic| {
-            let (x, y) = other.response();
-            (re - x).hypot(im - y) < SAME * re.hypot(im)
-        };
-        if !found.iter().any(same) {
-            found.push(periodic);
+    let near = nearly(mode);
+    for around in AROUND {
+        for root in &near {
+            let Some(periodic) = solve(mode, around * root, tolerance) else { continue };
+            let (re, im) = periodic.response();
+            let same = |other: &Periodic| {
+                let (x, y) = other.response();
+                (re - x).hypot(im - y) < SAME * re.hypot(im)
+            };
+            if !found.iter().any(same) {
+                found.push(periodic);
+            }
+        }
+        if !found.is_empty() {
+            break;
         }
     }
     let stable = |p: &Periodic| p.multiplier <= STABLE;
@@ -134,106 +164,6 @@ pub fn states(mode: &dyn SingleMode, tolerance: &Tolerance) -> Vec<Periodic> {
     let size = |p: &Periodic| p.response().0.hypot(p.response().1);
     found.sort_by(|a, b| size(a).total_cmp(&size(b)));
     found
-}
-
-/// Sine and cosine at the instants of the grid, and from the top down, where a joint is looked at.
-static GRID_PHASES: LazyLock<[[(f64, f64); GRID_INSTANTS]; 2]> = LazyLock::new(|| {
-    [0.0, 0.25].map(|from| std::array::from_fn(|j| (TAU * (from + (j as f64 + 0.5) / GRID_INSTANTS as f64)).sin_cos()))
-});
-
-/// Stiffness and quadrature of the forces over x = X sin(wt): the dynamic stiffness without the linear mode.
-pub fn describing(mode: &dyn SingleMode, amplitude: f64) -> (f64, f64) {
-    let (omega, n) = (mode.omega(), GRID_INSTANTS);
-    let [instants, from_top] = &*GRID_PHASES;
-    let (mut in_phase, mut quadrature) = (0.0, 0.0);
-    for &(sine, cosine) in instants {
-        let force = mode.force(amplitude * sine, omega * amplitude * cosine)[0];
-        in_phase -= force * sine;
-        quadrature -= force * cosine;
-    }
-    let scale = 2.0 / (n as f64 * amplitude);
-    let (mut k, mut c) = (scale * in_phase, scale * quadrature);
-    if let Some(joint) = mode.joint() {
-        // On the way down from the top; on the way up it is the negative.
-        for &(sine, cosine) in &from_top[..n / 2] {
-            let force = unloading(joint, amplitude, amplitude * sine);
-            k += 2.0 * scale * force * sine;
-            c += 2.0 * scale * force * cosine;
-        }
-    }
-    (k, c)
-}
-
-/// Amplitudes at which the first harmonic is in balance, in ascending order.
-fn first_harmonic_roots(mode: &dyn SingleMode) -> Vec<f64> {
-    let ([mass, damping, stiffness], omega, (re, im)) = (mode.linear(), mode.omega(), mode.drive());
-    let drive = re.hypot(im);
-    let static_part = stiffness - mass * omega * omega;
-    let resistance = (damping * omega).max(UNDAMPED * omega * (mass * stiffness).sqrt());
-    // Nothing moves more than a mode in resonance that only the linear damping holds; a little beyond, to see it turn back.
-    let most = 1.2 * drive / resistance;
-    let detuning = |log: f64| static_part + describing(mode, log.exp()).0;
-    let both = |log: f64| {
-        let x = log.exp();
-        let (k, c) = describing(mode, x);
-        ((x * (static_part + k).hypot(resistance + c) / drive).ln(), static_part + k > 0.0)
-    };
-    let excess = |log: f64| both(log).0;
-    // From where no force of an effect can matter: far below the linear motion.
-    let least = 1e-2 * (drive / static_part.hypot(resistance)).min(drive / stiffness).min(most);
-    if !(least > 0.0 && most.is_finite()) {
-        return Vec::new();
-    }
-    let (low, high) = (least.ln(), most.ln());
-    let count = ((high - low) / std::f64::consts::LN_10 * GRID_PER_DECADE).ceil().max(8.0) as usize;
-    let at = |i: usize| low + (high - low) * i as f64 / count as f64;
-    let looked: Vec<(f64, bool)> = (0..=count).map(|i| both(at(i))).collect();
-    let mut grid: Vec<(f64, f64)> = looked.iter().enumerate().map(|(i, (excess, _))| (at(i), *excess)).collect();
-    // At the amplitudes of resonance the excess has dips as narrow as the resonance.
-    for i in (1..=count).filter(|&i| looked[i].1 != looked[i - 1].1) {
-        let bracket = [grid[i - 1].0, grid[i].0];
-        let resonance = regula_falsi(detuning, bracket, bracket.map(detuning), (RESONANT, 0.0), REFINEMENTS);
-        grid.push((resonance, excess(resonance)));
-    }
-    grid.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // Where the excess turns back before it reaches zero, two roots may lie between three places.
-    let mut inserted = Vec::new();
-    for three in grid.windows(3) {
-        let [a, b, c] = [three[0], three[1], three[2]];
-        let towards = |s: f64| s * b.1 > 0.0 && s * b.1 <= s * a.1 && s * b.1 <= s * c.1;
-        let Some(sign) = [1.0, -1.0].into_iter().find(|s| towards(*s)) else { continue };
-        inserted.push(nearest_to_zero(&excess, sign, [a.0, b.0, c.0], b));
-    }
-    grid.extend(inserted);
-    grid.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut roots = Vec::new();
-    for pair in grid.windows(2) {
-        let ((a, fa), (b, fb)) = (pair[0], pair[1]);
-        if (fa > 0.0) != (fb > 0.0) {
-            roots.push(regula_falsi(excess, [a, b], [fa, fb], (ROOT, 0.0), REFINEMENTS).exp());
-        }
-    }
-    roots
-}
-
-/// The place between the outer two at which the excess, of one sign at all three, comes nearest to zero (golden section).
-fn nearest_to_zero(excess: &impl Fn(f64) -> f64, sign: f64, [a, _, c]: [f64; 3], best: (f64, f64)) -> (f64, f64) {
-    let golden = 0.5 * (5f64.sqrt() - 1.0);
-    let (mut low, mut high, mut best) = (a, c, best);
-    for _ in 0..REFINEMENTS {
-        let (x, y) = (high - golden * (high - low), low + golden * (high - low));
-        let (fx, fy) = (excess(x), excess(y));
-        for (place, value) in [(x, fx), (y, fy)] {
-            if sign * value < sign * best.1 {
-                best = (place, value);
-            }
-        }
-        if sign * best.1 <= 0.0 {
-            return best;
-        }
-        if sign * fx < sign * fy { high = y } else { low = x }
-    }
-    best
 }
 
 /// The basis functions at many instants of one period: cosine and sine of the harmonics, the mean first where there is one.
@@ -315,15 +245,6 @@ struct Balance {
     motion: Vec<[f64; 4]>,
 }
 
-/// Whether the forces of opposite motions are opposite, so that a motion may be odd.
-fn is_odd(mode: &dyn SingleMode, amplitude: f64) -> bool {
-    let v = amplitude * mode.omega();
-    [0.3, 0.9].iter().all(|share| {
-        let (there, back) = (mode.force(share * amplitude, 0.7 * v), mode.force(-share * amplitude, -0.7 * v));
-        there[0] == -back[0]
-    })
-}
-
 /// The periodic state that Newton's method reaches from a motion at the drive's frequency of this amplitude.
 fn solve(mode: &dyn SingleMode, amplitude: f64, tolerance: &Tolerance) -> Option<Periodic> {
     let ([mass, damping, stiffness], omega, (re, im)) = (mode.linear(), mode.omega(), mode.drive());
@@ -335,13 +256,13 @@ fn solve(mode: &dyn SingleMode, amplitude: f64, tolerance: &Tolerance) -> Option
     let scale = amplitude / a_re.hypot(a_im);
     let odd = is_odd(mode, amplitude);
     let first = usize::from(!odd);
-    let mut series = vec![0.0; first];
+    let mut series = vec![companions(mode, amplitude)[0]; first];
     series.extend([a_im * scale, a_re * scale]);
     let mut steps = 0;
     for (level, &highest) in HARMONICS.iter().enumerate() {
         let mut instants = (INSTANTS * highest).max(24);
-        if mode.joint().is_some() {
-            let (most, least) = INSTANTS_OF_JOINT;
+        if mode.joint().is_some() || mode.is_rough() {
+            let (most, least) = INSTANTS_OF_KINKS;
             let wanted = (most as f64 / tolerance.coarsening().powi(5)) as usize;
             instants = instants.max(wanted.max(least));
         }
@@ -541,16 +462,7 @@ fn multiplier(mode: &dyn SingleMode, motion: &[[f64; 4]], instants: usize) -> f6
         // In units of 1/w0: y'' + 2 d y' + s y = 0.
         let (s, d) = ((stiffness + k) / stiffness, 0.5 * (damping + c) / (mass * w0));
         let t = h * w0;
-        let square = s - d * d;
-        let (cosine, sine) = if square >= 0.0 {
-            let w = square.sqrt();
-            ((w * t).cos(), if w * t < 1e-8 { t } else { (w * t).sin() / w })
-        } else {
-            let w = (-square).sqrt();
-            ((w * t).cosh(), if w * t < 1e-8 { t } else { (w * t).sinh() / w })
-        };
-        let fade = (-d * t).exp();
-        let flow = [[fade * (cosine + d * sine), fade * sine], [-fade * s * sine, fade * (cosine - d * sine)]];
+        let flow = flow(s, d, t);
         let p = product;
         for i in 0..2 {
             for j in 0..2 {
@@ -562,4 +474,14 @@ fn multiplier(mode: &dyn SingleMode, motion: &[[f64; 4]], instants: usize) -> f6
         (product[0][0] + product[1][1], product[0][0] * product[1][1] - product[0][1] * product[1][0]);
     let root = 0.25 * trace * trace - determinant;
     if root >= 0.0 { 0.5 * trace.abs() + root.sqrt() } else { determinant.max(0.0).sqrt() }
+}
+
+/// The flow of y'' + 2 d y' + s y = 0 over a time t: y and y' by y and y'.
+pub(super) fn flow(s: f64, d: f64, t: f64) -> [[f64; 2]; 2] {
+    let square = s - d * d;
+    let w = square.abs().sqrt();
+    let (cosine, sine) = if square >= 0.0 { ((w * t).cos(), (w * t).sin()) } else { ((w * t).cosh(), (w * t).sinh()) };
+    let sine = if w * t < 1e-8 { t } else { sine / w };
+    let fade = (-d * t).exp();
+    [[fade * (cosine + d * sine), fade * sine], [-fade * s * sine, fade * (cosine - d * sine)]]
 }

@@ -5,11 +5,11 @@ use super::cycle::{Integrator, Tolerance};
 use super::observables::{Motion, Solution, by_parameter, closed_form, failed, polar_derivative, response, stability};
 use super::orbit::solve_paper;
 use super::shooting::{Periodic, Start, Unsolved};
-use super::{Method, Status, SteadyState, oscillator, parallel, shooting, time};
+use super::{Method, Status, SteadyState, oscillator, parallel, shooting, stopping, time};
 use crate::dual::MAX_PARAMETERS;
 use crate::model::alone::Alone;
 use crate::model::contact::{LimitingState, Problem, Sliders};
-use crate::model::system::{HybridSystem, Mode};
+use crate::model::system::{HybridSystem, Mode, SingleMode};
 use crate::model::{Model, Operation};
 use crate::scenario::Formulation;
 use crate::statistics::wrap;
@@ -340,9 +340,14 @@ fn alone(model: &Model, at: &Operation, with: &Search<'_>, warm: &mut Warm) -> S
         let limit = LimitingState { response, stuck: false, mean: 0.0, stick_fraction: 0.0, force: (0.0, 0.0) };
         return closed_form(lumps, limit, with.derivatives);
     }
-    let states = oscillator::states(&mode, with.tolerance);
-    let distance = |state: &oscillator::Periodic| {
-        let (re, im) = state.response();
+    let stops = mode.dry_friction() > 0.0 || mode.is_steep();
+    let states: Vec<oscillator::Found> = if stops {
+        stopping::states(&mode, with.tolerance, with.derivatives)
+    } else {
+        oscillator::states(&mode, with.tolerance).iter().map(|state| state.found(lumps.omega)).collect()
+    };
+    let distance = |state: &oscillator::Found| {
+        let (re, im) = state.response;
         if let Some((amplitude, phase)) = warm.measured {
             let (read, turned) = lumps.reading((re, im));
             let apart = phase.map_or(0.0, |phase| wrap(turned - phase));
@@ -356,35 +361,36 @@ fn alone(model: &Model, at: &Operation, with: &Search<'_>, warm: &mut Warm) -> S
         return failed("no periodic motion was found".into());
     };
     let found = &states[chosen];
-    warm.alone = Some(found.response());
+    warm.alone = Some(found.response);
     let motion = Motion {
-        response: found.response(),
-        mean: found.mean(),
-        stick_fraction: 0.0,
+        response: found.response,
+        mean: found.mean,
+        stick_fraction: found.rest,
         force: (0.0, 0.0),
-        cycles: found.steps,
+        cycles: found.cycles,
         change: found.left,
     };
-    let state = motion.observe(lumps, stability(found.multiplier), Method::HarmonicBalance);
+    let status = if found.rest == 1.0 { Status::Stuck } else { stability(found.multiplier) };
+    let method = if stops { Method::Shooting } else { Method::HarmonicBalance };
+    let state = motion.observe(lumps, status, method);
     let derivatives = with.derivatives.then(|| of_mode(&mode, found));
-    let other = |i: usize| (i != chosen).then(|| lumps.reading(states[i].response()));
+    let other = |i: usize| (i != chosen).then(|| lumps.reading(states[i].response));
     Solution { state, derivatives, others: (0..states.len()).filter_map(other).collect() }
 }
 
 /// Derivatives of (amplitude, phase) of a motion without contact by the parameters of the model.
-fn of_mode(mode: &Alone, found: &oscillator::Periodic) -> Vec<(f64, f64)> {
-    let lumps = &mode.lumps;
-    let (by, gradients) = (found.derivatives(lumps.omega), mode.gradients());
+fn of_mode(mode: &Alone, found: &oscillator::Found) -> Vec<(f64, f64)> {
+    let (lumps, gradients) = (&mode.lumps, mode.gradients());
     let mut response = vec![(0.0, 0.0); MAX_PARAMETERS];
     for (p, (re, im)) in response.iter_mut().enumerate() {
-        for ((by_re, by_im), dual) in by.iter().zip(&gradients) {
+        for ((by_re, by_im), dual) in found.by.iter().zip(&gradients) {
             *re += by_re * dual.gradient[p];
             *im += by_im * dual.gradient[p];
         }
     }
-    for (column, (re, im)) in found.by_laws().enumerate() {
+    for (column, &(re, im)) in found.by_law.iter().enumerate() {
         let slot = &mut response[Alone::parameter(column)];
         *slot = (slot.0 + re, slot.1 + im);
     }
-    response.into_iter().enumerate().map(|(p, by)| polar_derivative(lumps, found.response(), by, p)).collect()
+    response.into_iter().enumerate().map(|(p, by)| polar_derivative(lumps, found.response, by, p)).collect()
 }

@@ -16,11 +16,12 @@ use rayon::prelude::*;
 const CONDITIONS: [(f64, f64, f64); 5] =
     [(0.0, 20.0, 2.5e-6), (0.0, 0.1, 7.5e-6), (5e-5, 20.0, 2.5e-6), (1e-4, 10.0, 2.5e-6), (0.02, 20.0, 2.5e-6)];
 
-/// The balance for every effect, at typical parameters.
+/// The balance for every effect that acts beside a contact, at typical parameters.
 pub fn every_effect() -> Vec<Check> {
     // The period of a continuum of sliders is not one cycle of one system; the energies of its loops are known in closed form.
     let single = |effect: &&&dyn Effect| effect.continuum(&effects::typical(**effect)).is_none();
-    let effects: Vec<_> = effects::REGISTRY.iter().filter(single).collect();
+    let fits = |effect: &&&dyn Effect| effects::fits_rig(**effect, true).is_ok();
+    let effects: Vec<_> = effects::REGISTRY.iter().filter(single).filter(fits).collect();
     effects.par_iter().flat_map_iter(|effect| energy_balance(**effect, &effects::typical(**effect))).collect()
 }
 

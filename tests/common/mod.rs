@@ -3,7 +3,10 @@
 
 use stickslip::effects::Scales;
 use stickslip::model::{Model, Operation};
-use stickslip::scenario::{Contact, Formulation, Instrument, Rig, Signals, TorsionalArm};
+use stickslip::scenario::{
+    Contact, Coordinate, Dissipation, Elasticity, Excitation, Formulation, Instrument, Oscillator, Rig, Signals,
+    TorsionalArm,
+};
 use stickslip::solver::{SteadyState, Warm, cycle::Tolerance, solve};
 
 /// Steps per cycle of the Euler procedure where a test does not say.
@@ -26,6 +29,33 @@ pub fn paper_model(formulation: Formulation) -> Model {
         signals: Signals::ARM,
         scales: Scales::PAPER,
         instrument: Instrument::default(),
+        effects: Vec::new(),
+    }
+}
+
+/// A mass on a spring, driven by a force.
+pub fn oscillator(mass: f64, frequency: f64, quality: f64) -> Model {
+    let rig = Rig::Oscillator(Oscillator {
+        coordinate: Coordinate::Displacement,
+        excitation: Excitation::Force,
+        absolute: false,
+        mass,
+        mass_stated: true,
+        elasticity: frequency,
+        elasticity_form: Elasticity::NaturalFrequency,
+        dissipation: quality,
+        dissipation_form: Dissipation::QualityFactor,
+        spring_stiffness: 0.0,
+        spring_damping: 0.0,
+        contact_factor: 0.0,
+    });
+    Model {
+        rig,
+        contact: Contact::NONE,
+        has_contact: false,
+        instrument: Instrument::default(),
+        signals: rig.signals(),
+        scales: Scales::PAPER,
         effects: Vec::new(),
     }
 }

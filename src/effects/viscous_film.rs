@@ -16,25 +16,32 @@ impl Effect for ViscousFilm {
         Group::Interface
     }
     fn equation(&self) -> &'static str {
-        "μ(s) = μ + γs"
+        "μ(s) = μ + bs"
     }
     fn meaning(&self) -> &'static str {
-        "A thin film is sheared at the slip rate, its stress growing in proportion to it."
+        "A thin film of a liquid or of softened rubber is sheared at the slip rate, its stress growing in proportion to it, \
+         beside the dry friction."
     }
     fn source(&self) -> &'static str {
-        "Worked example of the contributor's page."
+        "R. Stribeck, Die wesentlichen Eigenschaften der Gleit- und Rollenlager (1902): the viscous branch of his curve."
     }
     fn fingerprint(&self) -> &'static str {
-        "V = 0: nothing while the contact sticks. Partial stick: more damping. Full slip: a dashpot of γW in series \
-         with the bristles, the same at every speed."
+        "V = 0: nothing while the contact sticks. Partial stick: more damping. Full slip: a dashpot of bW in series \
+         with the bristles, the same at every speed: a lower peak, and where bW is comparable with kc/ω, further right."
+    }
+    fn impersonator(&self) -> &'static str {
+        "at one speed, rate-strengthening; at two, its dashpot falls with the speed and that of a film does not"
     }
     fn zero(&self) -> &'static [Zero] {
         &[Zero { parameter: 0, value: 0.0 }]
     }
+    fn searched(&self) -> bool {
+        false
+    }
     fn parameters(&self) -> &'static [ParameterInfo] {
         const LIST: &[ParameterInfo] = &[ParameterInfo::searched(
-            ("gamma", "γ", "s/m"),
-            (0.0, 1e6),
+            ("b", "b", "s/m"),
+            (0.0, 1e9),
             (0.1, 100.0),
             "rise of the friction coefficient per slip rate",
         )

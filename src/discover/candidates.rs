@@ -1,0 +1,66 @@
+//! Which effects of the catalogue a search asks for.
+
+use crate::effects::{Effect, REGISTRY, find};
+use crate::scenario::diagnostic::nearest;
+
+/// The effects that a search asks for.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum Candidates {
+    /// Those that say so of themselves ([`Effect::searched`]).
+    #[default]
+    Usual,
+    /// The whole catalogue.
+    All,
+    /// These.
+    Named(Vec<&'static str>),
+}
+
+impl Candidates {
+    /// Of a list of names or `all`; the usual ones where it is empty.
+    ///
+    /// # Errors
+    /// In words, naming the first that is unknown.
+    pub fn of<S: AsRef<str>>(list: &[S]) -> Result<Self, String> {
+        let words: Vec<&str> = list.iter().map(|word| word.as_ref().trim()).collect();
+        match words[..] {
+            [] => return Ok(Self::Usual),
+            ["all"] => return Ok(Self::All),
+            _ => {}
+        }
+        let name = |word: &&str| {
+            find(word).map(Effect::name).ok_or_else(|| {
+                let near = nearest(word, REGISTRY.iter().map(|effect| effect.name()));
+                let hint = near.map_or(String::new(), |near| format!(", did you mean `{near}`"));
+                format!("there is no effect `{word}`{hint}")
+            })
+        };
+        words.iter().map(name).collect::<Result<_, _>>().map(Self::Named)
+    }
+
+    /// Whether an effect is among them.
+    pub fn include(&self, effect: &dyn Effect) -> bool {
+        match self {
+            Self::Usual => effect.searched(),
+            Self::All => true,
+            Self::Named(names) => names.contains(&effect.name()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_list_is_read_and_refused_with_what_would_do() {
+        let film = find("viscous-film").expect("registered");
+        let none: [&str; 0] = [];
+        let includes = |list: &[&str]| Candidates::of(list).expect("known").include(film);
+        assert_eq!(Candidates::of(&none), Ok(Candidates::Usual));
+        assert!(
+            !includes(&[]) && includes(&["all"]) && includes(&["stribeck", " viscous-film"]) && !includes(&["lugre"])
+        );
+        let refused = Candidates::of(&["lugre", "viscous-fim"]).expect_err("no such effect");
+        assert_eq!(refused, "there is no effect `viscous-fim`, did you mean `viscous-film`");
+    }
+}

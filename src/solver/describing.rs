@@ -1,0 +1,195 @@
+//! The balance of the first harmonic of a single mode: forces as a stiffness and a damping that depend on the amplitude, and all
+//! amplitudes at which these are in balance.
+//!
+//! A law that is not the same to both sides shifts the mean and adds a second harmonic; both are taken along.
+
+use super::joint::unloading;
+use crate::model::system::SingleMode;
+use crate::roots::regula_falsi;
+use std::f64::consts::{PI, TAU};
+use std::sync::LazyLock;
+
+/// Amplitudes at which the balance of the first harmonic is looked at, per factor of ten, and instants for it.
+const GRID_PER_DECADE: f64 = 8.0;
+const GRID_INSTANTS: usize = 16;
+/// Refinements of where two roots may have met; relative accuracy of roots and of the amplitudes of resonance.
+const REFINEMENTS: usize = 30;
+const ROOT: f64 = 1e-6;
+const RESONANT: f64 = 1e-7;
+/// A damping ratio that stands for none.
+const UNDAMPED: f64 = 1e-9;
+/// Steps towards mean and second harmonic of a motion.
+const COMPANION_STEPS: usize = 12;
+
+/// Amplitudes of one harmonic near which a stable state is looked for.
+pub fn nearly(mode: &dyn SingleMode) -> Vec<f64> {
+    let [.., stiffness] = mode.linear();
+    // Of three the middle one is unstable, as is every other one between folds. Beyond where the restoring force ends there is
+    // no oscillation.
+    let mut roots = first_harmonic_roots(mode);
+    let mut number = 0;
+    roots.retain(|root| {
+        number += 1;
+        number % 2 == 1 && stiffness + describing(mode, *root).0 > 0.0
+    });
+    roots
+}
+
+/// Mean, and cosine and sine of the second harmonic, with which a law that is not the same to both sides lets the body swing
+/// as X sin(wt).
+pub(super) fn companions(mode: &dyn SingleMode, amplitude: f64) -> [f64; 3] {
+    let mut with = [0.0; 3];
+    if is_odd(mode, amplitude) {
+        return with;
+    }
+    let (omega, [mass, damping, stiffness]) = (mode.omega(), mode.linear());
+    let (k, c) = (stiffness - 4.0 * mass * omega * omega, 2.0 * damping * omega);
+    for _ in 0..COMPANION_STEPS {
+        let [mut mean, mut slope, mut cosine, mut sine] = [0.0; 4];
+        for &phase in &GRID_PHASES[0] {
+            let (x, v) = accompanied(phase, amplitude, &with);
+            let [force, by_x, _] = mode.force(x, omega * v).map(|part| part / GRID_INSTANTS as f64);
+            let (twice_sine, twice_cosine) = twice(phase);
+            (mean, slope) = (mean + force, slope + by_x);
+            (cosine, sine) = (cosine + 2.0 * force * twice_cosine, sine + 2.0 * force * twice_sine);
+        }
+        // Beyond where the restoring force ends there is no mean.
+        if slope >= stiffness {
+            return [0.0; 3];
+        }
+        let moved = (mean - stiffness * with[0]) / (stiffness - slope);
+        let square = k * k + c * c;
+        let next = [with[0] + moved, (k * cosine - c * sine) / square, (k * sine + c * cosine) / square];
+        let change = next.iter().zip(&with).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        with = next;
+        if change < ROOT * amplitude {
+            break;
+        }
+    }
+    with
+}
+
+/// X sin(wt) with its companions, and its derivative by the phase.
+fn accompanied(phase: (f64, f64), amplitude: f64, [mean, of_cosine, of_sine]: &[f64; 3]) -> (f64, f64) {
+    let (sine, cosine) = twice(phase);
+    (
+        mean + amplitude * phase.0 + of_cosine * cosine + of_sine * sine,
+        amplitude * phase.1 + 2.0 * (of_sine * cosine - of_cosine * sine),
+    )
+}
+
+/// Sine and cosine of twice a phase.
+fn twice((sine, cosine): (f64, f64)) -> (f64, f64) {
+    (2.0 * sine * cosine, cosine * cosine - sine * sine)
+}
+
+/// Sine and cosine at the instants of the grid, and from the top down, where a joint is looked at.
+static GRID_PHASES: LazyLock<[[(f64, f64); GRID_INSTANTS]; 2]> = LazyLock::new(|| {
+    [0.0, 0.25].map(|from| std::array::from_fn(|j| (TAU * (from + (j as f64 + 0.5) / GRID_INSTANTS as f64)).sin_cos()))
+});
+
+/// Stiffness and quadrature of the forces over X sin(wt) with its companions: the dynamic stiffness without the linear mode.
+pub fn describing(mode: &dyn SingleMode, amplitude: f64) -> (f64, f64) {
+    let (omega, n) = (mode.omega(), GRID_INSTANTS);
+    let [instants, from_top] = &*GRID_PHASES;
+    let (mut in_phase, mut quadrature) = (0.0, 0.0);
+    let with = companions(mode, amplitude);
+    for &(sine, cosine) in instants {
+        let (x, v) = accompanied((sine, cosine), amplitude, &with);
+        let force = mode.force(x, omega * v)[0];
+        in_phase -= force * sine;
+        quadrature -= force * cosine;
+    }
+    let scale = 2.0 / (n as f64 * amplitude);
+    let (mut k, mut c) = (scale * in_phase, scale * quadrature + 4.0 * mode.dry_friction() / (PI * amplitude));
+    if let Some(joint) = mode.joint() {
+        // On the way down from the top; on the way up it is the negative.
+        for &(sine, cosine) in &from_top[..n / 2] {
+            let force = unloading(joint, amplitude, amplitude * sine);
+            k += 2.0 * scale * force * sine;
+            c += 2.0 * scale * force * cosine;
+        }
+    }
+    (k, c)
+}
+
+/// Amplitudes at which the first harmonic is in balance, in ascending order.
+fn first_harmonic_roots(mode: &dyn SingleMode) -> Vec<f64> {
+    let ([mass, damping, stiffness], omega, (re, im)) = (mode.linear(), mode.omega(), mode.drive());
+    let drive = re.hypot(im);
+    let static_part = stiffness - mass * omega * omega;
+    let resistance = (damping * omega).max(UNDAMPED * omega * (mass * stiffness).sqrt());
+    // Nothing moves more than a mode in resonance that only the linear damping holds; a little beyond, to see it turn back.
+    let most = 1.2 * drive / resistance;
+    let detuning = |log: f64| static_part + describing(mode, log.exp()).0;
+    let both = |log: f64| {
+        let x = log.exp();
+        let (k, c) = describing(mode, x);
+        ((x * (static_part + k).hypot(resistance + c) / drive).ln(), static_part + k > 0.0)
+    };
+    let excess = |log: f64| both(log).0;
+    // From where no force of an effect can matter: far below the linear motion.
+    let least = 1e-2 * (drive / static_part.hypot(resistance)).min(drive / stiffness).min(most);
+    if !(least > 0.0 && most.is_finite()) {
+        return Vec::new();
+    }
+    let (low, high) = (least.ln(), most.ln());
+    let count = ((high - low) / std::f64::consts::LN_10 * GRID_PER_DECADE).ceil().max(8.0) as usize;
+    let at = |i: usize| low + (high - low) * i as f64 / count as f64;
+    let looked: Vec<(f64, bool)> = (0..=count).map(|i| both(at(i))).collect();
+    let mut grid: Vec<(f64, f64)> = looked.iter().enumerate().map(|(i, (excess, _))| (at(i), *excess)).collect();
+    // At the amplitudes of resonance the excess has dips as narrow as the resonance.
+    for i in (1..=count).filter(|&i| looked[i].1 != looked[i - 1].1) {
+        let bracket = [grid[i - 1].0, grid[i].0];
+        let resonance = regula_falsi(detuning, bracket, bracket.map(detuning), (RESONANT, 0.0), REFINEMENTS);
+        grid.push((resonance, excess(resonance)));
+    }
+    grid.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // Where the excess turns back before it reaches zero, two roots may lie between three places.
+    let mut inserted = Vec::new();
+    for three in grid.windows(3) {
+        let [a, b, c] = [three[0], three[1], three[2]];
+        let towards = |s: f64| s * b.1 > 0.0 && s * b.1 <= s * a.1 && s * b.1 <= s * c.1;
+        let Some(sign) = [1.0, -1.0].into_iter().find(|s| towards(*s)) else { continue };
+        inserted.push(nearest_to_zero(&excess, sign, [a.0, b.0, c.0], b));
+    }
+    grid.extend(inserted);
+    grid.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut roots = Vec::new();
+    for pair in grid.windows(2) {
+        let ((a, fa), (b, fb)) = (pair[0], pair[1]);
+        if (fa > 0.0) != (fb > 0.0) {
+            roots.push(regula_falsi(excess, [a, b], [fa, fb], (ROOT, 0.0), REFINEMENTS).exp());
+        }
+    }
+    roots
+}
+
+/// The place between the outer two at which the excess, of one sign at all three, comes nearest to zero (golden section).
+fn nearest_to_zero(excess: &impl Fn(f64) -> f64, sign: f64, [a, _, c]: [f64; 3], best: (f64, f64)) -> (f64, f64) {
+    let golden = 0.5 * (5f64.sqrt() - 1.0);
+    let (mut low, mut high, mut best) = (a, c, best);
+    for _ in 0..REFINEMENTS {
+        let (x, y) = (high - golden * (high - low), low + golden * (high - low));
+        let (fx, fy) = (excess(x), excess(y));
+        for (place, value) in [(x, fx), (y, fy)] {
+            if sign * value < sign * best.1 {
+                best = (place, value);
+            }
+        }
+        if sign * best.1 <= 0.0 {
+            return best;
+        }
+        if sign * fx < sign * fy { high = y } else { low = x }
+    }
+    best
+}
+
+/// Whether the forces of opposite motions are opposite, so that a motion may be odd.
+pub(super) fn is_odd(mode: &dyn SingleMode, amplitude: f64) -> bool {
+    let v = amplitude * mode.omega();
+    [0.3, 0.9].iter().all(|share| {
+        let (there, back) = (mode.force(share * amplitude, 0.7 * v), mode.force(-share * amplitude, -0.7 * v));
+        there[0] == -back[0]
+    })
+}

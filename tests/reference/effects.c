@@ -1,0 +1,201 @@
+/* Time integration for effects.py (which compiles this file and states the equations): the paper's rig on its contact, and an
+   oscillator by itself, each from rest until the last cycles repeat.
+
+   Trapezoidal rule throughout. contact(): in every step the slip rate at its end is the root of a scalar equation, zero where
+   friction holds. alone(): where the velocity changes sign the step is split there; under dry friction the body then rests as
+   long as the force on it is no more than that. out: cosine and sine parts over sin(w t), mean, change over the last cycle. */
+
+#include <math.h>
+
+static const double TWO_PI = 6.283185307179586476925;
+
+static double power(double x, double p) { return copysign(pow(fabs(x), p), x); }
+
+/* Parts of the cycle that was summed, and the change against the one before in out[3]. */
+static void finish(double *sum, long steps, double *out)
+{
+    double re = 2.0 * sum[0] / steps, im = 2.0 * sum[1] / steps;
+    out[3] = hypot(re - out[0], im - out[1]) / hypot(re, im);
+    out[0] = re;
+    out[1] = im;
+    out[2] = sum[2] / steps;
+    sum[0] = sum[1] = sum[2] = 0.0;
+}
+
+static void tally(double *sum, double u, double phase)
+{
+    sum[0] += u * sin(phase);
+    sum[1] += u * cos(phase);
+    sum[2] += u;
+}
+
+/* ---------------------------------------------------------------- the paper's rig */
+
+typedef struct {
+    double J, C, K, re, im, b, kc, cc, mu, V, W, omega;
+    double law, p1, p2, p3; /* friction: 1 Stribeck, 2 strengthening, 3 Grosch, 4 film */
+    double K2, K3, K5, D2, kn, k1, tau;
+} rig;
+
+static double friction(const rig *r, double s)
+{
+    switch ((int)r->law) {
+    case 1: return r->mu + r->p1 * exp(-s / r->p2);
+    case 2: return r->mu + r->p1 * log1p(s / r->p2);
+    case 3: {
+        double x = log10((s + 1e-9) / r->p2) / r->p3;
+        return r->mu + r->p1 * exp(-0.5 * x * x);
+    }
+    case 4: return r->mu + r->p1 * s;
+    default: return r->mu;
+    }
+}
+
+typedef struct { double th, w, a, x, d, q; } state;
+
+/* The end of a step at time t if the interface slips at rate s there; returns the force of the contact. */
+static double step(const rig *r, const state *z, double t, double h, double s, state *n)
+{
+    double drive = r->re * sin(r->omega * t) + r->im * cos(r->omega * t), force = 0.0, a = z->a;
+    double branch = r->k1 * 0.5 * h / (1.0 + 0.5 * h / r->tau);
+    for (int i = 0; i < 30; i++) {
+        n->w = z->w + 0.5 * h * (z->a + a);
+        n->th = z->th + 0.5 * h * (z->w + n->w);
+        n->d = r->V - r->b * n->w - s;
+        n->x = z->x + 0.5 * h * (z->d + n->d);
+        n->q = (z->q * (1.0 - 0.5 * h / r->tau) + r->k1 * 0.5 * h * (z->d + n->d)) / (1.0 + 0.5 * h / r->tau);
+        force = r->kc * n->x + r->cc * n->d + n->q;
+        double y = n->th, y2 = y * y;
+        double spring = r->K * y + r->K2 * y2 + r->K3 * y2 * y + r->K5 * y2 * y2 * y;
+        double slope = r->K + 2.0 * r->K2 * y + 3.0 * r->K3 * y2 + 5.0 * r->K5 * y2 * y2;
+        double left = r->J * a + r->C * n->w + spring + r->D2 * fabs(n->w) * n->w - drive - r->b * force;
+        double by = r->J + 0.5 * h * (r->C + 2.0 * r->D2 * fabs(n->w)) + 0.25 * h * h * slope
+                  + r->b * r->b * 0.5 * h * (r->kc * 0.5 * h + r->cc + branch);
+        double move = left / by;
+        a -= move;
+        if (fabs(move) <= 1e-13 * (fabs(a) + fabs(drive) / r->J)) break;
+    }
+    n->a = a;
+    return force;
+}
+
+static double excess(const rig *r, const state *z, double t, double h, double sign, double s, state *n)
+{
+    double force = step(r, z, t, h, sign * s, n), load = r->W + r->kn * r->b * n->th;
+    return sign * force - friction(r, s) * (load > 0.0 ? load : 0.0);
+}
+
+void contact(const rig *r, long steps, long cycles, double *out)
+{
+    double h = TWO_PI / r->omega / steps, sum[3] = { 0.0, 0.0, 0.0 }, last = 0.0;
+    state z = { 0 }, n = { 0 };
+    if (r->V > 0.0) {
+        double pull = friction(r, r->V) * r->W;
+        z.x = pull / r->kc;
+        for (int i = 0; i < 60; i++) { /* the deflection under it */
+            double y = z.th, y2 = y * y;
+            double left = r->K * y + r->K2 * y2 + r->K3 * y2 * y + r->K5 * y2 * y2 * y - r->b * pull;
+            z.th -= left / (r->K + 2.0 * r->K2 * y + 3.0 * r->K3 * y2 + 5.0 * r->K5 * y2 * y2);
+        }
+    }
+    z.a = r->im / r->J;
+    for (long c = 0; c < cycles; c++) {
+        for (long j = 0; j < steps; j++) {
+            double t = h * (j + 1);
+            double force = step(r, &z, t, h, 0.0, &n), load = r->W + r->kn * r->b * n.th;
+            if (r->W > 0.0 && fabs(force) > friction(r, 0.0) * (load > 0.0 ? load : 0.0)) {
+                double sign = force > 0.0 ? 1.0 : -1.0;
+                double low = 0.0, high = fabs(last) + 1e-9, f_low = excess(r, &z, t, h, sign, 0.0, &n), f_high;
+                while ((f_high = excess(r, &z, t, h, sign, high, &n)) > 0.0) {
+                    low = high, f_low = f_high;
+                    high *= 2.0;
+                }
+                for (int i = 0; i < 80; i++) { /* regula falsi, Illinois */
+                    double s = (low * f_high - high * f_low) / (f_high - f_low);
+                    double f = excess(r, &z, t, h, sign, s, &n);
+                    if (fabs(f) < 1e-13 * fabs(force) || fabs(high - low) < 1e-15 * high) break;
+                    if (f > 0.0) { low = s, f_low = f, f_high *= 0.5; } else { high = s, f_high = f, f_low *= 0.5; }
+                    last = s;
+                }
+            }
+            z = n;
+            tally(sum, z.th, r->omega * t);
+        }
+        finish(sum, steps, out);
+    }
+}
+
+/* ---------------------------------------------------------------- an oscillator by itself */
+
+typedef struct { double M, C, K, f, omega, K2, K3, K5, kg, g, D, v0, p, Fc; } oscillator;
+
+/* Force of everything but what opposes the velocity by a law of its own. */
+static double pull(const oscillator *o, double t, double x, double v)
+{
+    double x2 = x * x, beyond = fabs(x) - o->g;
+    double force = o->f * sin(o->omega * t) - o->K * x - o->C * v - o->K2 * x2 - o->K3 * x2 * x - o->K5 * x2 * x2 * x;
+    if (o->kg > 0.0 && beyond > 0.0) force -= o->kg * copysign(beyond, x);
+    return force;
+}
+
+static double held(const oscillator *o, double v, double sign)
+{
+    double force = o->Fc * sign;
+    if (o->D > 0.0 && o->p > 0.0) force += o->D * power(v / o->v0, o->p);
+    return force;
+}
+
+/* Velocity at the end of a step of length h: monotone, by regula falsi. `sign`: that of dry friction. */
+static double moved(const oscillator *o, double t, double h, double x, double v, double sign)
+{
+    double now = pull(o, t, x, v) - held(o, v, sign), low, high, f_low, f_high, wide;
+#define LEFT(u) (o->M * ((u) - v) - 0.5 * h * (now + pull(o, t + h, x + 0.5 * h * (v + (u)), (u)) - held(o, (u), sign)))
+    wide = h * fabs(now) / o->M + h * (o->f + o->Fc + o->D) / o->M + 1e-30;
+    low = v - wide, high = v + wide;
+    while ((f_low = LEFT(low)) > 0.0) low -= wide, wide *= 2.0;
+    while ((f_high = LEFT(high)) < 0.0) high += wide, wide *= 2.0;
+    for (int i = 0; i < 200; i++) {
+        double u = i % 8 == 7 ? 0.5 * (low + high) : (low * f_high - high * f_low) / (f_high - f_low);
+        if (!(u > low && u < high)) u = 0.5 * (low + high);
+        double f = LEFT(u);
+        if (f == 0.0 || high - low <= 1e-15 * (fabs(u) + fabs(v))) return u;
+        if (f < 0.0) { low = u, f_low = f, f_high *= 0.5; } else { high = u, f_high = f, f_low *= 0.5; }
+        if (fabs(f) < 1e-15 * o->M * (fabs(u) + fabs(v))) return u;
+    }
+    return 0.5 * (low + high);
+#undef LEFT
+}
+
+void alone(const oscillator *o, long steps, long cycles, double *out)
+{
+    double h = TWO_PI / o->omega / steps, sum[3] = { 0.0, 0.0, 0.0 }, x = 0.0, v = 0.0, sign = 0.0;
+    for (long c = 0; c < cycles; c++) {
+        for (long j = 0; j < steps; j++) {
+            double t = h * j, left = h;
+            for (int part = 0; part < 4 && left > 0.0; part++) {
+                if (v == 0.0) {
+                    double force = pull(o, t, x, 0.0);
+                    if (fabs(force) <= o->Fc) break;
+                    sign = force > 0.0 ? 1.0 : -1.0;
+                }
+                double u = moved(o, t, left, x, v, sign), took = left;
+                if (o->Fc > 0.0 && v != 0.0 && u * v < 0.0) { /* split where it comes to rest */
+                    double from = 0.0, to = left, f_from = v, f_to = u;
+                    for (int i = 0; i < 60 && to - from > 1e-14 * h; i++) {
+                        took = from + (to - from) * f_from / (f_from - f_to);
+                        u = moved(o, t, took, x, v, sign);
+                        if (u * v > 0.0) { from = took, f_from = u, f_to *= 0.5; } else { to = took, f_to = u, f_from *= 0.5; }
+                        if (fabs(u) < 1e-13 * fabs(v)) break;
+                    }
+                    u = 0.0;
+                }
+                x += 0.5 * took * (v + u);
+                v = u;
+                t += took;
+                left -= took;
+            }
+            tally(sum, x, h * (j + 1) * o->omega);
+        }
+        finish(sum, steps, out);
+    }
+}

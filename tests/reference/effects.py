@@ -1,0 +1,223 @@
+#!/usr/bin/env python3
+"""Steady states of every effect that was added to the catalogue after its first table, by integration in time.
+
+    python3 tests/reference/effects.py --check        a sample of the rows of both tables, integrated again (a minute)
+    python3 tests/reference/effects.py --check all    every row that this program knows the effect of
+    python3 tests/reference/effects.py --write beside | alone    makes the rows of a table anew
+
+The paper's rig (Eqs. 1-8): J th'' + C th' + K th = drive + b F, bristles F = kc x + cc x' in series with friction mu(s) N:
+`tests/data/effects.csv`, whose older rows come from another program and are only checked here. An oscillator without a
+contact: M x'' + C x' + K x = f sin(w t) + force of the effect: `tests/data/effects-alone.csv`. The laws are stated below.
+Shares no code with the program; needs Python 3.9 and a C compiler.
+"""
+
+import argparse
+import cmath
+import ctypes
+import math
+import os
+import subprocess
+import sys
+import tempfile
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+DATA = os.path.join(HERE, "..", "data")
+BESIDE, ALONE = os.path.join(DATA, "effects.csv"), os.path.join(DATA, "effects-alone.csv")
+
+STEPS, CYCLES = 4000, 110
+STEPS_ALONE = 20000
+CLOSE = 1e-4
+
+PAPER = dict(J=5.0e-3, K0=990.0, C0=0.43, k0=1.6e4, c0=12.0, a=0.030, b=0.060, kc=8.9e4, cc=26.0, mu=0.5)
+CONDITIONS = [(0.0, 20.0, 2.5e-6), (5e-5, 20.0, 2.5e-6), (1e-4, 10.0, 2.5e-6), (0.02, 20.0, 2.5e-6), (0.0, 0.1, 7.5e-6)]
+FREQUENCIES = [58.0, 70.0, 74.0, 82.0, 94.0]
+NEW = [
+    ("viscous-film", dict(b=1.5)),
+    ("load-stiffening", dict(m=0.4, N_ref=12.0)),
+    ("quintic-stiffness", dict(K_5=1.2e15)),
+    ("asymmetric-stiffness", dict(K_2=1.5e5)),
+    ("asymmetric-stiffness", dict(K_2=-1e5)),
+    ("residual-modes", dict(R_c=2e-4, R_m=-30.0)),
+]
+
+OSCILLATOR = dict(mass=2.0, f0=80.0, Q=30.0)
+FORCES = [1.0, 3.0]
+RATIOS = [0.6, 0.95, 1.0, 1.02, 1.2]
+NEW_ALONE = [
+    ("quintic-stiffness", dict(K_5=1.5e19)),
+    ("asymmetric-stiffness", dict(K_2=6e8)),
+    ("clearance", dict(k_g=2e4, g=2e-5)),
+    ("power-damping", dict(D=0.3, p=0.5, v_0=0.02)),
+    ("power-damping", dict(D=0.6, p=1.5, v_0=0.02)),
+    ("power-damping", dict(D=0.5, p=3.2, v_0=0.03)),
+    ("power-damping", dict(D=0.7, p=0.0, v_0=1.0)),
+    ("pivot-friction", dict(F_c=0.4)),
+    ("pivot-friction", dict(F_c=0.9)),
+    ("pivot-friction", dict(F_c=1.2)),
+    ("residual-modes", dict(R_c=3e-7, R_m=-0.4)),
+]
+
+
+def library():
+    folder = tempfile.mkdtemp()
+    built = os.path.join(folder, "effects.so")
+    subprocess.run(["cc", "-O2", "-shared", "-fPIC", os.path.join(HERE, "effects.c"), "-o", built, "-lm"], check=True)
+    return ctypes.CDLL(built)
+
+
+LIBRARY = library()
+FRICTION = {"stribeck": (1, "delta_mu", "v_s"), "rate-strengthening": (2, "beta", "v_0"),
+            "grosch": (3, "delta_mu", "v_m", "h"), "viscous-film": (4, "b")}
+SPRINGS = {"asymmetric-stiffness": "K_2", "cubic-stiffness": "K_3", "quintic-stiffness": "K_5"}
+KNOWN = [*FRICTION, *SPRINGS, "none", "quadratic-damping", "structural-damping", "normal-coupling", "maxwell-branch",
+         "actuator-lag", "sensor-delay", "load-stiffening", "residual-modes"]
+
+
+def read(amplitude, effect, p, omega, drive):
+    """What the instrument shows of a motion Im[A exp(i w t)]: amplitude and phase."""
+    if effect == "residual-modes":
+        amplitude += (p["R_c"] + p["R_m"] / omega**2) * drive
+    if effect == "sensor-delay":
+        amplitude *= cmath.exp(-1j * omega * p["tau"])
+    return abs(amplitude), cmath.phase(amplitude)
+
+
+def beside(effect, p, speed, load, u0, frequency):
+    """(amplitude, phase, mean) on the paper's rig."""
+    r, w = PAPER, 2.0 * math.pi * frequency
+    stiffness, damping = r["K0"] + 2.0 * r["a"] ** 2 * r["k0"], r["C0"] + 2.0 * r["a"] ** 2 * r["c0"]
+    drive = r["a"] * u0 * (r["k0"] + 1j * w * r["c0"])
+    kc, cc = r["kc"], r["cc"]
+    law, springs, extra = (0,), dict.fromkeys(SPRINGS.values(), 0.0), dict(D2=0.0, kn=0.0, k1=0.0, tau=1.0)
+    if effect in FRICTION:
+        law = (FRICTION[effect][0], *(p[key] for key in FRICTION[effect][1:]))
+    elif effect in SPRINGS:
+        springs = {**springs, **p}
+    elif effect == "quadratic-damping":
+        extra["D2"] = p["D_2"]
+    elif effect == "structural-damping":
+        damping += p["eta"] * stiffness / w
+    elif effect == "normal-coupling":
+        extra["kn"] = p["k_n"]
+    elif effect == "maxwell-branch":
+        extra.update(k1=p["k_1"], tau=p["tau"])
+    elif effect == "actuator-lag":
+        drive /= 1.0 + 1j * w * p["tau"]
+    elif effect == "load-stiffening":
+        kc, cc = kc * (load / p["N_ref"]) ** p["m"], cc * (load / p["N_ref"]) ** p["m"]
+    law = (*law, 1.0, 1.0, 1.0)[:4]
+    numbers = [r["J"], damping, stiffness, drive.real, drive.imag, r["b"], kc, cc, r["mu"], speed, load, w, *law,
+               springs["K_2"], springs["K_3"], springs["K_5"], *extra.values()]
+    re, im, mean, change = integrate(LIBRARY.contact, numbers, STEPS, CYCLES)
+    if change > 1e-6:
+        raise ArithmeticError(f"{effect} {p} at {speed} {load} {u0} {frequency}: not settled, {change:.1e}")
+    return *read(complex(re, im), effect, p, w, drive), mean
+
+
+def alone(effect, p, force, frequency):
+    """(amplitude, phase, mean) of the oscillator."""
+    mass, f0, quality = OSCILLATOR.values()
+    w0, w = 2.0 * math.pi * f0, 2.0 * math.pi * frequency
+    stiffness, damping = mass * w0**2, mass * w0 / quality
+    springs = {**dict.fromkeys(SPRINGS.values(), 0.0), **(p if effect in SPRINGS else {})}
+    stop = (p["k_g"], p["g"]) if effect == "clearance" else (0.0, 1.0)
+    power, dry = (0.0, 1.0, 1.0), 0.0
+    if effect == "pivot-friction":
+        dry = p["F_c"]
+    elif effect == "power-damping":
+        dry, power = (p["D"], power) if p["p"] == 0.0 else (0.0, (p["D"], p["v_0"], p["p"]))
+    numbers = [mass, damping, stiffness, force, w, springs["K_2"], springs["K_3"], springs["K_5"], *stop, *power, dry]
+    re, im, mean, change = integrate(LIBRARY.alone, numbers, STEPS_ALONE, int(9 * quality))
+    if re == im == 0.0:
+        return 0.0, 0.0, 0.0  # it sticks
+    if change > 1e-7:
+        raise ArithmeticError(f"{effect} {p} at {force} {frequency}: not settled, {change:.1e}")
+    return *read(complex(re, im), effect, p, w, force), mean
+
+
+def integrate(run, numbers, steps, cycles):
+    out = (ctypes.c_double * 4)(0.0, 0.0, 0.0, 1.0)
+    run((ctypes.c_double * len(numbers))(*numbers), ctypes.c_long(steps), ctypes.c_long(cycles), out)
+    return list(out)
+
+
+def written(p):
+    return " ".join(f"{key}={value:g}" for key, value in p.items())
+
+
+def number(value, digits):
+    return f"{value:.{digits}e}" if value else "0"
+
+
+def rows_beside():
+    for effect, p in NEW:
+        for speed, load, drive in CONDITIONS:
+            for frequency in FREQUENCIES:
+                amplitude, phase, mean = beside(effect, p, speed, load, drive, frequency)
+                mean = 0.0 if abs(mean) < 1e-9 * amplitude else mean
+                place = f"{speed},{load},{drive},{frequency}"
+                yield f"{effect},{written(p)},{place},{amplitude:.8e},{phase:.7f},{number(mean, 8)}"
+
+
+def rows_alone():
+    for effect, p in NEW_ALONE:
+        for force in FORCES:
+            for ratio in RATIOS:
+                frequency = ratio * OSCILLATOR["f0"]
+                amplitude, phase, mean = alone(effect, p, force, frequency)
+                mean = 0.0 if abs(mean) < 1e-7 * amplitude else mean
+                yield f"{effect},{written(p)},{force},{frequency},{amplitude:.8e},{phase:.7f},{number(mean, 8)}"
+
+
+def write(which):
+    if which == "alone":
+        lines = ["effect,parameters,force_n,frequency_hz,amplitude_m,phase_rad,mean_m", *rows_alone()]
+        with open(ALONE, "w", encoding="utf-8") as file:
+            file.write("\n".join(lines) + "\n")
+        return
+    with open(BESIDE, encoding="utf-8") as file:
+        lines = file.read().splitlines()
+    made = {effect for effect, _ in NEW}
+    lines = [line for line in lines if line.split(",")[0] not in made] + list(rows_beside())
+    with open(BESIDE, "w", encoding="utf-8") as file:
+        file.write("\n".join(lines) + "\n")
+
+
+def check(every):
+    """Whether every `every`-th row of each effect comes out again."""
+    worst, failed = {}, 0
+    for path, solve in ((BESIDE, beside), (ALONE, alone)):
+        with open(path, encoding="utf-8") as file:
+            lines = file.read().splitlines()[1:]
+        counts = {}
+        for line in lines:
+            effect, parameters, *fields = line.split(",")
+            counts[effect] = counts.get(effect, 0) + 1
+            if solve is beside and effect not in KNOWN or counts[effect] % every != (1 if every > 1 else 0):
+                continue
+            p = {key: float(value) for key, value in (pair.split("=") for pair in parameters.split())}
+            *at, amplitude, phase, _ = map(float, fields)
+            found = solve(effect, p, *at)
+            error = max(abs(found[0] / amplitude - 1.0) if amplitude else found[0], abs(found[1] - phase) if amplitude else 0.0)
+            key = (effect, "on the contact" if solve is beside else "alone")
+            worst[key] = max(worst.get(key, 0.0), error)
+            failed += error > CLOSE
+    for (effect, where), error in worst.items():
+        print(f"{effect:22} {where:15} {error:.1e}")
+    print(f"{failed} rows differ by more than {CLOSE}")
+    return failed == 0
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--write", choices=("beside", "alone"), help="make the rows of one table's newer effects anew")
+    parser.add_argument("--check", nargs="?", const="sample", choices=("sample", "all"), help="integrate rows again")
+    options = parser.parse_args()
+    if options.write:
+        write(options.write)
+    if options.check:
+        sys.exit(0 if check(7 if options.check == "sample" else 1) else 1)
+
+
+if __name__ == "__main__":
+    main()
