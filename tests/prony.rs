@@ -8,7 +8,7 @@ use predicates::prelude::PredicateBooleanExt as _;
 use predicates::str::contains;
 use std::f64::consts::TAU;
 use std::path::Path;
-use stickslip::prony::{Analysis, Branch, Kind, Law, Moduli, fragment, read_bytes};
+use stickslip::prony::{Analysis, Branch, Interval, Kind, Law, Moduli, fragment, read_bytes};
 
 const MASTER: &str = "tests/data/prony/master.csv";
 
@@ -22,7 +22,7 @@ fn frequencies(decades: f64, rows: usize) -> impl Iterator<Item = f64> {
 }
 
 /// A table of complex moduli in MPa against Hz.
-fn dynamic(decades: f64, rows: usize, modulus: impl Fn(f64) -> (f64, f64)) -> String {
+fn dynamic(decades: f64, rows: usize, mut modulus: impl FnMut(f64) -> (f64, f64)) -> String {
     let row = |f: f64| {
         let (storage, loss) = modulus(TAU * f);
         format!("{f:.17e},{storage:.17e},{loss:.17e}\n")
@@ -105,7 +105,7 @@ fn the_units_of_a_table_change_nothing() {
     let rows: Vec<String> = rows.iter().map(converted).collect();
     let si = Analysis::of(table(&format!("\u{feff}E'' / Pa;E' / Pa;omega_rad_s\n{}", rows.join("\n"))));
     assert_eq!(si.terms(), mega.terms());
-    let close = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-9 || a.abs().max(b.abs()) < 1.0;
+    let close = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-6 || a.abs().max(b.abs()) < 1.0;
     assert!(si.series.amounts.iter().zip(&mega.series.amounts).all(|(a, b)| close(a.value, b.value)));
     assert!(si.scores.iter().zip(&mega.scores).all(|(a, b)| close(1e9 * a.mean, 1e9 * b.mean)));
     assert!(close(si.exponent.value, mega.exponent.value) && close(si.exponent.low, mega.exponent.low));
@@ -151,28 +151,30 @@ fn relaxation_and_creep_are_those_of_the_solid_that_has_the_modulus() {
     // Times and amounts of a standard linear solid in its three closed forms.
     let (e0, e1, tau) = (2.0, 3.0, 0.5);
     let (retardation, glassy) = (tau * (e0 + e1) / e0, 1.0 / (e0 + e1));
-    let times = |f: fn(f64, [f64; 4]) -> f64| {
+    // The time lies in the middle of the band, where every series with an odd number of terms has one.
+    let times = |middle: f64, f: fn(f64, [f64; 4]) -> f64| {
         let at = [e0, e1, tau, retardation];
-        let times = (0..60).map(|i| 0.5 * 10f64.powf(-2.0 + 4.0 * f64::from(i) / 59.0));
+        let times = (0..60).map(|i| middle * 10f64.powf(-2.0 + 4.0 * f64::from(i) / 59.0));
         times.map(|t| format!("{t:.17e}\t{:.17e}\n", f(t, at))).collect::<String>()
     };
-    let relaxation = times(|t, [e0, e1, tau, _]| e0 + e1 * (-t / tau).exp());
-    let creep = times(|t, [e0, e1, _, late]| 1.0 / (e0 + e1) + (1.0 / e0 - 1.0 / (e0 + e1)) * -(-t / late).exp_m1());
+    let relaxation = times(tau, |t, [e0, e1, tau, _]| e0 + e1 * (-t / tau).exp());
+    let creep = times(retardation, |t, [e0, e1, _, late]| {
+        1.0 / (e0 + e1) + (1.0 / e0 - 1.0 / (e0 + e1)) * -(-t / late).exp_m1()
+    });
     let analysis = Analysis::of(table(&format!("time_s\trelaxation_mpa\n{relaxation}")));
     assert_eq!(analysis.moduli.kind, Kind::Relaxation);
-    let loose = 0.02;
     let near = |analysis: &Analysis, what: &str| {
         for omega in [0.5, 2.0, 8.0] {
             let modulus = analysis.series.fitted.modulus(analysis.moduli.kind, omega);
             let (storage, loss) = maxwell(1e6 * e0, &[(1e6 * e1, tau)], omega);
             let off = (modulus.re / storage - 1.0).abs().max((modulus.im / loss - 1.0).abs());
-            assert!(off < loose, "{what} {omega}: {modulus} {storage} {loss}");
+            assert!(off < 1e-6, "{what} {omega}: {modulus} {storage} {loss}");
         }
     };
     near(&analysis, "relaxation");
     let analysis = Analysis::of(table(&format!("t / s\tcompliance_1_mpa\n{creep}")));
     assert_eq!(analysis.moduli.kind, Kind::Creep);
-    assert!(analysis.series.amounts[0].value < 1e-6 * 1.05 * glassy);
+    assert!(analysis.series.amounts[0].value < 1e-6 * 1.001 * glassy);
     near(&analysis, "creep");
     layout::check_drawing("creep", &stickslip::figures::prony::draw(&analysis, None).unwrap());
 }
@@ -182,7 +184,7 @@ fn what_the_data_cannot_tell_is_said() {
     let said = |text: &str| Analysis::of(table(text)).remarks.join("\n");
     let mut noise = Noise(3);
     let mut scatter = |value: f64| value * (0.01 * noise.normal()).exp();
-    let structural = said(&dynamic(0.6, 30, |_| (scatter(5.0), scatter(0.3))));
+    let structural = said(&dynamic(0.15, 30, |_| (scatter(5.0), scatter(0.3))));
     assert!(structural.contains("structural damping") && structural.contains("one relaxation"), "{structural}");
     let mut pot =
         |omega: f64| (scatter(3.0 * omega.powf(0.2)), scatter(3.0 * omega.powf(0.2) * (0.1 * TAU / 2.0).tan()));
@@ -226,6 +228,11 @@ fn the_fragment_is_a_contact_whose_stiffness_is_the_modulus_times_the_geometry()
         }
         assert_eq!(factor.is_none(), (contact.stiffness - 1.0).abs() < 1e-12, "{text}");
     }
+    let rows = (1..9).map(|t| format!("{t},5\n")).collect::<String>();
+    let elastic = Analysis::of(table(&format!("time_s,relaxation_mpa\n{rows}")));
+    let nearest = Branch::nearest(&elastic, (0.05, 0.1)).unwrap();
+    assert!((nearest.elastic + nearest.amount - 5e6).abs() < 1e4 && nearest.viscous < 1.0, "{nearest:?}");
+    assert!(!fragment(&elastic, &nearest, None).contains("NaN"));
     let why = Branch::nearest(&analysis, (1e5, 2e5)).unwrap_err();
     assert!(why.contains("100 to 200 kHz") || why.contains("100 kHz to 200 kHz"), "{why}");
 }
@@ -262,6 +269,8 @@ fn a_hostile_table_is_an_error_that_says_where() {
         lines[number - 1] = text;
         lines.join("\n")
     };
+    let twice = good.lines().enumerate().map(|(at, row)| format!("{},{row}\n", if at == 0 { "E' [MPa]" } else { "1" }));
+    let twice = twice.collect::<String>();
     for (text, says) in [
         (
             line(1, "speed,storage_mpa,loss_mpa"),
@@ -270,13 +279,13 @@ fn a_hostile_table_is_an_error_that_says_where() {
         (line(1, "frequency_hz,storage,loss_mpa"), &["states no unit", "storage_mpa", "t.csv:1:14"]),
         (line(1, "frequency_hz,storage_mpa,loss [N]"), &["a force", "t.csv:1:26"]),
         (line(1, "frequency_hz,storage_mpa [kPa],loss_mpa"), &["different units"]),
-        (line(1, "frequency_hz,E' [MPa],storage_mpa,loss_mpa").replace("0,", "0,1,"), &["two columns hold the same"]),
+        (twice, &["two columns hold the same quantity"]),
         (line(3, "1.8,2.5,-0.5"), &["`-0.5` is not more than zero", "t.csv:3:9"]),
         (line(3, "1.8,NaN,0.5"), &["`NaN` is not a finite number", "t.csv:3:5"]),
         (line(3, "1.8,,0.5"), &["the cell is empty"]),
         (line(3, "1.8,1e400,0.5"), &["`1e400`"]),
         (line(3, "0,2.5,0.5"), &["not more than zero"]),
-        (line(3, "1.8,2.5"), &["1 missing"]),
+        (line(3, "1.8,2.5"), &["1 cell missing"]),
         (line(3, "1.8,1e-300,0.5"), &["differ by more"]),
         (good.lines().take(5).collect::<Vec<_>>().join("\n"), &["only 4 different"]),
         (String::new(), &["is empty"]),
@@ -298,8 +307,9 @@ fn extreme_numbers_make_no_panic_and_no_broken_number() {
     for (decades, size) in [(0.1, 1e-290), (90.0, 1.0), (3.0, 1e200), (0.001, 1.0)] {
         let text = dynamic(decades, 12, |omega| (size * (1.0 + 1.0 / (1.0 + 1.0 / omega)), size * 1e-3));
         let analysis = Analysis::of(table(&text));
-        let numbers = analysis.series.amounts.iter().chain(&analysis.spring_pot.amounts).map(|amount| amount.value);
-        assert!(numbers.chain([analysis.exponent.value]).all(f64::is_finite), "{decades} {size}: {analysis:?}");
+        let amounts = analysis.series.amounts.iter().chain(&analysis.spring_pot.amounts).chain([&analysis.exponent]);
+        let finite = |i: &Interval| [i.value, i.low, i.high].iter().all(|end| end.is_finite());
+        assert!(amounts.into_iter().all(finite), "{decades} {size}: {analysis:?}");
     }
 }
 

@@ -59,7 +59,8 @@ impl Branch {
         let [elastic, viscous, amount] = fit(&goal, time).0;
         let branch = Self { band_hz: [low, high], elastic, viscous, amount, time, rms: [0.0; 2] };
         let rms = |part: fn(Complex<f64>) -> f64| {
-            let square = |&(w, e): &(f64, Complex<f64>)| (part(branch.modulus(w)) / part(e) - 1.0).powi(2);
+            let off = |w: f64, e| (part(branch.modulus(w)) - part(e)) / size(part(e), e);
+            let square = |&(w, e): &(f64, Complex<f64>)| off(w, e).powi(2);
             (goal.iter().map(square).sum::<f64>() / PLACES as f64).sqrt()
         };
         Ok(Self { rms: [rms(|e| e.re), rms(|e| e.im)], ..branch })
@@ -84,12 +85,18 @@ fn fit(goal: &[(f64, Complex<f64>)], time: f64) -> ([f64; 3], f64) {
     let scale = goal[goal.len() / 2].1.re;
     let columns = |w: f64| [Complex::from(1.0), Complex::new(0.0, w / middle), branch(w, time)];
     let part = |row: usize, z: Complex<f64>| if row % 2 == 0 { z.re } else { z.im };
-    let weight = |row: usize| scale / part(row, goal[row / 2].1);
+    let weight = |row: usize| scale / size(part(row, goal[row / 2].1), goal[row / 2].1);
+    let wanted = |row: usize| part(row, goal[row / 2].1) / scale - if row % 2 == 0 { LEAST } else { 0.0 };
     let a = DMatrix::from_fn(2 * goal.len(), 3, |i, j| part(i, columns(goal[i / 2].0)[j]) * weight(i));
-    let b = DVector::from_fn(2 * goal.len(), |i, _| 1.0 - if i % 2 == 0 { LEAST * weight(i) } else { 0.0 });
+    let b = DVector::from_fn(2 * goal.len(), |i, _| wanted(i) * weight(i));
     let x = nnls(&a, &b);
     let square = (&a * &x - b).norm_squared();
     ([(x[0] + LEAST) * scale, x[1] * scale / middle, x[2] * scale], square)
+}
+
+/// What an error is relative to: the part of the modulus, or the whole where there is no loss.
+fn size(part: f64, modulus: Complex<f64>) -> f64 {
+    if part == 0.0 { modulus.norm() } else { part }
 }
 
 /// A range of frequencies for people.

@@ -112,6 +112,11 @@ impl Fitted {
         }
     }
 
+    /// The amounts over the middle of the readings: their squares are numbers whatever the unit.
+    pub(super) fn shares(&self, moduli: &Moduli) -> Vec<f64> {
+        self.amounts.iter().map(|amount| amount / moduli.scale()).collect()
+    }
+
     /// The readings that the law gives at a frequency \[rad/s\] or a time \[s\].
     pub fn value(&self, kind: Kind, x: f64) -> [f64; 2] {
         let columns = self.columns(kind, x);

@@ -195,7 +195,7 @@ impl Analysis {
         let places = places(&moduli);
         let readings = |fitted: &Fitted| -> Vec<f64> {
             let logs = |x: &f64| fitted.value(moduli.kind, *x).map(|value| value.max(f64::MIN_POSITIVE).ln());
-            fitted.amounts.iter().copied().chain(places.iter().flat_map(logs)).collect()
+            fitted.shares(&moduli).into_iter().chain(places.iter().flat_map(logs)).collect()
         };
         let halves = blocks::half_widths(law, &moduli, readings);
         let (of_amounts, of_curve) = halves.split_at(fitted.amounts.len());
@@ -205,7 +205,8 @@ impl Analysis {
             (x, [0, 1].map(|k| Interval { value: value[k], low: end(k, -1.0), high: end(k, 1.0) }))
         });
         let curve = curve.collect();
-        let series = Judged { score: scores[chosen(&scores)], amounts: intervals(&fitted, of_amounts), fitted };
+        let series =
+            Judged { score: scores[chosen(&scores)], amounts: intervals(&fitted, of_amounts, &moduli), fitted };
         let (spring_pot, exponent) = spring_pot(&moduli);
         let constant = (moduli.kind == Kind::Dynamic).then(|| blocks::held_out(&Law::Constant, &moduli));
         let remarks = remarks::remarks(&moduli, &laws, &scores, (spring_pot.score, constant));
@@ -242,16 +243,18 @@ fn reach(scores: &[Score]) -> f64 {
 fn spring_pot(moduli: &Moduli) -> (Judged, Interval) {
     let law = Law::SpringPot;
     let fitted = law.fit(moduli, &moduli.points);
-    let read = |fitted: &Fitted| [fitted.amounts.clone(), vec![fitted.exponent]].concat();
+    let read = |fitted: &Fitted| [fitted.shares(moduli), vec![fitted.exponent]].concat();
     let halves = blocks::half_widths(&law, moduli, read);
     let (exponent, half) = (fitted.exponent, halves[2]);
     let exponent = Interval { value: exponent, low: (exponent - half).max(0.0), high: (exponent + half).min(1.0) };
     let score = blocks::held_out(&law, moduli);
-    (Judged { score, amounts: intervals(&fitted, &halves[..2]), fitted }, exponent)
+    (Judged { score, amounts: intervals(&fitted, &halves[..2], moduli), fitted }, exponent)
 }
 
-fn intervals(fitted: &Fitted, halves: &[f64]) -> Vec<Interval> {
-    fitted.amounts.iter().zip(halves).map(|(value, half)| Interval::positive(*value, *half)).collect()
+/// Amounts with half widths in units of the middle of the readings.
+fn intervals(fitted: &Fitted, halves: &[f64], moduli: &Moduli) -> Vec<Interval> {
+    let scale = moduli.scale();
+    fitted.amounts.iter().zip(halves).map(|(value, half)| Interval::positive(*value, half * scale)).collect()
 }
 
 /// Places evenly over the frequencies or times on a logarithmic scale.
