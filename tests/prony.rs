@@ -143,7 +143,10 @@ fn a_measured_master_curve_is_missed_by_less_than_by_another_package() {
     assert!(analysis.spring_pot.score.mean > 2.0 * analysis.series.score.mean);
     let branch = Branch::nearest(&analysis, (50.0, 100.0)).unwrap();
     assert!(branch.rms.iter().all(|rms| *rms < 0.01), "{branch:?}");
-    layout::check_drawing("master", &stickslip::figures::prony::draw(&analysis, Some(&branch)).unwrap());
+    let drawing = stickslip::figures::prony::draw(&analysis, Some(&branch)).unwrap();
+    layout::check_drawing("master", &drawing);
+    let measured = layout::rows(&drawing).into_iter().filter(|row| row[1] == "measured");
+    assert_eq!(measured.count(), 2 * 206);
 }
 
 #[test]
@@ -220,9 +223,9 @@ fn the_fragment_is_a_contact_whose_stiffness_is_the_modulus_times_the_geometry()
         let [effect] = &scenario.effects[..] else { panic!("{text}") };
         assert_eq!(effect.name, "maxwell-branch");
         for omega in [TAU * 60.0, TAU * 100.0] {
-            let q = omega * effect.values[1];
-            let stiffness = contact.stiffness + effect.values[0] * q * q / (1.0 + q * q);
-            let loss = omega * contact.damping + effect.values[0] * q / (1.0 + q * q);
+            let q = omega * effect.parameters[1];
+            let stiffness = contact.stiffness + effect.parameters[0] * q * q / (1.0 + q * q);
+            let loss = omega * contact.damping + effect.parameters[0] * q / (1.0 + q * q);
             let (e, l) = maxwell(2e6, &[(3e6, 1.0 / (TAU * 100.0))], omega);
             assert!((stiffness / (scale * e) - 1.0).abs() < 0.01 && (loss / (scale * l) - 1.0).abs() < 0.02, "{text}");
         }
