@@ -304,7 +304,37 @@ fn a_hostile_table_is_an_error_that_says_where() {
     }
 }
 
-/// Any text ends in an error or a table whose analysis is made of numbers.
+/// Bytes changed at random end in an error or in a table whose analysis is made of numbers.
+#[test]
+fn damaged_tables_make_no_panic_and_no_broken_number() {
+    let mut noise = Noise(11);
+    let rows = (1..9).map(|t| format!("{t};{},5\n", 20 - t)).collect::<String>();
+    let seeds = [
+        dynamic(2.0, 9, |omega| maxwell(2.0, &[(3.0, 0.01)], omega)),
+        format!("t / s;E(t) / MPa\n{rows}"),
+        format!("time_s;compliance_1_gpa\n{rows}"),
+    ];
+    let mut read = 0;
+    for number in 0..600 {
+        let mut bytes = seeds[number % seeds.len()].clone().into_bytes();
+        for _ in 0..1 + number % 4 {
+            let (at, other) = ((noise.uniform() * bytes.len() as f64) as usize, (noise.uniform() * 256.0) as u8);
+            let digit = b"0123456789,;.eE-\n\"'"[other as usize % 20];
+            bytes[at] = if number % 2 == 0 { digit } else { other };
+        }
+        let Ok(moduli) = read_bytes(Path::new("t.csv"), &bytes) else { continue };
+        read += 1;
+        let analysis = Analysis::of(moduli);
+        let ends = analysis.series.amounts.iter().chain([&analysis.exponent]).flat_map(|i| [i.value, i.low, i.high]);
+        assert!(ends.into_iter().all(f64::is_finite), "{}", String::from_utf8_lossy(&bytes));
+        let (low, high) = analysis.moduli.band();
+        let branch = Branch::nearest(&analysis, (low / TAU, high / TAU)).unwrap();
+        assert!(branch.elastic > 0.0 && branch.amount.is_finite() && branch.time > 0.0, "{branch:?}");
+        stickslip::figures::prony::draw(&analysis, Some(&branch)).unwrap();
+    }
+    assert!(read > 100, "{read}");
+}
+
 #[test]
 fn extreme_numbers_make_no_panic_and_no_broken_number() {
     for (decades, size) in [(0.1, 1e-290), (90.0, 1.0), (3.0, 1e200), (0.001, 1.0)] {

@@ -1,7 +1,7 @@
 //! The contact of a scenario that comes nearest to a series: springs, a dashpot and the one Maxwell branch that it has room
 //! for (`effects/combine.rs`).
 
-use super::law::golden;
+use super::law::{golden, relaxation};
 use super::nnls::nnls;
 use super::{Analysis, Kind};
 use crate::scenario::diagnostic::quote;
@@ -75,8 +75,8 @@ impl Branch {
 
 /// A unit Maxwell branch.
 fn branch(omega: f64, time: f64) -> Complex<f64> {
-    let q = omega * time;
-    Complex::new(1.0 / (1.0 + 1.0 / (q * q)), 1.0 / (q + 1.0 / q))
+    let [storage, loss] = relaxation(Kind::Dynamic, omega, time);
+    Complex::new(storage, loss)
 }
 
 /// Elastic part, viscous part and amount for a relaxation time, and the sum of squared relative residuals.
@@ -84,9 +84,9 @@ fn fit(goal: &[(f64, Complex<f64>)], time: f64) -> ([f64; 3], f64) {
     let middle = goal[goal.len() / 2].0;
     let scale = goal[goal.len() / 2].1.re;
     let columns = |w: f64| [Complex::from(1.0), Complex::new(0.0, w / middle), branch(w, time)];
-    let part = |row: usize, z: Complex<f64>| if row % 2 == 0 { z.re } else { z.im };
+    let part = |row: usize, z: Complex<f64>| if row.is_multiple_of(2) { z.re } else { z.im };
     let weight = |row: usize| scale / size(part(row, goal[row / 2].1), goal[row / 2].1);
-    let wanted = |row: usize| part(row, goal[row / 2].1) / scale - if row % 2 == 0 { LEAST } else { 0.0 };
+    let wanted = |row: usize| part(row, goal[row / 2].1) / scale - if row.is_multiple_of(2) { LEAST } else { 0.0 };
     let a = DMatrix::from_fn(2 * goal.len(), 3, |i, j| part(i, columns(goal[i / 2].0)[j]) * weight(i));
     let b = DVector::from_fn(2 * goal.len(), |i, _| wanted(i) * weight(i));
     let x = nnls(&a, &b);

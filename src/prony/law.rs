@@ -137,7 +137,7 @@ impl Fitted {
 }
 
 /// A unit relaxation of time tau: iwt/(1 + iwt), exp(-t/tau), and of a compliance 1 - exp(-t/tau); without overflow.
-fn relaxation(kind: Kind, x: f64, tau: f64) -> [f64; 2] {
+pub(super) fn relaxation(kind: Kind, x: f64, tau: f64) -> [f64; 2] {
     let q = x * tau;
     match kind {
         Kind::Dynamic => [1.0 / (1.0 + 1.0 / (q * q)), 1.0 / (q + 1.0 / q)],
