@@ -87,6 +87,7 @@ fn the_exponent_of_a_spring_pot_lies_in_its_interval_as_often_as_it_says() {
         assert!((analysis.exponent.value - a).abs() < 0.05, "{a}: {:?}", analysis.exponent);
         assert!(analysis.exponent.high - analysis.exponent.low < 0.2, "{a}: {:?}", analysis.exponent);
     }
+    println!("{inside} of {CASES} exponents in their intervals");
     // 38 of 40 are expected; fewer than 34 has a probability below 2 %.
     assert!(inside >= 34, "{inside} of {CASES}");
     assert_eq!(told, CASES, "blocks that were left out are missed by the noise");
@@ -315,11 +316,11 @@ fn damaged_tables_make_no_panic_and_no_broken_number() {
         format!("time_s;compliance_1_gpa\n{rows}"),
     ];
     let mut read = 0;
-    for number in 0..600 {
+    for number in 0..1500 {
         let mut bytes = seeds[number % seeds.len()].clone().into_bytes();
         for _ in 0..1 + number % 4 {
             let (at, other) = ((noise.uniform() * bytes.len() as f64) as usize, (noise.uniform() * 256.0) as u8);
-            let digit = b"0123456789,;.eE-\n\"'"[other as usize % 20];
+            let digit = b"0123456789,;.eE-\n\"'"[other as usize % 19];
             bytes[at] = if number % 2 == 0 { digit } else { other };
         }
         let Ok(moduli) = read_bytes(Path::new("t.csv"), &bytes) else { continue };

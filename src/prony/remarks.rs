@@ -28,8 +28,8 @@ pub fn remarks(
     }
     if spring_pot.mean <= limit {
         remarks.push(format!(
-            "a spring-pot, three numbers, predicts blocks that were left out as well as a series ({} and {}): the data do not \
-             tell the two apart",
+            "a spring-pot, three numbers, predicts blocks that were left out as well as a series, or better ({} and {}): the data \
+             call for no more numbers",
             of(spring_pot),
             of(scores[terms - 1])
         ));
