@@ -46,6 +46,7 @@
 //! * [`discover`] - the search for a missing effect.
 //! * [`free_form`] - on which variable what is missing depends, before any law is named.
 //! * [`question`] - which effects can make one curve look like another, ranked by how far they have to be strained.
+//! * [`prony`] - measured moduli of a material as a series of relaxations, and the branch of a contact nearest to it.
 //! * [`trial`] - blind trials of the discovery: planted causes, sealed answers, scores.
 //!
 //! Evidence:
@@ -81,6 +82,7 @@ pub mod interrupt;
 pub mod measurement;
 pub mod model;
 pub mod parameter;
+pub mod prony;
 pub mod question;
 pub mod report;
 pub mod results;

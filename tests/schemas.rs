@@ -154,6 +154,20 @@ fn what_it_writes_of_another_rig_obeys_them_too() {
 }
 
 #[test]
+fn moduli_as_a_series_obey_theirs() {
+    let dir = tempfile::tempdir().unwrap();
+    let root = dir.path();
+    let rows = |second: &str| (1..9).map(|i| format!("{i},{}{second}\n", 9 - i)).collect::<String>();
+    std::fs::write(root.join("dma.csv"), "frequency_hz,storage_mpa,loss_mpa\n".to_string() + &rows(",1")).unwrap();
+    std::fs::write(root.join("time.csv"), "time_s,relaxation_mpa\n".to_string() + &rows("")).unwrap();
+    for (table, more) in [("dma.csv", "--geometry=1mm"), ("time.csv", "--quiet")] {
+        let mut command = Command::cargo_bin("stickslip").unwrap();
+        command.current_dir(root).args(["prony", table, "--json", "prony.json", more]).assert().success();
+        obeys("prony", &root.join("prony.json"));
+    }
+}
+
+#[test]
 fn a_schema_refuses_what_it_does_not_describe() {
     let schema = serde_json::json!({"type": "object", "required": ["a"], "properties": {"a": {"type": "number"}}});
     for value in

@@ -23,6 +23,7 @@ mod new;
 mod page;
 mod plot;
 mod progress;
+pub mod prony;
 mod question;
 mod record;
 pub mod report;
@@ -174,6 +175,9 @@ enum Command {
     Accept(accept::Arguments),
     /// Plant causes, hide the answers, search, score: the program examines itself
     Trial(trial::Arguments),
+    /// Fit a table of moduli (DMA master curve, relaxation, creep) by a series of relaxations and a spring-pot, for a contact
+    #[command(after_help = prony::TERMS)]
+    Prony(prony::Arguments),
     /// Read and validate only
     Check {
         /// Scenario files or folders [default: scenarios/, or the built-in ones]
@@ -298,6 +302,7 @@ pub fn run(cli: Cli) -> Result<()> {
         }
         Command::Accept(arguments) => accept::execute(&arguments, &global),
         Command::Trial(arguments) => trial::execute(&arguments, &global),
+        Command::Prony(arguments) => prony::execute(&arguments, &global),
         Command::Check { scenarios } => check::execute(&scenarios),
         Command::Effects { name } => effects::execute(name.as_deref()),
         Command::Init { dir } => init::execute(&dir),

@@ -24,6 +24,7 @@ pub mod marks;
 pub mod orbits;
 pub mod pen;
 pub mod preset;
+pub mod prony;
 pub mod question;
 pub mod regime_map;
 pub mod resonance;

@@ -110,7 +110,8 @@ fn skip_remarks(text: &str, mut at: usize) -> usize {
 fn check_shape(sheet: &Sheet) -> Result<usize> {
     let mut complaints = Complaints::of(&sheet.source);
     if sheet.header.cells.iter().all(|cell| cell.replace(',', ".").parse::<f64>().is_ok()) {
-        let help = "the first line names the columns: speed_m_s, load_n, drive_m, frequency_hz, amplitude_rad, …; \
+        let help = "the first line names the columns: speed_m_s, load_n, drive_m, frequency_hz, amplitude_rad, … (of moduli \
+                    frequency_hz, storage_mpa, loss_mpa); \
                     a line that begins with # is a remark, so a header must not";
         let place = sheet.row_place(&sheet.header);
         complaints.add(&place, "the table has no header", "numbers where names are needed", help);

@@ -219,7 +219,7 @@ pub(crate) fn time_unit(header: &str) -> Option<String> {
 }
 
 /// Name and unit of `speed [mm/s]`, `speed (mm/s)`, `speed / mm/s` and `speed in mm/s`.
-fn split(header: &str) -> (&str, Option<&str>) {
+pub(crate) fn split(header: &str) -> (&str, Option<&str>) {
     let header = header.trim();
     for (open, close) in [('[', ']'), ('(', ')')] {
         if let Some(inner) = header.strip_suffix(close)
@@ -243,7 +243,7 @@ fn split(header: &str) -> (&str, Option<&str>) {
 }
 
 /// Lower case, words joined by underscores.
-fn plain(name: &str) -> String {
+pub(crate) fn plain(name: &str) -> String {
     name.to_lowercase().replace([' ', '-'], "_")
 }
 

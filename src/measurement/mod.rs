@@ -32,10 +32,15 @@ mod workbook;
 
 use std::path::{Path, PathBuf};
 
+pub(crate) use file::bytes;
+pub(crate) use header::{plain, split};
 pub use noise::Noise;
+pub(crate) use rows::{decimal_commas, written};
 pub use scatter::{Scatter, Spread, scatter};
 pub use series::{Direction, Series, by_condition};
+pub(crate) use sheet::{Complaints, Row, Sheet};
 pub use survey::{Column, Survey, survey, survey_bytes};
+pub(crate) use unit::{Unit, Wanted, suffix};
 
 use crate::error::{Error, Result};
 use crate::scenario::diagnostic::whole_file;
@@ -223,6 +228,18 @@ pub fn load(scenario: &Scenario) -> Result<Option<Table>> {
 pub fn load_bytes(scenario: &Scenario, bytes: &[u8]) -> Result<Option<Table>> {
     let Some(wanted) = &scenario.measurement else { return Ok(None) };
     read(wanted, bytes, &Frame::of(scenario), scenario.sweep.as_ref()).map(|(table, ..)| Some(table))
+}
+
+/// The cells of a table of other quantities than those of steady states.
+pub(crate) fn sheet(path: &Path, bytes: &[u8], notes: &mut Vec<String>) -> Result<Sheet> {
+    match Format::of(path)? {
+        Format::Delimited => delimited::sheet(file::text(path, bytes, notes)?, None),
+        Format::Workbook => workbook::sheet(path, bytes, None, notes),
+        Format::Universal => {
+            let title = format!("`{}` is a universal file, which holds no table of these", path.display());
+            Err(Error::Input(whole_file(&title, "export the table as CSV")))
+        }
+    }
 }
 
 /// Table, columns and choices of a file.

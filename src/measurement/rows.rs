@@ -28,7 +28,8 @@ pub(crate) fn readings(
     if layout.slots[PHASE].is_none() && layout.slots[PHASE_SD].take().is_some() {
         notes.push("the standard deviation of the phase is not used: there is no phase".into());
     }
-    let commas = decimal_commas(sheet, &layout, &mut complaints);
+    let columns: Vec<usize> = layout.slots.iter().flatten().filter_map(Slot::index).collect();
+    let commas = decimal_commas(sheet, &columns, &mut complaints);
     written(sheet, commas, notes);
     let mut list = Vec::new();
     for (at, row) in sheet.rows().enumerate() {
@@ -90,9 +91,8 @@ fn same_quantity(sheet: &Sheet, layout: &mut Layout, complaints: &mut Complaints
     }
 }
 
-/// Whether commas are decimal ones: inside of cells, and not beside decimal points.
-fn decimal_commas(sheet: &Sheet, layout: &Layout, complaints: &mut Complaints<'_>) -> bool {
-    let used: Vec<usize> = layout.slots.iter().flatten().filter_map(Slot::index).collect();
+/// Whether commas are decimal ones: inside of cells of the columns used, and not beside decimal points.
+pub(crate) fn decimal_commas(sheet: &Sheet, used: &[usize], complaints: &mut Complaints<'_>) -> bool {
     let find = |mark: char| {
         let cell = |row: Row| {
             let index = *used.iter().find(|index| row.cells.get(**index).is_some_and(|cell| cell.contains(mark)))?;
@@ -112,7 +112,7 @@ fn decimal_commas(sheet: &Sheet, layout: &Layout, complaints: &mut Complaints<'_
 }
 
 /// Says how the file was taken apart where that is not as the documentation has it.
-fn written(sheet: &Sheet, commas: bool, notes: &mut Vec<String>) {
+pub(crate) fn written(sheet: &Sheet, commas: bool, notes: &mut Vec<String>) {
     let cells = match sheet.delimiter {
         b';' => Some("semicolons separate the cells"),
         b'\t' if !sheet.workbook => Some("tabs separate the cells"),

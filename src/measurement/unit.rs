@@ -3,10 +3,11 @@
 use super::frame::kind;
 use crate::units::{self, UnitError};
 
-/// Symbols that are read in whatever case they are written, unless two differ in nothing else.
+/// Symbols that are read in whatever case they are written, unless two differ in nothing else; in small letters the first of
+/// them is meant: nobody writes a mega so, and nobody measures a modulus in millipascals.
 const SYMBOLS: &[&str] = &[
     "m", "mm", "um", "nm", "cm", "km", "s", "ms", "min", "N", "mN", "uN", "nN", "kN", "MN", "Hz", "kHz", "rad", "mrad",
-    "urad", "nrad", "deg", "V", "mV", "uV", "kV",
+    "urad", "nrad", "deg", "V", "mV", "uV", "kV", "Pa", "kPa", "MPa", "mPa", "GPa",
 ];
 
 /// Standard gravity \[m/s^2\].
@@ -158,8 +159,7 @@ fn canonical(symbol: &str) -> String {
     let mut alike = SYMBOLS.iter().filter(|known| known.eq_ignore_ascii_case(&symbol));
     match (alike.next(), alike.next()) {
         (Some(one), None) => (*one).into(),
-        // `mn` in small letters: a mega would be written as a capital.
-        (Some(milli), Some(_)) if symbol.chars().all(char::is_lowercase) => (*milli).into(),
+        (Some(first), Some(_)) if symbol.chars().all(char::is_lowercase) => (*first).into(),
         _ => symbol,
     }
 }

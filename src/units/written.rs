@@ -21,7 +21,10 @@ pub fn format(value: f64, si_unit: &str) -> String {
     if si_unit == "m/s" && (0.9999e-6..1.0).contains(&size) {
         return format!("{} mm/s", digits(value * 1e3));
     }
-    if !matches!(si_unit, "m" | "s" | "N" | "N m" | "Hz" | "W" | "rad" | "m/s" | "V" | "m/s^2" | "rad/s" | "rad/s^2") {
+    if !matches!(
+        si_unit,
+        "m" | "s" | "N" | "N m" | "Hz" | "W" | "rad" | "m/s" | "V" | "m/s^2" | "rad/s" | "rad/s^2" | "Pa"
+    ) {
         return format!("{} {si_unit}", digits(value));
     }
     // Nobody writes krad or km/s^2.
