@@ -1,6 +1,6 @@
 //! What may be wrong with a model: a number of the rig or the instrument, or an effect that is missing; alone or together.
 
-use crate::effects::{self, Effect, REGISTRY, middle};
+use crate::effects::{self, Effect, middle};
 use crate::fit::{Fit, Problem, TAIL, parameter, robust_chi2};
 use crate::measurement::Point;
 use crate::model::Model;
@@ -12,7 +12,7 @@ use crate::solver::cycle::Tolerance;
 pub enum Addition {
     /// Let a parameter of the rig or the instrument move; its key, e.g. `rig.inertia`.
     Recalibration(&'static str),
-    /// An effect of the catalogue.
+    /// An effect of the catalogue, or a formula of the scenario.
     Effect(&'static dyn Effect),
 }
 
@@ -64,9 +64,8 @@ pub fn additions(model: &Model, free: &[String], with_phase: bool) -> Vec<Additi
         .into_iter()
         .filter_map(|(key, ..)| base_keys().iter().map(String::as_str).find(|k| *k == key));
     let mut all: Vec<Addition> = keys.filter(movable).map(Addition::Recalibration).collect();
-    let absent = |effect: &&&'static dyn Effect| !model.effects.iter().any(|(e, _)| e.name() == effect.name());
-    let fits = |effect: &&&'static dyn Effect| effects::fits_rig(**effect, model.has_contact).is_ok();
-    all.extend(REGISTRY.iter().filter(absent).filter(fits).map(|effect| Addition::Effect(*effect)));
+    let absent = |effect: &&'static dyn Effect| !model.effects.iter().any(|(e, _)| e.name() == effect.name());
+    all.extend(model.catalogue().filter(absent).map(Addition::Effect));
     all
 }
 

@@ -2,7 +2,6 @@
 
 use super::{Discovery, Step, Verdict};
 use crate::compare::outlier_words;
-use crate::effects::{REGISTRY, fits_rig};
 use crate::fit::{Identified, Interval, Parameter};
 use crate::units::readable::percent;
 
@@ -20,7 +19,7 @@ pub fn sentence(d: &Discovery) -> String {
             "nothing is missing that these data can show, and {} of {} effects they cannot; the calibrated model explains \
              them within {}",
             d.not_testable.len(),
-            REGISTRY.iter().filter(|effect| fits_rig(**effect, end.comparison.model.has_contact).is_ok()).count(),
+            end.comparison.model.catalogue().count(),
             noise(d)
         ),
         Verdict::Recalibrate => format!("recalibrate {}: no effect is needed", recalibrated.join(", ")),

@@ -8,6 +8,7 @@ mod actuator_lag;
 mod combine;
 mod contact_renewal;
 mod cubic_stiffness;
+pub mod formula;
 mod friction_joint;
 mod frictional_heating;
 mod grosch;
@@ -114,6 +115,14 @@ pub trait Effect: Sync {
     fn zero(&self) -> &'static [Zero];
     /// Its parameters in order, at most four where it has a law.
     fn parameters(&self) -> &'static [ParameterInfo];
+    /// Magnitudes of parameter number `index` that a search should cover on a rig of these scales.
+    fn search_range(&self, index: usize, scales: &Scales) -> (f64, f64) {
+        self.parameters()[index].search_range(scales)
+    }
+    /// The formula of a scenario that it is, where it is none of the catalogue.
+    fn formula(&self) -> Option<&formula::Formula> {
+        None
+    }
     /// Keys of its parameters as in `[fit] free`.
     fn keys(&self) -> Vec<String> {
         self.parameters().iter().map(|info| format!("effect.{}.{}", self.name(), info.key)).collect()
@@ -163,6 +172,18 @@ pub trait Effect: Sync {
     /// Whether the torque has a kink in its slope where the angular velocity is zero, over which steps of high order lose it.
     fn torque_is_kinked(&self) -> bool {
         false
+    }
+    /// Whether opposite motions have opposite torques.
+    fn torque_is_odd(&self) -> bool {
+        true
+    }
+    /// Whether its laws are smooth but for that kink.
+    fn is_smooth(&self) -> bool {
+        true
+    }
+    /// Force of the bristles \[N\], beside that of their stiffness and damping, at their stretch \[m\] and its rate \[m/s\].
+    fn bristle_force(&self, _p: &[f64], _stretch: f64, _rate: f64) -> Option<Law> {
+        None
     }
     /// Stiffness \[N m/rad\] added to the arm.
     fn stiffness(&self, _p: &[Dual]) -> Option<Dual> {

@@ -3,7 +3,7 @@
 use super::judge::{Judged, rms_percent};
 use super::readings::Readings;
 use crate::compare::Comparison;
-use crate::effects::{Effect, REGISTRY, compatible, fits_rig, middle};
+use crate::effects::{Effect, compatible, middle};
 use crate::fit::operation;
 use crate::model::Model;
 use crate::model::alone::Alone;
@@ -32,10 +32,10 @@ pub struct Shape {
 /// The effects that are a stiffness and a damping of the body, fitted to the curves of a class; the nearest first.
 pub fn shapes(c: &Comparison, readings: &Readings<'_>, judged: &Judged<'_>, leading: usize) -> Vec<Shape> {
     let present = |effect: &dyn Effect| c.model.effects.iter().any(|(e, _)| e.name() == effect.name());
-    let usable: Vec<&'static dyn Effect> = REGISTRY
-        .iter()
-        .copied()
-        .filter(|effect| !present(*effect) && fits_rig(*effect, c.model.has_contact).is_ok())
+    let usable: Vec<&'static dyn Effect> = c
+        .model
+        .catalogue()
+        .filter(|effect| !present(*effect))
         .filter(|effect| {
             let mut all: Vec<&dyn Effect> = c.model.effects.iter().map(|(e, _)| *e as &dyn Effect).collect();
             all.push(*effect);
@@ -94,13 +94,13 @@ impl<'a> Law<'a> {
     /// What the effect leaves at a place of its ranges (0 to 1 each), its strength being free.
     fn shape(&self, place: &[f64]) -> Option<Shape> {
         let infos = self.effect.parameters();
-        let value = |(info, share): (&crate::effects::ParameterInfo, &f64)| {
-            let (low, high) = info.search_range(&self.base.scales);
+        let value = |(index, (info, share)): (usize, (&crate::effects::ParameterInfo, &f64))| {
+            let (low, high) = self.effect.search_range(index, &self.base.scales);
             // From a range that begins at zero, three decades.
             let low = if low > 0.0 { low } else { 1e-3 * high };
             (low * (high / low).powf(*share)).clamp(info.minimum, info.maximum)
         };
-        let parameters: Vec<f64> = infos.iter().zip(place).map(value).collect();
+        let parameters: Vec<f64> = infos.iter().zip(place).enumerate().map(value).collect();
         let signed = infos.first().is_some_and(|info| info.signed);
         let tried = &self.judged.tried[self.leading];
         let residuals = tried.class.left_by(&tried.fitted, &self.force(&parameters), signed)?;

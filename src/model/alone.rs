@@ -62,6 +62,9 @@ impl SingleMode for Alone {
         let laws = self.laws.iter().filter_map(|(effect, p, _)| effect.torque(p, x, v));
         laws.fold([0.0; 3], |sum, law| [sum[0] + law.value, sum[1] + law.d_first, sum[2] + law.d_second])
     }
+    fn is_odd(&self) -> bool {
+        self.laws.iter().all(|(effect, ..)| effect.torque_is_odd())
+    }
     fn joint(&self) -> Option<[f64; 3]> {
         self.lumps.joint.as_deref().map(|joint| joint.each_ref().map(|dual| dual.value))
     }

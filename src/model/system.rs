@@ -192,6 +192,8 @@ pub trait SingleMode {
     fn omega(&self) -> f64;
     /// Force of the laws with its slopes by x and x'.
     fn force(&self, x: f64, v: f64) -> [f64; 3];
+    /// Whether opposite motions have opposite forces of the laws, as far as the laws say.
+    fn is_odd(&self) -> bool;
     /// Slip elements to ground, where there are any: stiffness, force at full slip, exponent.
     fn joint(&self) -> Option<[f64; 3]>;
     /// Adds the derivatives of the force by the parameters of the laws, times `weight`, to `sums`.

@@ -27,6 +27,7 @@ pub fn paper_model(formulation: Formulation) -> Model {
         scales: Scales::PAPER,
         instrument: Instrument::default(),
         effects: Vec::new(),
+        candidates: Vec::new(),
     }
 }
 
