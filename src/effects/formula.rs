@@ -351,7 +351,10 @@ impl Tried<'_> {
 
     /// The parameters that take it away when they are zero: one of them, or the fewest together.
     fn zero(&self) -> Result<Vec<Zero>, Fault> {
-        let (nominal, places) = (self.nominal(), self.places());
+        let nominal = self.nominal();
+        // Far out an exponential may overflow, and a logarithm end.
+        let finite = |place: &[f64; VARIABLES]| self.value(*place, &nominal).is_finite();
+        let places: Vec<[f64; VARIABLES]> = self.places().into_iter().filter(finite).collect();
         if !places.iter().any(|place| self.value(*place, &nominal).abs() > 0.0) {
             let help = "check its brackets and the values of its parameters";
             return Err(self.statement.fault("the formula is zero wherever it is tried", "always zero", help));
@@ -577,6 +580,15 @@ mod tests {
         assert!(refused(Force, "k*abs(v)^p*v", &[("k", 1.0), ("p", 0.0)]).contains("how large `p`"));
         let five = ["a", "b", "c", "d", "e"].map(|key| (key, 1.0));
         assert!(refused(Force, "a*x*b*c*d*e", &five).contains("at most 4"));
+    }
+
+    #[test]
+    fn what_ends_far_out_is_a_law_where_it_does_not() {
+        let far = [("-k*ln(1 - x/g)", 1e-5), ("k*exp(abs(v)/g) - k", 1e-4)];
+        for (text, size) in far {
+            let own = read(ActsOn::Force, text, &[("k", 1.0), ("g", size)]).unwrap_or_else(|fault| panic!("{fault:?}"));
+            assert_eq!(own.zero(), [Zero { parameter: 0, value: 0.0 }], "{text}");
+        }
     }
 
     #[test]

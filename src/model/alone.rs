@@ -65,6 +65,11 @@ impl SingleMode for Alone {
     fn is_odd(&self) -> bool {
         self.laws.iter().all(|(effect, ..)| effect.torque_is_odd())
     }
+    fn has_corners(&self) -> bool {
+        // The kinks of the catalogue at rest have continuous slopes.
+        let corner = |effect: &dyn Effect| effect.formula().is_some() && effect.torque_is_kinked();
+        self.laws.iter().any(|(effect, ..)| !effect.is_smooth() || corner(*effect))
+    }
     fn joint(&self) -> Option<[f64; 3]> {
         self.lumps.joint.as_deref().map(|joint| joint.each_ref().map(|dual| dual.value))
     }

@@ -194,6 +194,8 @@ pub trait SingleMode {
     fn force(&self, x: f64, v: f64) -> [f64; 3];
     /// Whether opposite motions have opposite forces of the laws, as far as the laws say.
     fn is_odd(&self) -> bool;
+    /// Whether the slopes of the forces of the laws may jump.
+    fn has_corners(&self) -> bool;
     /// Slip elements to ground, where there are any: stiffness, force at full slip, exponent.
     fn joint(&self) -> Option<[f64; 3]>;
     /// Adds the derivatives of the force by the parameters of the laws, times `weight`, to `sums`.
