@@ -73,9 +73,9 @@ fn a_law_of_the_catalogue_typed_as_a_formula_is_that_law() {
                 let (one, other) = (solved(&typed, &at), solved(&built_in, &at));
                 assert_eq!(one.state.status, other.state.status, "{name} {at:?}");
                 let (state, derivative) = distance(&one, &other, FIRST_EFFECT_PARAMETER);
-                assert!(state < 1e-5, "{name} {at:?}: {state:e}");
+                assert!(state < 1e-8, "{name} {at:?}: {state:e}");
                 let none = other.derivatives.as_ref().is_none_or(|all| all[FIRST_EFFECT_PARAMETER] == (0.0, 0.0));
-                assert!(none || derivative < 1e-4, "{name} {at:?}: derivative {derivative:e}");
+                assert!(none || derivative < 1e-5, "{name} {at:?}: derivative {derivative:e}");
             }
         }
     }

@@ -9,7 +9,7 @@ pub use program::PARAMETERS;
 use super::{Effect, Group, Law, Measure, ParameterInfo, Zero};
 use crate::parameter::{ANY, Scales};
 use expression::{Step, parse};
-use program::{Program, Shape, VARIABLES};
+use program::{Jet, Program, Shape, VARIABLES};
 use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::Mutex;
@@ -98,6 +98,7 @@ pub struct Formula {
     zero: &'static [Zero],
     program: Program,
     shape: Shape,
+    corner_at_rest: bool,
 }
 
 impl Formula {
@@ -191,6 +192,7 @@ impl Formula {
             infos: infos.leak(),
             zero: zero.leak(),
             shape: program.shape(),
+            corner_at_rest: tried.jumps(1, |jet| jet[2]),
             program,
             statement,
         })
@@ -199,6 +201,11 @@ impl Formula {
     /// Whether nothing is left of it at these values of its parameters.
     pub fn vanishes(&self, parameters: &[f64]) -> bool {
         self.zero.iter().all(|zero| parameters.get(zero.parameter) == Some(&0.0))
+    }
+
+    /// Whether its slope jumps where the second variable changes sign.
+    pub fn has_corner_at_rest(&self) -> bool {
+        self.corner_at_rest
     }
 
     /// Values of its parameters with which it is tried.
@@ -327,26 +334,34 @@ impl Tried<'_> {
                 return Err(self.statement.fault(&title, "not finite there", help));
             }
         }
-        let either: &[usize] = if friction { &[] } else { &[0, 1] };
-        for &variable in either {
-            for beside in [0.0, 1e-6] {
-                let across = |t: f64| {
-                    let mut ends = [[beside; VARIABLES]; 2];
-                    (ends[0][variable], ends[1][variable]) = (t, -t);
-                    (self.value(ends[0], &nominal) - self.value(ends[1], &nominal)).abs()
-                };
-                // Of what is continuous the difference falls with the distance; by less than that for powers near zero only.
-                if across(1e-40) > 0.5 * across(1e-20) {
-                    let name = self.statement.acts_on.variables()[variable];
-                    let title = format!("the formula jumps where {name} changes sign");
-                    let help = format!(
-                        "solvers need a force without jumps: write e.g. tanh({name}/{name}_0) for sign({name})"
-                    );
-                    return Err(self.statement.fault(&title, "not continuous", &help));
-                }
+        let variables = self.statement.acts_on.variables();
+        for (variable, name) in variables.iter().enumerate().filter(|_| !friction) {
+            if self.jumps(variable, |jet| jet[0]) {
+                let title = format!("the formula jumps where {name} changes sign");
+                let help =
+                    format!("solvers need a force without jumps: write e.g. tanh({name}/{name}_0) for sign({name})");
+                return Err(self.statement.fault(&title, "not continuous", &help));
             }
         }
         Ok(())
+    }
+
+    /// Whether its value, or a slope, jumps where a variable changes sign.
+    fn jumps(&self, variable: usize, of: impl Fn(Jet) -> f64) -> bool {
+        let nominal = self.nominal();
+        let across = |beside: f64, t: f64| {
+            let end = |t: f64| {
+                let mut place = [beside; VARIABLES];
+                place[variable] = t;
+                of(self.program.jet(&place, &nominal))
+            };
+            (end(t) - end(-t)).abs()
+        };
+        // Of what is continuous the difference falls with the distance; by less than that for powers near zero only.
+        [0.0, 1e-6].into_iter().any(|beside| {
+            let (near, far) = (across(beside, 1e-40), across(beside, 1e-20));
+            near.is_nan() || near > 0.5 * far
+        })
     }
 
     /// The parameters that take it away when they are zero: one of them, or the fewest together.
@@ -589,6 +604,16 @@ mod tests {
             let own = read(ActsOn::Force, text, &[("k", 1.0), ("g", size)]).unwrap_or_else(|fault| panic!("{fault:?}"));
             assert_eq!(own.zero(), [Zero { parameter: 0, value: 0.0 }], "{text}");
         }
+    }
+
+    #[test]
+    fn a_slope_that_jumps_at_rest_is_a_corner() {
+        let corner = |text| {
+            let read = read(ActsOn::Force, text, &[("k", 1.0)]);
+            read.unwrap_or_else(|fault| panic!("{fault:?}")).has_corner_at_rest()
+        };
+        assert!(corner("k*abs(v)") && corner("-k*x*abs(v)") && corner("-k*sign(v)*abs(v)^0.5"));
+        assert!(!corner("-k*v*abs(v)") && !corner("-k*abs(x)") && !corner("-k*sign(v)*abs(v)^1.5"));
     }
 
     #[test]

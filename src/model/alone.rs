@@ -5,6 +5,7 @@ use super::system::SingleMode;
 use super::{Model, Operation};
 use crate::dual::Dual;
 use crate::effects::Effect;
+use crate::effects::formula::Formula;
 use crate::parameter::FIRST_EFFECT_PARAMETER;
 
 /// The mode at one operating point.
@@ -67,7 +68,7 @@ impl SingleMode for Alone {
     }
     fn has_corners(&self) -> bool {
         // The kinks of the catalogue at rest have continuous slopes.
-        let corner = |effect: &dyn Effect| effect.formula().is_some() && effect.torque_is_kinked();
+        let corner = |effect: &dyn Effect| effect.formula().is_some_and(Formula::has_corner_at_rest);
         self.laws.iter().any(|(effect, ..)| !effect.is_smooth() || corner(*effect))
     }
     fn joint(&self) -> Option<[f64; 3]> {

@@ -141,10 +141,8 @@ fn number(reader: &mut Reader<'_>, node: &Node, key: &str, unit: &str) -> Option
         Value::Number(_) => "not a finite number".to_string(),
         Value::Text(text) => {
             let wanted = if unit.is_empty() { "1" } else { unit };
-            match units::parse(text, wanted).or_else(|error| match units::si_unit(text) {
-                Err(of_unit) => Err(of_unit),
-                Ok(_) => Err(error),
-            }) {
+            // A unit that is none is told of before one of another dimension.
+            match units::parse(text, wanted).map_err(|error| units::si_unit(text).err().unwrap_or(error)) {
                 Ok(value) => return Some(value),
                 Err(error) => error.to_string(),
             }
