@@ -10,7 +10,7 @@ use common::paper_model;
 use divan::{Bencher, counter::ItemsCount};
 use std::fmt;
 use stickslip::effects::formula::{ActsOn, Formula, Stated, Statement};
-use stickslip::effects::{Effect, ParameterInfo, REGISTRY, find};
+use stickslip::effects::{ParameterInfo, REGISTRY, find};
 use stickslip::model::{Model, Operation};
 use stickslip::scenario::Formulation::{Paper, Series};
 use stickslip::scenario::{self, Scenario};

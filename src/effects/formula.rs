@@ -203,7 +203,7 @@ impl Formula {
         self.zero.iter().all(|zero| parameters.get(zero.parameter) == Some(&0.0))
     }
 
-    /// Whether its slope jumps where the second variable changes sign.
+    /// Whether its slope jumps, or has no bound, where the second variable changes sign.
     pub fn has_corner_at_rest(&self) -> bool {
         self.corner_at_rest
     }
@@ -346,21 +346,20 @@ impl Tried<'_> {
         Ok(())
     }
 
-    /// Whether its value, or a slope, jumps where a variable changes sign.
+    /// Whether its value, or a slope, jumps or has no bound where a variable changes sign.
     fn jumps(&self, variable: usize, of: impl Fn(Jet) -> f64) -> bool {
         let nominal = self.nominal();
-        let across = |beside: f64, t: f64| {
-            let end = |t: f64| {
-                let mut place = [beside; VARIABLES];
-                place[variable] = t;
-                of(self.program.jet(&place, &nominal))
-            };
-            (end(t) - end(-t)).abs()
+        let at = |beside: f64, t: f64| {
+            let mut place = [beside; VARIABLES];
+            place[variable] = t;
+            of(self.program.jet(&place, &nominal))
         };
-        // Of what is continuous the difference falls with the distance; by less than that for powers near zero only.
+        // Of what is continuous the difference falls with the distance, by less than that for powers near zero only; what has
+        // no bound grows.
         [0.0, 1e-6].into_iter().any(|beside| {
-            let (near, far) = (across(beside, 1e-40), across(beside, 1e-20));
-            near.is_nan() || near > 0.5 * far
+            let [near, far] = [1e-40, 1e-20].map(|t| [at(beside, t), at(beside, -t)]);
+            let across = |ends: [f64; 2]| (ends[0] - ends[1]).abs();
+            across(near).is_nan() || across(near) > 0.5 * across(far) || near[0].abs() > 2.0 * far[0].abs()
         })
     }
 
