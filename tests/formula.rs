@@ -51,8 +51,11 @@ fn distance(one: &Solution, other: &Solution, index: usize) -> (f64, f64) {
 const CONDITIONS: [(f64, f64, f64); 5] =
     [(0.0, 20.0, 2.5e-6), (5e-5, 20.0, 2.5e-6), (0.02, 20.0, 2.5e-6), (0.0, 0.1, 7.5e-6), (0.0, 0.0, 7.5e-6)];
 
+/// Name in the catalogue, what it acts on, the formula and its parameters.
+type Typed = (&'static str, ActsOn, &'static str, Vec<(&'static str, f64)>);
+
 /// The laws of the catalogue that a formula can state.
-fn typed() -> Vec<(&'static str, ActsOn, &'static str, Vec<(&'static str, f64)>)> {
+fn typed() -> Vec<Typed> {
     use ActsOn::{Force, Friction};
     vec![
         ("cubic-stiffness", Force, "-K_3*x^3", vec![("K_3", 8e7)]),
