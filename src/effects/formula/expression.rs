@@ -249,12 +249,12 @@ fn closing(input: &mut Input<'_>) -> Parsed<()> {
         input.reset(&start);
         let _ = space(input);
         let label = "close the bracket before this, or join what stands here with an operator";
-        said(input, usize::from(input.eof_offset() > 0), "a bracket is not closed".into(), label.into())
+        said(input.peek_token().map_or(0, char::len_utf8), "a bracket is not closed".into(), label.into())
     })
 }
 
-/// A failure that ends the reading at the place of the input.
-fn said(_: &mut Input<'_>, length: usize, title: String, label: String) -> ErrMode<Problem> {
+/// A failure that ends the reading at the place of the input, which is about so many bytes.
+fn said(length: usize, title: String, label: String) -> ErrMode<Problem> {
     ErrMode::Cut(Problem { length, title, label })
 }
 
@@ -268,7 +268,7 @@ fn number(input: &mut Input<'_>) -> Parsed<Vec<Step>> {
         Ok(value) if f64::is_finite(value) => Ok(vec![Step::Number(value)]),
         _ => {
             input.reset(&start);
-            Err(said(input, text.len(), format!("`{text}` is not a finite number"), "beyond what can be held".into()))
+            Err(said(text.len(), format!("`{text}` is not a finite number"), "beyond what can be held".into()))
         }
     }
 }
@@ -284,7 +284,7 @@ fn named(input: &mut Input<'_>) -> Parsed<Vec<Step>> {
     let known = FUNCTIONS.iter().find(|(known, ..)| *known == name);
     let mut refuse = |title: String, label: String| {
         input.reset(&start);
-        Err(said(input, name.len(), title, label))
+        Err(said(name.len(), title, label))
     };
     let Some(&(_, function, count)) = known else {
         if opened {
@@ -304,7 +304,7 @@ fn named(input: &mut Input<'_>) -> Parsed<Vec<Step>> {
     if arguments.len() != count {
         input.reset(&start);
         let (title, needed) = (format!("`{name}` has {} arguments", arguments.len()), format!("{count} needed"));
-        return Err(said(input, name.len(), title, needed));
+        return Err(said(name.len(), title, needed));
     }
     closing(input)?;
     let mut steps = arguments.concat();
@@ -354,6 +354,7 @@ mod tests {
         is("-k*", "", "ends too early");
         is("-k*(x", "", "not closed");
         is("k*(x+1 2)", "2", "not closed");
+        is("(xé", "é", "not closed");
         is("k*x)", ")", "no bracket is open");
         is("k**x", "*", "write ^");
         is("2x", "x", "an operator is needed");
