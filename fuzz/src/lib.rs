@@ -194,7 +194,7 @@ pub fn formula(data: &[u8]) {
                 assert!(low <= high);
             }
             formula.zero().iter().for_each(|zero| p[zero.parameter] = zero.value);
-            assert!(formula.vanishes(&p) && formula.torque(&p, 1e-3, -1e-3).is_some_and(|law| law.value == 0.0));
+            assert!(formula.vanishes(&p) && formula.torque(&p, 1e-9, -1e-9).is_some_and(|law| law.value == 0.0));
         }
         Err(fault) => {
             if let Blame::Text(span) = fault.blame {
