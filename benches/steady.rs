@@ -9,6 +9,7 @@ mod common;
 use common::paper_model;
 use divan::{Bencher, counter::ItemsCount};
 use std::fmt;
+use stickslip::effects::formula::{ActsOn, Formula, Stated, Statement};
 use stickslip::effects::{ParameterInfo, REGISTRY, find};
 use stickslip::model::{Model, Operation};
 use stickslip::scenario::Formulation::{Paper, Series};
@@ -105,6 +106,61 @@ fn warm(bencher: Bencher, case: &Case) {
 #[divan::bench(args = single_sliders(), sample_size = FREQUENCIES, sample_count = 20, max_time = 2)]
 fn cold_with_all_derivatives(bencher: Bencher, case: &Case) {
     case.bench(bencher, false, true);
+}
+
+/// Laws of the catalogue as a scenario may type them.
+const TYPED: [(&str, ActsOn, &str); 3] = [
+    ("cubic-stiffness", ActsOn::Force, "-K_3*x^3"),
+    ("quadratic-damping", ActsOn::Force, "-D_2*v*abs(v)"),
+    ("stribeck", ActsOn::Friction, "delta_mu*exp(-s/v_s)"),
+];
+
+/// A law of the catalogue in a regime, by itself or as a formula.
+struct Typed {
+    case: Case,
+    formula: Option<(ActsOn, &'static str)>,
+}
+
+impl fmt::Display for Typed {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{}{}", self.case, if self.formula.is_some() { ", typed" } else { "" })
+    }
+}
+
+fn typed_and_built_in() -> Vec<Typed> {
+    // No contact, too: there nothing but the law takes time.
+    let regimes = [("no contact", (0.0, 0.0, 7.5e-6)), REGIMES[1], REGIMES[2]];
+    let of = |(effect, acts_on, text): (&'static str, ActsOn, &'static str)| {
+        regimes.into_iter().flat_map(move |regime| {
+            [None, Some((acts_on, text))].map(|formula| Typed { case: Case { effect, regime }, formula })
+        })
+    };
+    TYPED.into_iter().flat_map(of).collect()
+}
+
+/// A law of the catalogue and the same law as a formula of a scenario, with all derivatives.
+#[divan::bench(args = typed_and_built_in(), sample_size = FREQUENCIES, sample_count = 20, max_time = 2)]
+fn formula(bencher: Bencher, typed: &Typed) {
+    let mut model = typed.case.model();
+    if let Some((acts_on, text)) = typed.formula {
+        let (built_in, values) = model.effects.remove(0);
+        let stated = |(info, value): (&ParameterInfo, &f64)| Stated {
+            key: info.key.into(),
+            unit: info.unit.into(),
+            value: *value,
+            range: None,
+        };
+        let parameters = built_in.parameters().iter().zip(&values).map(stated).collect();
+        let statement = Statement { name: "typed".into(), text: text.into(), acts_on, parameters };
+        let formula = Formula::new(statement).unwrap_or_else(|fault| panic!("{fault:?}"));
+        model.effects.push((formula, values));
+    }
+    let mut index = 0;
+    bencher.bench_local(|| -> Solution {
+        let at = typed.case.operation(index);
+        index = (index + 1) % FREQUENCIES;
+        solve(&model, &at, EULER_STEPS, &Tolerance::default(), true, &mut Warm::default())
+    });
 }
 
 /// The published procedure in partial stick, by its steps per cycle.

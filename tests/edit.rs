@@ -110,7 +110,7 @@ fn check(path: &Path, text: &str, with: bool) {
     assert!((scenario.contact.unwrap().stiffness / 88_843.0 - 1.0).abs() < 1e-3, "{text}");
     assert!((scenario.contact.unwrap().damping / 25.917 - 1.0).abs() < 2e-3, "{text}");
     assert_eq!(scenario.contact.unwrap().friction, 0.5);
-    let mine = scenario.effects.iter().find(|e| e.name == "rate-strengthening");
+    let mine = scenario.effects.iter().find(|e| e.name() == "rate-strengthening");
     assert_eq!(mine.is_some(), with, "{text}");
     if let Some(mine) = mine {
         assert!((mine.parameters[0] / 0.150_58 - 1.0).abs() < 1e-3, "{text}");

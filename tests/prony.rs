@@ -222,7 +222,7 @@ fn the_fragment_is_a_contact_whose_stiffness_is_the_modulus_times_the_geometry()
             stickslip::scenario::load_text("rig.toml", &text).unwrap_or_else(|error| panic!("{error}\n{text}"));
         let contact = scenario.contact.unwrap();
         let [effect] = &scenario.effects[..] else { panic!("{text}") };
-        assert_eq!(effect.name, "maxwell-branch");
+        assert_eq!(effect.name(), "maxwell-branch");
         for omega in [TAU * 60.0, TAU * 100.0] {
             let q = omega * effect.parameters[1];
             let stiffness = contact.stiffness + effect.parameters[0] * q * q / (1.0 + q * q);

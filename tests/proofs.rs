@@ -109,7 +109,7 @@ fn thinned(name: &str, effect: Option<EffectSetting>) -> Scenario {
 
 #[test]
 fn two_solvers_agree_on_points_of_all_scenarios() {
-    let partial_slip = EffectSetting { name: "partial-slip".into(), parameters: vec![2.0] };
+    let partial_slip = EffectSetting { effect: effects::find("partial-slip").unwrap(), parameters: vec![2.0] };
     let scenarios = [
         thinned("paper/figure-5", None),
         thinned("paper/figure-6", None),

@@ -92,7 +92,8 @@ fn a_hardening_arm_has_two_states_between_its_folds_and_both_are_found() {
     // A lightly damped arm in full slip under hardly any load.
     scenario.rig.arm_mut().torsional_damping = 0.02;
     scenario.rig.arm_mut().spring_damping = 0.0;
-    scenario.effects = vec![EffectSetting { name: "cubic-stiffness".into(), parameters: vec![2e10] }];
+    scenario.effects =
+        vec![EffectSetting { effect: effects::find("cubic-stiffness").unwrap(), parameters: vec![2e10] }];
     scenario.sweep = Some(Sweep {
         frequency: (0..=60).map(|i| 70.0 + 0.1 * i as f64).collect(),
         speed: vec![0.5],

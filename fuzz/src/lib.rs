@@ -4,6 +4,8 @@
 use std::path::Path;
 use std::sync::LazyLock;
 
+use stickslip::effects::formula::{ActsOn, Blame, Formula, Stated, Statement};
+use stickslip::effects::{Effect, Scales};
 use stickslip::scenario::{self, Scenario};
 use stickslip::{cache, claims, history, measurement, report, trial, units};
 
@@ -22,6 +24,7 @@ pub const TARGETS: &[Target] = &[
     ("trials", trials),
     ("cache", cache),
     ("quantity", quantity),
+    ("formula", formula),
 ];
 
 /// The readers' own tests cover larger files; these would only be slow here.
@@ -170,6 +173,33 @@ pub fn quantity(data: &[u8]) {
     for unit in ["1", "m/s", "N m s/rad", "Hz"] {
         if let Ok(value) = units::parse(text, unit) {
             let _ = units::format(value, unit);
+        }
+    }
+}
+
+/// A formula of a force with the parameters `a` and `b`; where it is one it is evaluated, and vanishes as it says.
+pub fn formula(data: &[u8]) {
+    let Some(text) = short(data) else { return };
+    let stated = |key: &str| Stated { key: key.into(), unit: "1".into(), value: 1.0, range: None };
+    let parameters = ["a", "b"].into_iter().filter(|key| text.contains(key)).map(stated).collect();
+    let statement = Statement { name: "own".into(), text: text.into(), acts_on: ActsOn::Force, parameters };
+    match Formula::read(statement) {
+        Ok(formula) => {
+            let mut p = formula.nominal();
+            assert!(formula.torque(&p, 0.0, 0.0).is_some_and(|law| law.value.is_finite()));
+            let _ = formula.torque(&p, f64::MAX, f64::NEG_INFINITY);
+            let scales = Scales { has_contact: false, ..Scales::PAPER };
+            for index in 0..p.len() {
+                let (low, high) = formula.search_range(index, &scales);
+                assert!(low <= high);
+            }
+            formula.zero().iter().for_each(|zero| p[zero.parameter] = zero.value);
+            assert!(formula.vanishes(&p) && formula.torque(&p, 1e-9, -1e-9).is_some_and(|law| law.value == 0.0));
+        }
+        Err(fault) => {
+            if let Blame::Text(span) = fault.blame {
+                assert!(text.get(span).is_some());
+            }
         }
     }
 }

@@ -22,8 +22,8 @@ const SHOWN: usize = 5;
 /// Fits the effect to the scenario's measurements and writes the changed scenario; everything that can be wrong with the
 /// input is found before the fit.
 pub fn execute(job: &Job<'_>, global: &Global) -> Result<()> {
-    let effect = known(job.effect)?;
     let (scenario, table) = with_measurements(job.path)?;
+    let effect = known(job.effect, &scenario)?;
     let file = Editable::open(job.path)?;
     check_applicable(job, &scenario, &file)?;
     let target = destination::find(job, &file, &table.file)?;
@@ -60,10 +60,12 @@ pub fn execute(job: &Job<'_>, global: &Global) -> Result<()> {
     Ok(())
 }
 
-/// The effect of that name.
-fn known(name: &str) -> Result<&'static dyn Effect> {
-    effects::find(name).ok_or_else(|| {
-        let names = || REGISTRY.iter().map(|effect| effect.name());
+/// The effect of that name: one of the catalogue, or a formula of the scenario.
+fn known(name: &str, scenario: &Scenario) -> Result<&'static dyn Effect> {
+    let own = scenario.effects.iter().find(|setting| setting.name() == name).map(|setting| setting.effect);
+    own.or_else(|| effects::find(name)).ok_or_else(|| {
+        let formulas = scenario.effects.iter().map(|setting| setting.effect).filter(|e| e.formula().is_some());
+        let names = || REGISTRY.iter().copied().chain(formulas.clone()).map(|effect| effect.name());
         let help = match nearest(name, names()) {
             _ if base_keys().iter().any(|key| key == name) || name.starts_with("contact.") => {
                 format!("it is a number of the model: to fit it, name it in [fit] free = [\"{name}\"]")
@@ -83,19 +85,20 @@ fn check_applicable(job: &Job<'_>, scenario: &Scenario, file: &Editable) -> Resu
         let title = format!("the effects of {path} are stated in {}, which it extends", other.display());
         return refuse(title, "use this command on that file, or copy its [[effect]] tables into this one first");
     }
-    let present = scenario.effects.iter().any(|setting| setting.name == name);
+    let setting = scenario.effects.iter().find(|setting| setting.name() == name);
+    let present = setting.is_some_and(|setting| job.remove || !setting.is_candidate(&scenario.free));
     if present && !job.remove {
         let help = "--remove takes it out; `stickslip compare` fits its parameters where [fit] free names them";
         return refuse(format!("{path} has the effect `{name}` already"), help);
     }
     if !present && job.remove {
-        let names: Vec<_> = scenario.effects.iter().map(|setting| setting.name.as_str()).collect();
+        let names: Vec<_> = scenario.effects.iter().map(|setting| setting.name()).collect();
         let help = if names.is_empty() { "it has no effects".into() } else { format!("it has {}", names.join(", ")) };
         return refuse(format!("{path} has no effect `{name}` to take out"), &help);
     }
-    let all = scenario.effects.iter().map(|setting| setting.name.as_str()).chain((!job.remove).then_some(name));
-    let all: Vec<&dyn Effect> =
-        all.filter_map(|name| effects::find(name).map(|effect| effect as &dyn Effect)).collect();
+    let added = effects::find(name).filter(|_| !job.remove);
+    let all = scenario.effects.iter().map(|setting| setting.effect).chain(added);
+    let all: Vec<&dyn Effect> = all.map(|effect| effect as &dyn Effect).collect();
     match effects::compatible(&all) {
         Ok(()) => Ok(()),
         Err(why) => refuse(why, "take the other one out first, with --remove"),

@@ -10,7 +10,7 @@ use crate::measurement::Point;
 use crate::model::Model;
 use crate::scenario::diagnostic::whole_file;
 use crate::scenario::edit::{Changes, Editable, Estimate};
-use crate::scenario::{self, Contact, EffectSetting, Scenario};
+use crate::scenario::{self, Contact, Scenario};
 use crate::solver::cycle::Tolerance;
 
 /// Rounding one parameter moves the predictions by at most half of this, in standard deviations, taken together.
@@ -115,6 +115,8 @@ fn write(
     }
     let name = effect.name().to_string();
     let (add, remove) = if job.remove { (None, Some(name)) } else { (Some(name), None) };
+    // A formula is there already, without strength.
+    let add = add.filter(|_| effect.formula().is_none());
     let changes = Changes {
         values,
         add,
@@ -142,12 +144,10 @@ fn write(
 /// Whether one scenario is the other with these changes, and nothing else.
 fn means(before: &Scenario, after: &Scenario, changes: &Changes) -> bool {
     let mut meant = before.clone();
-    meant.effects.retain(|setting| changes.remove.as_ref() != Some(&setting.name));
-    if let Some(name) = &changes.add {
-        let parameters = after.effects.last().map_or_else(Vec::new, |setting| setting.parameters.clone());
-        meant.effects.push(EffectSetting { name: name.clone(), parameters });
-    }
-    let names = |scenario: &Scenario| scenario.effects.iter().map(|s| s.name.clone()).collect::<Vec<_>>();
+    meant.effects.retain(|setting| changes.remove.as_deref() != Some(setting.name()));
+    meant.effects.extend(after.effects.last().filter(|_| changes.add.is_some()).cloned());
+    let laws =
+        |scenario: &Scenario| scenario.effects.iter().map(|s| (s.name(), s.effect.equation())).collect::<Vec<_>>();
     let keys = meant.parameter_keys();
     let right = |(key, (old, new)): (&String, (f64, f64))| match changes.values.iter().find(|one| one.key == *key) {
         Some(one) => (new - one.value).abs() <= 0.1 * one.value.abs(),
@@ -171,11 +171,13 @@ fn means(before: &Scenario, after: &Scenario, changes: &Changes) -> bool {
     {
         there.friction = here.friction.clone();
     }
-    numbers.into_iter().all(right) && names(after) == names(&meant) && rest == *before && place(after) == place(before)
+    numbers.into_iter().all(right) && laws(after) == laws(&meant) && rest == *before && place(after) == place(before)
 }
 
 /// Values of the parameters of these keys.
 fn numbers(scenario: &Scenario, keys: &[String]) -> Vec<f64> {
     let none: [&Point; 0] = [];
-    compare::problem(&Model::new(scenario), keys, none, Tolerance::default()).values()
+    // What is free is part of the model, a formula without strength too.
+    let scenario = Scenario { free: keys.to_vec(), ..scenario.clone() };
+    compare::problem(&Model::new(&scenario), keys, none, Tolerance::default()).values()
 }

@@ -67,6 +67,9 @@ pub fn table() -> String {
     text + "\nA unit is that for an angle, after \"or\" that for a displacement.\n\
         A range is that on the published rig; on another it follows the size of the rig and its motion.\n\
         A fit begins within the range of its search, and may go beyond it by a factor of 3.\n\
+        A law of your own is a formula in the scenario, [[effect]] with formula = \"-k5*x^5\" and\n\
+        name = \"my-quintic\", acts_on = \"force\" (of x, v), \"friction\" (of s) or \"contact-force\" (of\n\
+        stretch, stretch_rate), and a key for each parameter: k5 = { value = 0 }.\n\
         stickslip effects NAME   equation, meaning, source, fingerprint and an example\n"
 }
 

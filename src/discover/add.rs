@@ -67,10 +67,10 @@ pub fn fit_removal(scenario: &Scenario, table: &Table, name: &str, seed: u32) ->
 
 /// Keys that a fit moves: the free ones and all of the effects, those of `without` left out.
 fn movable(scenario: &Scenario, without: &str) -> Vec<String> {
-    let of = |name: &str| crate::effects::find(name).map_or_else(Vec::new, |effect| Addition::Effect(effect).keys());
     let mut keys = scenario.free.clone();
-    keys.extend(scenario.effects.iter().flat_map(|setting| of(&setting.name)).filter(|k| !scenario.free.contains(k)));
-    let gone = of(without);
+    let present = || scenario.effects.iter().filter(|setting| !setting.is_candidate(&scenario.free));
+    keys.extend(present().flat_map(|setting| setting.effect.keys()).filter(|key| !scenario.free.contains(key)));
+    let gone: Vec<String> = present().filter(|s| s.name() == without).flat_map(|s| s.effect.keys()).collect();
     keys.retain(|key| !gone.contains(key));
     keys
 }

@@ -137,7 +137,7 @@ fn start(parameter: &Parameter, base: &Step) -> Start {
         return stated.first().map_or(Start::End, |value| Start::Value(*value));
     };
     let zero = key.rsplit_once('.').and_then(|(name, key)| {
-        let effect = crate::effects::find(name)?;
+        let effect = model.catalogue().find(|effect| effect.name() == name)?;
         let number = effect.parameters().iter().position(|info| info.key == key)?;
         effect.zero().iter().find(|zero| zero.parameter == number)
     });

@@ -1,7 +1,7 @@
 //! What may be wrong with a model: a number of the rig or the instrument, or an effect that is missing; alone or together.
 
 use super::candidates::Candidates;
-use crate::effects::{self, Effect, REGISTRY, middle};
+use crate::effects::{self, Effect, middle};
 use crate::fit::{Fit, Problem, parameter, robust_square, typical_of};
 use crate::measurement::Point;
 use crate::model::Model;
@@ -14,7 +14,7 @@ use nalgebra::DVector;
 pub enum Addition {
     /// Let a parameter of the rig or the instrument move; its key, e.g. `rig.inertia`.
     Recalibration(&'static str),
-    /// An effect of the catalogue.
+    /// An effect of the catalogue, or a formula of the scenario.
     Effect(&'static dyn Effect),
 }
 
@@ -66,10 +66,9 @@ pub fn additions(model: &Model, free: &[String], with_phase: bool, candidates: &
         .into_iter()
         .filter_map(|(key, ..)| base_keys().iter().map(String::as_str).find(|k| *k == key));
     let mut all: Vec<Addition> = keys.filter(movable).map(Addition::Recalibration).collect();
-    let absent = |effect: &&&'static dyn Effect| !model.effects.iter().any(|(e, _)| e.name() == effect.name());
-    let fits = |effect: &&&'static dyn Effect| effects::fits_rig(**effect, model.has_contact).is_ok();
-    let asked = |effect: &&&'static dyn Effect| candidates.include(**effect);
-    all.extend(REGISTRY.iter().filter(asked).filter(absent).filter(fits).map(|effect| Addition::Effect(*effect)));
+    let absent = |effect: &&'static dyn Effect| !model.effects.iter().any(|(e, _)| e.name() == effect.name());
+    let asked = |effect: &&'static dyn Effect| candidates.include(*effect);
+    all.extend(model.catalogue().filter(asked).filter(absent).map(Addition::Effect));
     all
 }
 

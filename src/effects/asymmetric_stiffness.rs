@@ -53,6 +53,9 @@ impl Effect for AsymmetricStiffness {
         LIST
     }
 
+    fn torque_is_odd(&self) -> bool {
+        false
+    }
     fn torque(&self, p: &[f64], th: f64, _w: f64) -> Option<Law> {
         let square = th * th;
         Some(Law {

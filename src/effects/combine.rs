@@ -32,6 +32,18 @@ pub fn compatible(effects: &[&dyn Effect]) -> Result<(), String> {
             ));
         }
     }
+    let other_bristles = |effect: &&&dyn Effect| {
+        let (p, d) = sample(**effect);
+        let replaced = effect.rate_element(&d).is_some() || effect.continuum(&p).is_some();
+        replaced || effect.renewal(&d, Dual::constant(1.0)).is_some() || effect.support(&d).is_some()
+    };
+    let of_bristles = |effect: &&&dyn Effect| effect.bristle_force(&sample(**effect).0, 0.0, 0.0).is_some();
+    if let (Some(one), Some(other)) = (effects.iter().find(of_bristles), effects.iter().find(other_bristles)) {
+        let (one, other) = (one.name(), other.name());
+        return Err(format!(
+            "`{one}` is a force of one set of bristles between arm and roller, and `{other}` changes these"
+        ));
+    }
     let parameters = effects.iter().map(|effect| effect.parameters().len()).sum::<usize>();
     let most = MAX_PARAMETERS - FIRST_EFFECT_PARAMETER;
     if parameters > most {
@@ -48,6 +60,7 @@ pub fn enters_contact(effect: &dyn Effect) -> bool {
         || effect.load_stiffness(&d).is_some()
         || effect.renewal(&d, Dual::constant(1.0)).is_some()
         || effect.contact_factor(&d, Dual::constant(1.0)).is_some()
+        || effect.bristle_force(&p, 0.0, 0.0).is_some()
 }
 
 /// Whether an effect can act on a rig with or without a contact; the error says why not.

@@ -10,6 +10,7 @@ mod clearance;
 mod combine;
 mod contact_renewal;
 mod cubic_stiffness;
+pub mod formula;
 mod friction_joint;
 mod frictional_heating;
 mod grosch;
@@ -126,6 +127,18 @@ pub trait Effect: Sync {
     fn searched(&self) -> bool {
         true
     }
+    /// Magnitudes of parameter number `index` that a search should cover on a rig of these scales.
+    fn search_range(&self, index: usize, scales: &Scales) -> (f64, f64) {
+        self.parameters()[index].search_range(scales)
+    }
+    /// The formula of a scenario that it is, where it is none of the catalogue.
+    fn formula(&self) -> Option<&formula::Formula> {
+        None
+    }
+    /// Value of parameter number `index` where a scenario does not state it.
+    fn unstated(&self, _index: usize) -> Option<f64> {
+        None
+    }
     /// Keys of the parameters that a fit may move, as in `[fit] free`.
     fn keys(&self) -> Vec<String> {
         let movable = self.parameters().iter().filter(|info| !info.held);
@@ -196,6 +209,18 @@ pub trait Effect: Sync {
     /// Whether the solvers of a contact can carry it.
     fn beside_contact(&self) -> bool {
         true
+    }
+    /// Whether opposite motions have opposite torques.
+    fn torque_is_odd(&self) -> bool {
+        true
+    }
+    /// Whether its laws are smooth but for that kink.
+    fn is_smooth(&self) -> bool {
+        true
+    }
+    /// Force of the bristles \[N\], beside that of their stiffness and damping, at their stretch \[m\] and its rate \[m/s\].
+    fn bristle_force(&self, _p: &[f64], _stretch: f64, _rate: f64) -> Option<Law> {
+        None
     }
     /// Stiffness \[N m/rad\] added to the arm.
     fn stiffness(&self, _p: &[Dual]) -> Option<Dual> {

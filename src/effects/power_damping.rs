@@ -22,8 +22,8 @@ impl Effect for PowerDamping {
     }
     fn meaning(&self) -> &'static str {
         "Between dry friction (p = 0), a linear dashpot (p = 1) and the drag of a fluid (p = 2) lie seals, shear-thinning \
-         oils, material damping and joints that slip little by little. D is the torque or force at the velocity v₀: with \
-         v₀ = 1 in SI it is the coefficient of |θ′|ᵖ. A search keeps v₀ at the largest velocity without the effect. With \
+         oils, material damping and joints that slip little by little. D is the torque or force at the velocity v₀; with \
+         v₀ = 1 in SI, which need not be stated, it is the coefficient of |θ′|ᵖ. A search keeps v₀ at the largest velocity without the effect. With \
          p = 0 a body that the drive cannot move sticks."
     }
     fn source(&self) -> &'static str {
@@ -61,6 +61,10 @@ impl Effect for PowerDamping {
         LIST
     }
 
+    fn unstated(&self, index: usize) -> Option<f64> {
+        // D is the coefficient of the power itself.
+        (index == 2).then_some(1.0)
+    }
     fn beside_contact(&self) -> bool {
         false
     }

@@ -51,9 +51,10 @@ pub fn parameter(model: &Model, key: &str) -> Option<Parameter> {
         let (effect, name) = name.rsplit_once('.')?;
         let mut index = FIRST_EFFECT_PARAMETER;
         for (candidate, values) in &model.effects {
-            for (info, &value) in candidate.parameters().iter().zip(values) {
+            for (number, (info, &value)) in candidate.parameters().iter().zip(values).enumerate() {
                 if candidate.name() == effect && info.key == name && !info.held {
-                    return Some(of_effect(key, &info.on(model.rig.coordinate()), index, value, model));
+                    let range = candidate.search_range(number, &model.scales);
+                    return Some(of_effect(key, &info.on(model.rig.coordinate()), index, value, range));
                 }
                 index += 1;
             }
@@ -115,8 +116,7 @@ fn of_base(key: &str, info: &ParameterInfo, index: usize, (value, beside_zero): 
     }
 }
 
-fn of_effect(key: &str, info: &ParameterInfo, index: usize, value: f64, model: &Model) -> Parameter {
-    let (low, high) = info.search_range(&model.scales);
+fn of_effect(key: &str, info: &ParameterInfo, index: usize, value: f64, (low, high): (f64, f64)) -> Parameter {
     let low = if low > 0.0 { low } else { SMALLEST * high };
     let smallest = if info.signed || info.minimum <= 0.0 { low / BEYOND } else { (low / BEYOND).max(info.minimum) };
     let largest = (high * BEYOND).min(info.maximum);

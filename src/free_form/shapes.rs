@@ -3,7 +3,7 @@
 use super::judge::{Judged, rms_percent};
 use super::readings::Readings;
 use crate::compare::Comparison;
-use crate::effects::{Effect, REGISTRY, compatible, fits_rig, middle};
+use crate::effects::{Effect, compatible, middle};
 use crate::fit::operation;
 use crate::model::Model;
 use crate::model::alone::Alone;
@@ -32,10 +32,10 @@ pub struct Shape {
 /// The effects that are a stiffness and a damping of the body, fitted to the curves of a class; the nearest first.
 pub fn shapes(c: &Comparison, readings: &Readings<'_>, judged: &Judged<'_>, leading: usize) -> Vec<Shape> {
     let present = |effect: &dyn Effect| c.model.effects.iter().any(|(e, _)| e.name() == effect.name());
-    let usable: Vec<&'static dyn Effect> = REGISTRY
-        .iter()
-        .copied()
-        .filter(|effect| !present(*effect) && fits_rig(*effect, c.model.has_contact).is_ok())
+    let usable: Vec<&'static dyn Effect> = c
+        .model
+        .catalogue()
+        .filter(|effect| !present(*effect))
         .filter(|effect| {
             let mut all: Vec<&dyn Effect> = c.model.effects.iter().map(|(e, _)| *e as &dyn Effect).collect();
             all.push(*effect);
@@ -97,7 +97,7 @@ impl<'a> Law<'a> {
         let infos = self.effect.parameters();
         let value = |(number, info): (usize, &crate::effects::ParameterInfo)| {
             let Some(share) = place.get(number) else { return info.measure.size(&self.base.scales) };
-            let (low, high) = info.search_range(&self.base.scales);
+            let (low, high) = self.effect.search_range(number, &self.base.scales);
             // From a range that begins at zero, three decades.
             let low = if low > 0.0 { low } else { 1e-3 * high };
             (low * (high / low).powf(*share)).clamp(info.minimum, info.maximum)

@@ -5,6 +5,7 @@ use super::system::SingleMode;
 use super::{Model, Operation};
 use crate::dual::Dual;
 use crate::effects::Effect;
+use crate::effects::formula::Formula;
 use crate::parameter::FIRST_EFFECT_PARAMETER;
 
 /// The mode at one operating point.
@@ -64,14 +65,19 @@ impl SingleMode for Alone {
         let laws = self.laws.iter().filter_map(|(effect, p, _)| effect.torque(p, x, v));
         laws.fold([0.0; 3], |sum, law| [sum[0] + law.value, sum[1] + law.d_first, sum[2] + law.d_second])
     }
+    fn is_odd(&self) -> bool {
+        self.laws.iter().all(|(effect, ..)| effect.torque_is_odd())
+    }
+    fn has_corners(&self) -> bool {
+        // The kinks of the catalogue at rest have continuous slopes.
+        let corner = |effect: &dyn Effect| effect.formula().is_some_and(Formula::has_corner_at_rest);
+        self.laws.iter().any(|(effect, p, _)| !effect.is_smooth() || effect.torque_is_rough(p) || corner(*effect))
+    }
     fn joint(&self) -> Option<[f64; 3]> {
         self.lumps.joint.as_deref().map(|joint| joint.each_ref().map(|dual| dual.value))
     }
     fn dry_friction(&self) -> f64 {
         self.lumps.dry_friction.as_deref().map_or(0.0, |friction| friction.value)
-    }
-    fn is_rough(&self) -> bool {
-        self.laws.iter().any(|(effect, p, _)| effect.torque_is_rough(p))
     }
     fn is_steep(&self) -> bool {
         self.laws.iter().any(|(effect, p, _)| effect.torque_is_steep(p))

@@ -84,6 +84,8 @@ pub struct Problem {
     q: Option<usize>,
     psi: Option<usize>,
     rate_element: bool,
+    /// Whether the bristles have a force beside that of their stiffness and damping.
+    own_bristles: bool,
     stroke: f64,
     psi_scale: f64,
     columns: Vec<Column>,
@@ -129,7 +131,9 @@ fn coefficients<T: Scalar>(lumps: &Lumps, laws: &[(&'static dyn Effect, Vec<f64>
     }
     let mut first = FIRST_EFFECT_PARAMETER;
     for (index, (effect, p)) in laws.iter().enumerate() {
-        let inside = effect.friction(p, 0.0, 0.0).is_some() || effect.torque(p, 0.0, 0.0).is_some();
+        let inside = effect.friction(p, 0.0, 0.0).is_some()
+            || effect.torque(p, 0.0, 0.0).is_some()
+            || effect.bristle_force(p, 0.0, 0.0).is_some();
         for (parameter, &value) in p.iter().enumerate().take(LAW_PARAMETERS) {
             if inside {
                 columns.push((Column::Law { effect: index, parameter }, T::parameter(value, first + parameter)));
@@ -180,6 +184,7 @@ impl Problem {
         let q = take(lumps.branch.is_some(), 1);
         let has_psi = laws.iter().any(|(e, p)| e.interface_rate(p, 0.0, 0.0).is_some());
         let psi = take(has_psi, 1);
+        let own_bristles = laws.iter().any(|(e, p)| e.bristle_force(p, 0.0, 0.0).is_some());
         let inverse = 1.0 / lumps.inertia.value;
         let (kc, cc) = (lumps.contact_stiffness.value, lumps.contact_damping.value);
         let support = lumps.support.as_ref().map_or([0.0; 3], |s| {
@@ -197,7 +202,13 @@ impl Problem {
             inverse_inertia: inverse,
             b: lumps.arm.value,
             kc,
-            cc: if lumps.omega * cc < NO_DAMPING * kc { 0.0 } else { cc },
+            cc: match lumps.omega * cc < NO_DAMPING * kc {
+                // A law of the bristles may depend on the rate of their stretch: it follows from the force then, which needs
+                // a damping.
+                true if own_bristles => NO_DAMPING * kc / lumps.omega,
+                true => 0.0,
+                false => cc,
+            },
             mu: lumps.friction.value,
             load: lumps.load.value,
             speed: lumps.speed.value,
@@ -216,6 +227,7 @@ impl Problem {
             q,
             psi,
             rate_element: lumps.rate_element.is_some(),
+            own_bristles,
             stroke: lumps.arm.value * (free.0.hypot(free.1) * stuck.0.hypot(stuck.1)).sqrt(),
             psi_scale: 1.0,
             columns,
@@ -272,7 +284,26 @@ impl Problem {
 
     /// The force of the contact on the arm at relative speed `v`, of which `d` stretches the bristles.
     fn pull(&self, z: &[f64], v: f64, d: f64) -> f64 {
-        self.kc * z[self.x] + self.cc * d + self.state(self.q, z) + self.sigma2 * v
+        let own = if self.own_bristles { self.bristle_law(z[self.x], d).value } else { 0.0 };
+        self.kc * z[self.x] + self.cc * d + self.state(self.q, z) + self.sigma2 * v + own
+    }
+
+    /// Force of the bristles beside that of their stiffness and damping, with its slopes by their stretch and its rate.
+    fn bristle_law(&self, stretch: f64, rate: f64) -> Law {
+        let mut sum = Law::default();
+        if self.own_bristles {
+            for law in self.laws.iter().filter_map(|(e, p)| e.bristle_force(p, stretch, rate)) {
+                sum.value += law.value;
+                sum.d_first += law.d_first;
+                sum.d_second += law.d_second;
+            }
+        }
+        sum
+    }
+
+    /// Whether the bristles have a force beside that of their stiffness and damping.
+    pub fn has_own_bristles(&self) -> bool {
+        self.own_bristles
     }
 
     /// Torque of the laws on the arm, with its slopes by the angle and the angular velocity.

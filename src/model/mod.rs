@@ -11,7 +11,7 @@ mod scales;
 pub mod system;
 
 use crate::dual::Dual;
-use crate::effects::{self, Effect};
+use crate::effects::{Effect, REGISTRY, fits_rig};
 use crate::parameter::{FIRST_CONTACT_PARAMETER, FIRST_INSTRUMENT_PARAMETER, ParameterInfo, Scales};
 use crate::scenario::parameters::CONTACT;
 use crate::scenario::{Contact, Instrument, Rig, Scenario, Signals};
@@ -46,6 +46,8 @@ pub struct Model {
     pub scales: Scales,
     /// Effects with their parameters in SI.
     pub effects: Vec<(&'static dyn Effect, Vec<f64>)>,
+    /// Formulas of the scenario that are stated without strength: they may be added, as the effects of the catalogue.
+    pub candidates: Vec<&'static dyn Effect>,
 }
 
 impl std::fmt::Debug for Model {
@@ -60,11 +62,8 @@ impl std::fmt::Debug for Model {
 impl Model {
     /// The model a validated scenario describes.
     pub fn new(scenario: &Scenario) -> Self {
-        let effects = scenario
-            .effects
-            .iter()
-            .filter_map(|setting| effects::find(&setting.name).map(|effect| (effect, setting.parameters.clone())))
-            .collect();
+        let (candidates, present): (Vec<_>, Vec<_>) =
+            scenario.effects.iter().partition(|setting| setting.is_candidate(&scenario.free));
         Self {
             rig: scenario.rig,
             contact: scenario.contact.unwrap_or(Contact::NONE),
@@ -72,8 +71,15 @@ impl Model {
             instrument: scenario.instrument,
             signals: scenario.signals,
             scales: Scales { has_contact: scenario.contact.is_some(), ..Scales::PAPER },
-            effects,
+            effects: present.into_iter().map(|setting| (setting.effect, setting.parameters.clone())).collect(),
+            candidates: candidates.into_iter().map(|setting| setting.effect).collect(),
         }
+    }
+
+    /// Everything that may be added: effects of the catalogue that fit the rig, and formulas.
+    pub fn catalogue(&self) -> impl Iterator<Item = &'static dyn Effect> + '_ {
+        let registered = REGISTRY.iter().copied().filter(|effect| fits_rig(*effect, self.has_contact).is_ok());
+        registered.chain(self.candidates.iter().copied())
     }
 
     /// Whether an effect makes the contact a continuum of sliders.

@@ -192,12 +192,14 @@ pub trait SingleMode {
     fn omega(&self) -> f64;
     /// Force of the laws with its slopes by x and x'.
     fn force(&self, x: f64, v: f64) -> [f64; 3];
+    /// Whether opposite motions have opposite forces of the laws, as far as the laws say.
+    fn is_odd(&self) -> bool;
+    /// Whether the slopes of the forces of the laws may jump, so that many instants of a cycle have to be looked at.
+    fn has_corners(&self) -> bool;
     /// Slip elements to ground, where there are any: stiffness, force at full slip, exponent.
     fn joint(&self) -> Option<[f64; 3]>;
     /// Dry friction against ground; zero where there is none.
     fn dry_friction(&self) -> f64;
-    /// Whether the force of the laws is so rough that many instants of a cycle have to be looked at.
-    fn is_rough(&self) -> bool;
     /// Whether its slope by x' has no bound at rest.
     fn is_steep(&self) -> bool;
     /// Adds the derivatives of the force by the parameters of the laws, times `weight`, to `sums`.

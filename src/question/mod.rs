@@ -17,7 +17,7 @@ pub use words::{Criterion, close, condition, criteria, lines, otherwise, paramet
 
 use crate::compare::Peak;
 use crate::discover::{Addition, compatible};
-use crate::effects::{Effect, REGISTRY, fits_rig};
+use crate::effects::Effect;
 use crate::measurement::Point;
 use crate::model::Model;
 use crate::scenario::DEFAULT_EULER_STEPS;
@@ -153,9 +153,11 @@ pub fn answer(scenario: &Scenario) -> Option<Answer> {
     let described = judge.judge(&target);
     let others: Vec<Judge> = OTHERWISE.iter().map(|share| judge.within(share * question.tolerance)).collect();
     let others: Vec<Judge> = others.into_iter().filter(|other| other.judge(&target).all()).collect();
-    let searched: Vec<(Hypothesis, Vec<bool>)> = REGISTRY
+    let searched: Vec<(Hypothesis, Vec<bool>)> = base
+        .catalogue()
+        .collect::<Vec<_>>()
         .par_iter()
-        .filter(|effect| effect.searched() && fits_rig(**effect, base.has_contact).is_ok())
+        .filter(|effect| effect.searched())
         .filter(|effect| compatible(&base, &[Addition::Effect(**effect)]))
         .filter(|effect| !base.effects.iter().any(|(present, _)| present.name() == effect.name()))
         .map(|effect| search::search(&base, *effect, &condition, &points, (&judge, &others)))

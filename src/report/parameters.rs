@@ -3,7 +3,7 @@
 use super::format;
 use super::glossary::meaning;
 use super::view::ParameterView;
-use crate::effects::REGISTRY;
+use crate::effects::ParameterInfo;
 use crate::model::{Model, Operation};
 use crate::scenario::{Coordinate, EffectSetting, Formulation, Scenario, Sweep};
 
@@ -72,21 +72,20 @@ fn words(key: &str, name: &str, value: &str, source: &str) -> ParameterView {
     }
 }
 
-fn of_effect(effect: &EffectSetting, coordinate: Coordinate, source: &str) -> Vec<ParameterView> {
-    let known = REGISTRY.iter().find(|known| known.name() == effect.name).map_or(&[][..], |known| known.parameters());
-    let row = |(index, value): (usize, &f64)| {
-        let info = known.get(index).map(|info| info.on(coordinate));
-        let key = info.as_ref().map_or_else(|| format!("{}", index + 1), |info| info.key.to_owned());
+fn of_effect(setting: &EffectSetting, coordinate: Coordinate, source: &str) -> Vec<ParameterView> {
+    let row = |((info, key), value): ((&ParameterInfo, String), &f64)| {
+        let info = info.on(coordinate);
         ParameterView {
-            key: format!("effect.{}.{key}", effect.name),
-            symbol: info.map_or("", |info| info.symbol).into(),
-            name: info.map_or(effect.name.as_str(), |info| info.meaning).into(),
-            value: format::setting(*value, info.map_or("1", |info| info.unit)).text,
-            unit: info.map_or("1", |info| info.unit).into(),
+            key,
+            symbol: info.symbol.into(),
+            name: info.meaning.into(),
+            value: format::setting(*value, info.unit).text,
+            unit: info.unit.into(),
             source: source.into(),
         }
     };
-    effect.parameters.iter().enumerate().map(row).collect()
+    let keyed = setting.effect.parameters().iter().zip(setting.effect.keys());
+    keyed.zip(&setting.parameters).map(row).collect()
 }
 
 fn of_sweep(sweep: &Sweep, scenario: &Scenario) -> Vec<ParameterView> {

@@ -6,7 +6,7 @@ use super::glossary::meaning;
 use super::parameters::{formulation, parameters};
 use super::verdict::Completeness;
 use super::view::{AxisView, CurveView, FigureView, FileView, LimitView, NoteView, Quantity, ScenarioView};
-use crate::effects::{self, ParameterInfo};
+use crate::effects::ParameterInfo;
 use crate::scenario::{Coordinate, EffectSetting, Formulation, Scenario, Signals};
 use crate::solver::{Status, SteadyState};
 use crate::sweep::{Curve, LimitCurve, LimitingCase, Outcome};
@@ -112,11 +112,11 @@ fn reading(texts: &[String; 3]) -> Vec<NoteView> {
 
 /// An effect with its parameters in one line.
 fn effect(setting: &EffectSetting, coordinate: Coordinate) -> String {
-    let infos = effects::find(&setting.name).map_or(&[][..], |effect| effect.parameters());
+    let infos = setting.effect.parameters();
     let values = infos.iter().zip(&setting.parameters);
     let one = |(p, v): (&ParameterInfo, &f64)| format!("{} = {}", p.symbol, units::format(*v, p.unit_for(coordinate)));
     let values: Vec<String> = values.map(one).collect();
-    format!("{} ({})", setting.name, values.join(", "))
+    format!("{} ({})", setting.name(), values.join(", "))
 }
 
 fn curve(curve: &Curve, scenario: &Scenario) -> CurveView {

@@ -3,16 +3,17 @@
 use super::LoadOptions;
 use super::diagnostic::{nearest, quote, suggestion};
 use super::embedded;
+use super::formula;
 use super::parameters::{COLUMNS, CONTACT, RIG};
 use super::reader::{Reader, Table, units};
 use super::rig::Rig;
 use super::source::Store;
 use super::types::{EffectSetting, Instrument, MeasurementSource, Scenario};
 use super::written::{Entry, Node, Value};
-use crate::effects::{Effect, ParameterInfo, compatible, find, fits_rig, in_paper_formulation};
+use crate::effects::{Effect, ParameterInfo, compatible, fits_rig, in_paper_formulation};
 use crate::parameter::Coordinate;
 
-/// The list `[[effect]]`, each from the catalogue and none twice, for a rig with that coordinate and with a contact or without;
+/// The list `[[effect]]`, each from the catalogue or a formula and none twice, for a rig with that coordinate and with a contact or without;
 /// `None` where the table of either is not sound.
 pub(crate) fn effects(
     reader: &mut Reader<'_>,
@@ -35,7 +36,7 @@ pub(crate) fn effects(
         };
         let table = Table { name: "[[effect]]".into(), place: item.place.clone(), entries };
         let Some(setting) = effect(reader, &table, coordinate.unwrap_or(Coordinate::Angle), options) else { continue };
-        let unfit = named(&setting.name, options).zip(contact).and_then(|(effect, has)| fits_rig(effect, has).err());
+        let unfit = contact.and_then(|has| fits_rig(setting.effect, has).err());
         if let Some(why) = unfit {
             let help = match contact {
                 Some(true) => "remove the effect, or the table [contact]",
@@ -44,12 +45,12 @@ pub(crate) fn effects(
             reader.fail(&item.place, &why, "does not go with the rig", help);
             continue;
         }
-        if list.iter().any(|other| other.name == setting.name) {
-            let title = format!("the effect `{}` appears twice", setting.name);
+        if list.iter().any(|other| other.name() == setting.name()) {
+            let title = format!("the effect `{}` appears twice", setting.name());
             reader.fail(&item.place, &title, "appeared before", "remove one of the two");
         } else {
-            let before = list.iter().filter_map(|other| named(&other.name, options));
-            let together: Vec<_> = before.chain(named(&setting.name, options)).collect();
+            let together: Vec<&dyn Effect> =
+                list.iter().chain([&setting]).map(|one| one.effect as &dyn Effect).collect();
             if let Err(why) = compatible(&together) {
                 let help = "remove one of the two, or write a scenario for each";
                 reader.fail(&item.place, &why, "does not go with an effect above", help);
@@ -61,29 +62,19 @@ pub(crate) fn effects(
     list
 }
 
-fn named<'a>(name: &str, options: &LoadOptions<'a>) -> Option<&'a dyn Effect> {
-    options.effects.iter().find(|effect| effect.name() == name).copied()
-}
-
 /// The published procedure has no place for effects of the contact and of the arm's motion.
-pub(crate) fn fits_formulation(
-    reader: &mut Reader<'_>,
-    node: Option<&Node>,
-    list: &[EffectSetting],
-    paper: bool,
-    options: &LoadOptions<'_>,
-) {
+pub(crate) fn fits_formulation(reader: &mut Reader<'_>, node: Option<&Node>, list: &[EffectSetting], paper: bool) {
     let Some(Node { value: Value::List(items), .. }) = node else { return };
-    let outside = |setting: &&EffectSetting| named(&setting.name, options).is_some_and(|e| !in_paper_formulation(e));
+    let outside = |setting: &&EffectSetting| !in_paper_formulation(setting.effect);
     for setting in list.iter().filter(outside).filter(|_| paper) {
         let is_it = |item: &&Node| match &item.value {
             Value::Table(entries) => entries.iter().any(|entry| {
-                entry.key == "name" && matches!(&entry.node.value, Value::Text(name) if *name == setting.name)
+                entry.key == "name" && matches!(&entry.node.value, Value::Text(name) if name == setting.name())
             }),
             _ => false,
         };
         if let Some(item) = items.iter().find(is_it) {
-            let title = format!("the published procedure carries no effects such as `{}`", setting.name);
+            let title = format!("the published procedure carries no effects such as `{}`", setting.name());
             let help = "use formulation = \"series\" in [contact], and in [sweep] where it lists formulations";
             reader.fail(&item.place, &title, "not part of formulation = \"paper\"", help);
         }
@@ -96,6 +87,9 @@ fn effect(
     coordinate: Coordinate,
     options: &LoadOptions<'_>,
 ) -> Option<EffectSetting> {
+    if table.get("formula").is_some() {
+        return formula::effect(reader, table, options);
+    }
     let Some(node) = table.get("name") else {
         reader.keys(
             table,
@@ -105,7 +99,7 @@ fn effect(
         return None;
     };
     let name = reader.text("name", node)?;
-    let Some(effect) = named(&name, options) else {
+    let Some(&effect) = options.effects.iter().find(|effect| effect.name() == name) else {
         let known: Vec<_> = options.effects.iter().map(|effect| effect.name()).collect();
         let label = suggestion(nearest(&name, known.iter().copied()), "not in the catalogue");
         let help = format!("`stickslip effects` lists the catalogue: {}", known.join(", "));
@@ -114,10 +108,17 @@ fn effect(
     };
     let infos: Vec<ParameterInfo> = effect.parameters().iter().map(|info| info.on(coordinate)).collect();
     let table = Table { name: format!("the effect `{name}`"), place: node.place.clone(), entries: table.entries };
-    reader.keys(&table, &units(&infos), &["name"]);
-    let values: Vec<_> =
-        infos.iter().map(|info| table.get(info.key).and_then(|node| reader.quantity(node, info))).collect();
-    Some(EffectSetting { name, parameters: values.into_iter().collect::<Option<_>>()? })
+    let (optional, required): (Vec<_>, Vec<_>) =
+        infos.iter().copied().enumerate().partition(|(index, _)| effect.unstated(*index).is_some());
+    let required: Vec<ParameterInfo> = required.into_iter().map(|(_, info)| info).collect();
+    let optional: Vec<&str> = ["name"].into_iter().chain(optional.iter().map(|(_, info)| info.key)).collect();
+    reader.keys(&table, &units(&required), &optional);
+    let value = |(index, info): (usize, &ParameterInfo)| match table.get(info.key) {
+        Some(node) => reader.quantity(node, info),
+        None => effect.unstated(index),
+    };
+    let values: Vec<_> = infos.iter().enumerate().map(value).collect();
+    Some(EffectSetting { effect, parameters: values.into_iter().collect::<Option<_>>()? })
 }
 
 /// The table `[measurement]`; the outer option tells whether it is sound, the inner one whether it is there.
@@ -190,21 +191,18 @@ pub(crate) fn free(
     entries: &[Entry],
     of: (Option<&Rig>, bool, Option<&Instrument>),
     effects: &[EffectSetting],
-    options: &LoadOptions<'_>,
 ) -> Vec<String> {
     let Some(table) = reader.table(entries, "fit") else { return Vec::new() };
     reader.keys(&table, &[("free", "list")], &[]);
     let Some(node) = table.get("free") else { return Vec::new() };
-    let present = |name: &str| effects.iter().any(|setting| setting.name == name);
-    let present: Vec<_> = options.effects.iter().filter(|effect| present(effect.name())).copied().collect();
-    let known = parameter_keys(of, &present);
+    let known = parameter_keys(of, effects);
     let known: Vec<&str> = known.iter().map(String::as_str).collect();
     reader.names("free", node, &known, "a parameter of this scenario")
 }
 
 /// Keys of all parameters that a calibration may move: of the rig, the contact where there is one, the instrument, and of
 /// `effects`. A table that is not sound has those of the paper's rig.
-fn parameter_keys(of: (Option<&Rig>, bool, Option<&Instrument>), effects: &[&dyn Effect]) -> Vec<String> {
+fn parameter_keys(of: (Option<&Rig>, bool, Option<&Instrument>), effects: &[EffectSetting]) -> Vec<String> {
     let (rig, contact, instrument) = of;
     let rig: Vec<&str> = rig.map_or_else(
         || RIG.iter().map(|info| info.key).collect(),
@@ -214,14 +212,12 @@ fn parameter_keys(of: (Option<&Rig>, bool, Option<&Instrument>), effects: &[&dyn
     let instrument = instrument.copied().unwrap_or_default().parameters().map(|info| info.key);
     let base = [("rig", rig), ("contact", contact), ("instrument", instrument.to_vec())];
     let base = base.into_iter().flat_map(|(table, keys)| keys.into_iter().map(move |key| format!("{table}.{key}")));
-    base.chain(effects.iter().flat_map(|effect| effect.keys())).collect()
+    base.chain(effects.iter().flat_map(|setting| setting.effect.keys())).collect()
 }
 
 impl Scenario {
     /// Keys of all parameters that a calibration may move, those of its effects included.
     pub fn parameter_keys(&self) -> Vec<String> {
-        let effects: Vec<&dyn Effect> =
-            self.effects.iter().filter_map(|e| find(&e.name).map(|e| e as &dyn Effect)).collect();
-        parameter_keys((Some(&self.rig), self.contact.is_some(), Some(&self.instrument)), &effects)
+        parameter_keys((Some(&self.rig), self.contact.is_some(), Some(&self.instrument)), &self.effects)
     }
 }

@@ -235,9 +235,22 @@ impl Editable {
     }
 }
 
-/// Sets one value of a table, and says how well it is known.
+/// Sets one value of a table, and says how well it is known. A parameter of a formula may be a table with its value.
 fn set(splice: &mut Splice<'_>, table: &Node, one: &Estimate) {
     let Some(node) = find(inside(table), &[key(one)]) else { return };
+    let node = match &node.value {
+        Value::Table(entries) => match find(entries, &["value"]) {
+            Some(value) => value,
+            None if splice.at(&node.place.span).starts_with('{') => {
+                let (written, at) = (one.written(None), node.place.span.start + 1);
+                let comma = if entries.is_empty() { "" } else { "," };
+                splice.replace(at..at, format!(" value = {}{comma}", written.literal));
+                return splice.note(node.place.span.end, key(one), Some(&written.interval));
+            }
+            None => return,
+        },
+        _ => node,
+    };
     let span = node.place.span.clone();
     let written = one.written(Some(splice.at(&span)));
     splice.replace(span.clone(), written.literal);

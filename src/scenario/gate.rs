@@ -1,6 +1,5 @@
 //! The table `[gate]`: what has to hold for a run to pass.
 
-use super::LoadOptions;
 use super::diagnostic::{nearest, quote, suggestion};
 use super::parameters::{GATE, VERDICTS};
 use super::reader::{Reader, Table};
@@ -13,12 +12,12 @@ use crate::units;
 const WORDS: [&str; 3] = ["verdict", "effects", "claims"];
 
 /// The table, or nothing asked for; `None` where it is not sound. `readings` are the units of what may be read of the rig: which
-/// of them is, the measured table says.
+/// of them is, the measured table says. `effects` are the names of what a discovery may find.
 pub(crate) fn gate(
     reader: &mut Reader<'_>,
     entries: &[Entry],
     readings: &[&'static str],
-    options: &LoadOptions<'_>,
+    effects: &[&str],
 ) -> Option<Gate> {
     if !entries.iter().any(|entry| entry.key == "gate") {
         return Some(Gate::default());
@@ -46,10 +45,7 @@ pub(crate) fn gate(
         floor_unit,
         phase_tolerance: numbers[4],
         verdict: verdict(reader, &table)?,
-        effects: table.get("effects").map(|node| {
-            let known: Vec<&str> = options.effects.iter().map(|effect| effect.name()).collect();
-            reader.names("effects", node, &known, "an effect of the catalogue")
-        }),
+        effects: table.get("effects").map(|node| reader.names("effects", node, effects, "an effect of the catalogue")),
         claims: claims(reader, &table),
     };
     sound(reader, &table, entries, (&gate, readings[0]));

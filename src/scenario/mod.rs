@@ -2,8 +2,8 @@
 //!
 //! `source` reads a file with suspicion, `written` parses it into a tree whose every key knows its place, `extends`
 //! lays a file over the files that it builds on, `reader` and `axes` turn values into numbers and note problems,
-//! `validate` assembles the scenario, `additions` being its effects, measurements and fit, `gate` what has to hold,
-//! `question` what it asks of the catalogue. [`parameters`] states every key, unit and range once.
+//! `validate` assembles the scenario, `additions` being its effects, measurements and fit, `formula` an effect of the
+//! user's own, `gate` what has to hold, `question` what it asks of the catalogue. [`parameters`] states every key, unit and range once.
 
 mod additions;
 mod axes;
@@ -11,6 +11,7 @@ pub(crate) mod diagnostic;
 pub mod edit;
 mod embedded;
 mod extends;
+mod formula;
 mod gate;
 mod listing;
 mod literal;
@@ -44,7 +45,7 @@ pub struct LoadOptions<'a> {
     /// Names of figures that can be drawn.
     pub figure_names: &'a [&'a str],
     /// The catalogue of effects.
-    pub effects: &'a [&'a dyn Effect],
+    pub effects: &'a [&'static dyn Effect],
 }
 
 impl Default for LoadOptions<'_> {

@@ -2,6 +2,7 @@
 
 use super::parameters::{DRIVE_SENSITIVITY, INSTRUMENT, SENSITIVITY};
 use super::rig::{Rig, Signals};
+use crate::effects::Effect;
 use crate::parameter::ParameterInfo;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -86,13 +87,44 @@ pub struct Sweep {
     pub euler_steps: Vec<usize>,
 }
 
-/// One effect of the catalogue with its parameters, as a scenario carries it.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+/// One effect, of the catalogue or a formula, with its parameters, as a scenario carries it.
+#[derive(Clone, serde::Serialize)]
 pub struct EffectSetting {
-    /// Name in the registry.
-    pub name: String,
-    /// Parameter values in SI, in the order of the registry.
+    /// The effect.
+    #[serde(rename = "name", serialize_with = "by_name")]
+    pub effect: &'static dyn Effect,
+    /// Parameter values in SI, in the order of the effect.
     pub parameters: Vec<f64>,
+}
+
+fn by_name<S: serde::Serializer>(effect: &&'static dyn Effect, to: S) -> Result<S::Ok, S::Error> {
+    to.serialize_str(effect.name())
+}
+
+impl EffectSetting {
+    /// Name of the effect.
+    pub fn name(&self) -> &'static str {
+        self.effect.name()
+    }
+
+    /// Whether it is a formula that is stated without strength: nothing of the model, but something that a search may find.
+    pub fn is_candidate(&self, free: &[String]) -> bool {
+        let vanishes = self.effect.formula().is_some_and(|formula| formula.vanishes(&self.parameters));
+        vanishes && !self.effect.keys().iter().any(|key| free.contains(key))
+    }
+}
+
+impl PartialEq for EffectSetting {
+    fn eq(&self, other: &Self) -> bool {
+        let law = |setting: &Self| (setting.name(), setting.effect.equation());
+        law(self) == law(other) && self.parameters == other.parameters
+    }
+}
+
+impl std::fmt::Debug for EffectSetting {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("EffectSetting").field("name", &self.name()).field("parameters", &self.parameters).finish()
+    }
 }
 
 /// The table of measured steady states to compare with.

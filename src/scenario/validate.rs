@@ -78,12 +78,17 @@ fn read(
         Some(Some(_)) => swept,
         _ => contact.flatten().is_some_and(|contact| contact.formulation == Formulation::Paper),
     };
-    fits_formulation(reader, get("effect"), &effects, paper, options);
+    fits_formulation(reader, get("effect"), &effects, paper);
     let measurement = measurement(reader, entries, store);
     let question = question(reader, entries, sweep.as_ref().and_then(Option::as_ref));
-    let free =
-        free(reader, entries, (rig.as_ref(), contact.flatten().is_some(), instrument.as_ref()), &effects, options);
-    let gate = gate(reader, entries, &readings(rig.as_ref()), options);
+    let free = free(reader, entries, (rig.as_ref(), contact.flatten().is_some(), instrument.as_ref()), &effects);
+    let known: Vec<&str> = options
+        .effects
+        .iter()
+        .map(|effect| effect.name())
+        .chain(effects.iter().map(|setting| setting.name()))
+        .collect();
+    let gate = gate(reader, entries, &readings(rig.as_ref()), &known);
     if get("sweep").is_none() && get("measurement").is_none() && role == Role::Complete {
         let help = "add [sweep] with frequency, speed, load and drive, or [measurement] with file; \
                     a file with neither can only be extended by others";

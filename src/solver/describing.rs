@@ -12,6 +12,8 @@ use std::sync::LazyLock;
 /// Amplitudes at which the balance of the first harmonic is looked at, per factor of ten, and instants for it.
 const GRID_PER_DECADE: f64 = 8.0;
 const GRID_INSTANTS: usize = 16;
+/// Factors of ten by which the range of amplitudes may be too short.
+const DECADES: usize = 6;
 /// Refinements of where two roots may have met; relative accuracy of roots and of the amplitudes of resonance.
 const REFINEMENTS: usize = 30;
 const ROOT: f64 = 1e-6;
@@ -120,7 +122,7 @@ fn first_harmonic_roots(mode: &dyn SingleMode) -> Vec<f64> {
     let static_part = stiffness - mass * omega * omega;
     let resistance = (damping * omega).max(UNDAMPED * omega * (mass * stiffness).sqrt());
     // Nothing moves more than a mode in resonance that only the linear damping holds; a little beyond, to see it turn back.
-    let most = 1.2 * drive / resistance;
+    let mut most = 1.2 * drive / resistance;
     let detuning = |log: f64| static_part + describing(mode, log.exp()).0;
     let both = |log: f64| {
         let x = log.exp();
@@ -129,9 +131,17 @@ fn first_harmonic_roots(mode: &dyn SingleMode) -> Vec<f64> {
     };
     let excess = |log: f64| both(log).0;
     // From where no force of an effect can matter: far below the linear motion.
-    let least = 1e-2 * (drive / static_part.hypot(resistance)).min(drive / stiffness).min(most);
+    let mut least = 1e-2 * (drive / static_part.hypot(resistance)).min(drive / stiffness).min(most);
     if !(least > 0.0 && most.is_finite()) {
         return Vec::new();
+    }
+    // A force that is much stronger than the mode's own at any amplitude, or that drives it, moves the ends.
+    for _ in 0..DECADES {
+        let (below, above) = (excess(least.ln()) > 0.0, excess(most.ln()) < 0.0);
+        if !below && !above {
+            break;
+        }
+        (least, most) = (if below { 0.1 * least } else { least }, if above { 10.0 * most } else { most });
     }
     let (low, high) = (least.ln(), most.ln());
     let count = ((high - low) / std::f64::consts::LN_10 * GRID_PER_DECADE).ceil().max(8.0) as usize;
@@ -188,8 +198,9 @@ fn nearest_to_zero(excess: &impl Fn(f64) -> f64, sign: f64, [a, _, c]: [f64; 3],
 /// Whether the forces of opposite motions are opposite, so that a motion may be odd.
 pub(super) fn is_odd(mode: &dyn SingleMode, amplitude: f64) -> bool {
     let v = amplitude * mode.omega();
-    [0.3, 0.9].iter().all(|share| {
-        let (there, back) = (mode.force(share * amplitude, 0.7 * v), mode.force(-share * amplitude, -0.7 * v));
-        there[0] == -back[0]
-    })
+    mode.is_odd()
+        && [0.3, 0.9].iter().all(|share| {
+            let (there, back) = (mode.force(share * amplitude, 0.7 * v), mode.force(-share * amplitude, -0.7 * v));
+            there[0] == -back[0]
+        })
 }

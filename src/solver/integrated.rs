@@ -28,6 +28,10 @@ pub fn integrated(model: &Model, at: &Operation, plan: &Plan) -> Integrated {
         return alone(&Alone::new(model, at), plan);
     }
     let problem = Problem::new(model, at);
+    if problem.has_own_bristles() {
+        // The sliders know no such force.
+        return Integrated { amplitude: f64::NAN, phase: f64::NAN, mean: f64::NAN, periodic: false };
+    }
     let lumps = &problem.lumps;
     let (free_re, free_im): (f64, f64) = lumps.free_response();
     let found = integrate(&problem.sliders(), plan);

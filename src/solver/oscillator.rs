@@ -17,9 +17,9 @@ use std::rc::Rc;
 
 /// Highest harmonics that are tried in turn; all odd.
 const HARMONICS: [usize; 4] = [5, 11, 21, 41];
-/// Instants per harmonic, and under a joint or a law, whose force has kinks: at the default accuracy, and at least.
+/// Instants per harmonic, and under a force whose slope jumps, as that of a joint: at the default accuracy, and at least.
 const INSTANTS: usize = 6;
-const INSTANTS_OF_KINKS: (usize, usize) = (512, 64);
+const INSTANTS_AT_CORNERS: (usize, usize) = (512, 64);
 /// Largest of the last harmonics over the first at which a series is long enough: what is left out acts on the first harmonic
 /// by its square.
 const TAIL: f64 = 5e-5;
@@ -261,8 +261,8 @@ fn solve(mode: &dyn SingleMode, amplitude: f64, tolerance: &Tolerance) -> Option
     let mut steps = 0;
     for (level, &highest) in HARMONICS.iter().enumerate() {
         let mut instants = (INSTANTS * highest).max(24);
-        if mode.joint().is_some() || mode.is_rough() {
-            let (most, least) = INSTANTS_OF_KINKS;
+        if mode.joint().is_some() || mode.has_corners() {
+            let (most, least) = INSTANTS_AT_CORNERS;
             let wanted = (most as f64 / tolerance.coarsening().powi(5)) as usize;
             instants = instants.max(wanted.max(least));
         }

@@ -244,6 +244,9 @@ fn without_periodic_state(problem: &Problem, why: &str, with: &Search<'_>) -> So
 /// Time integration from the first guess: settled motion is a steady state, any other is averaged as a lock-in amplifier
 /// would over the window of the plan.
 fn lock_in(problem: &Problem, why: &str) -> Solution {
+    if problem.has_own_bristles() {
+        return failed(format!("{why}; with a formula for the force of the bristles no other motion is looked for"));
+    }
     let plan = if problem.continuum().is_some() { time::Plan::LOCK_IN_OF_SLIDERS } else { time::Plan::LOCK_IN };
     let found = time::integrate(&problem.sliders(), &plan);
     if found.given_up {

@@ -137,6 +137,35 @@ pub fn parse(text: &str, si_unit: &str) -> Result<f64, UnitError> {
     if value.is_finite() { Ok(value) } else { Err(UnitError::NotFinite(shorten(text))) }
 }
 
+/// The unit in SI of a quantity, whatever it is: `N/m^5` for `"3 kN/m^5"`, `1` for a number without unit.
+pub fn si_unit(text: &str) -> Result<String, UnitError> {
+    let (_, unit) = split_number(text.trim());
+    if unit.is_empty() {
+        return Ok("1".into());
+    }
+    let (_, [mass, length, time, voltage]) = parse_unit(unit, "1")?;
+    // One kilogram is part of a force.
+    let powers = match mass {
+        1 => [("N", 1), ("m", length - 1), ("s", time + 2), ("V", voltage)],
+        _ => [("kg", mass), ("m", length), ("s", time), ("V", voltage)],
+    };
+    let side = |sign: i32| -> Vec<String> {
+        let of = |&(symbol, power): &(&str, i32)| match power * sign {
+            1 => Some(symbol.to_string()),
+            power if power > 1 => Some(format!("{symbol}^{power}")),
+            _ => None,
+        };
+        powers.iter().filter_map(of).collect()
+    };
+    let (above, below) = (side(1), side(-1));
+    let above = if above.is_empty() { "1".into() } else { above.join(" ") };
+    Ok(match below.as_slice() {
+        [] => above,
+        [one] => format!("{above}/{one}"),
+        many => format!("{above}/({})", many.join(" ")),
+    })
+}
+
 /// The number times a power of ten, rounded once.
 fn shift(number: &str, power: i32) -> Option<f64> {
     let (mantissa, exponent) = number.split_once(['e', 'E']).unwrap_or((number, "0"));
@@ -305,6 +334,27 @@ mod tests {
     fn close(text: &str, si_unit: &str, expected: f64) {
         let value = parse(text, si_unit).unwrap_or_else(|error| panic!("{text}: {error}"));
         assert!((value - expected).abs() <= 1e-14 * expected.abs(), "{text}: {value} is not {expected}");
+    }
+
+    #[test]
+    fn the_unit_in_si_is_that_of_the_same_quantity() {
+        for (text, unit) in [
+            ("3 kN/m^5", "N/m^5"),
+            ("0 N s^2/m^2", "N s^2/m^2"),
+            ("2 um", "m"),
+            ("1 m/s", "m/s"),
+            ("5 %", "1"),
+            ("4", "1"),
+            ("1 1/s", "1/s"),
+            ("3 V s/m", "s V/m"),
+        ] {
+            let found = si_unit(text).unwrap_or_else(|error| panic!("{text}: {error}"));
+            let one = format!("1 {found}");
+            assert_eq!(parse(&one, &found), Ok(1.0), "{text}");
+            assert_eq!(found, unit);
+            assert!(text.trim().parse::<f64>().is_ok() || parse(text, &found).is_ok(), "{text} in {found}");
+        }
+        assert!(si_unit("3 furlongs").is_err());
     }
 
     #[test]

@@ -30,6 +30,7 @@ pub fn paper_model(formulation: Formulation) -> Model {
         scales: Scales::PAPER,
         instrument: Instrument::default(),
         effects: Vec::new(),
+        candidates: Vec::new(),
     }
 }
 
@@ -56,6 +57,7 @@ pub fn oscillator(mass: f64, frequency: f64, quality: f64) -> Model {
         instrument: Instrument::default(),
         signals: rig.signals(),
         scales: Scales::PAPER,
+        candidates: Vec::new(),
         effects: Vec::new(),
     }
 }

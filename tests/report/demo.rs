@@ -43,7 +43,10 @@ pub fn scenario(id: &str, title: &str) -> Scenario {
             formulation: vec![Formulation::Series],
             euler_steps: vec![20_000],
         }),
-        effects: vec![EffectSetting { name: "rate-strengthening".into(), parameters: vec![0.12, 1e-3] }],
+        effects: vec![EffectSetting {
+            effect: stickslip::effects::find("rate-strengthening").unwrap(),
+            parameters: vec![0.12, 1e-3],
+        }],
         measurement: None,
         question: None,
         free: Vec::new(),

@@ -13,7 +13,8 @@ impl Problem {
         let slip = if self.rate_element { p.v } else { s };
         let psi = self.state(self.psi, z);
         let limit = (p.mu * p.normal).max(1e-12 * self.force_scale());
-        let (mut last, mut laws) = (None, [None; 3]);
+        let (mut last, mut laws) = (None, [None; 4]);
+        let own = self.bristle_law(z[self.x], p.d);
         for (index, column) in self.columns.iter().enumerate() {
             // Direct partial derivatives of the intermediate quantities by this column.
             let (mut dth, mut dw, mut dv, mut dn, mut dforce, mut dmu, mut dtorque) =
@@ -59,10 +60,12 @@ impl Problem {
                             e.friction(q, argument, psi),
                             e.interface_rate(q, slip.abs(), psi),
                             e.torque(q, p.th, p.w),
+                            e.bristle_force(q, z[self.x], p.d),
                         ];
                     }
-                    let [dfriction, rate, twist] = laws.map(|law| law.map_or(0.0, |law| law.d_parameters[parameter]));
-                    (dmu, dpsi, dtorque) = (dfriction * p.heat_factor, rate, twist);
+                    let [dfriction, rate, twist, pull] =
+                        laws.map(|law| law.map_or(0.0, |law| law.d_parameters[parameter]));
+                    (dmu, dpsi, dtorque, dforce) = (dfriction * p.heat_factor, rate, twist, pull);
                 }
             }
             dv -= self.b * dw;
@@ -70,7 +73,7 @@ impl Problem {
             if !p.loaded {
                 dn = 0.0;
             }
-            dforce += (self.cc + self.sigma2) * dv;
+            dforce += (self.cc + self.sigma2 + own.d_second) * dv;
             dtorque += torque.d_first * dth + torque.d_second * dw;
             let f = &mut out.f[index];
             *f = [0.0; MAX_STATES];

@@ -55,7 +55,7 @@ impl HybridSystem for Problem {
     }
 
     fn is_kinked(&self) -> bool {
-        self.laws.iter().any(|(effect, _)| effect.torque_is_kinked())
+        self.laws.iter().any(|(effect, _)| effect.torque_is_kinked() || !effect.is_smooth())
     }
 
     fn kink(&self, forcing: &Forcing, z: &[f64]) -> f64 {
@@ -63,7 +63,7 @@ impl HybridSystem for Problem {
     }
 
     fn is_smooth(&self) -> bool {
-        self.never_lifts()
+        self.never_lifts() && self.laws.iter().all(|(effect, _)| effect.is_smooth())
     }
 
     fn rates(&self, rows: &[usize], forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut Evaluation) {
@@ -72,10 +72,11 @@ impl HybridSystem for Problem {
         let force = self.pull(z, v, d);
         let (x, b) = (self.x, self.b);
         // Gradient of F by (w, u, x, q, s).
-        let force_v = self.cc + self.sigma2;
+        let own = self.bristle_law(z[x], d);
+        let force_v = self.cc + self.sigma2 + own.d_second;
         let mut force_z = [0.0; MAX_STATES];
         force_z[1] = -b * force_v;
-        force_z[x] = self.kc;
+        force_z[x] = self.kc + own.d_first;
         // Relative speed of the bristles' ends.
         let mut rate_z = [0.0; MAX_STATES];
         rate_z[1] = -b;
@@ -86,7 +87,7 @@ impl HybridSystem for Problem {
         if let Some(i) = self.q {
             force_z[i] = 1.0;
         }
-        let force_s = -self.cc;
+        let force_s = -(self.cc + own.d_second);
         // The slip rate that friction works on: that of the interface, or the relative speed for a rate element.
         let slip = if self.rate_element { v } else { s };
         for &i in rows {
@@ -163,9 +164,10 @@ impl HybridSystem for Problem {
                 let (mu, mu_s, mu_psi, mu_heat, _) = friction;
                 let scale = 1.0 / self.force_scale();
                 out.g = scale * (force - sign * mu * normal);
-                let force_v = scale * (self.cc + self.sigma2);
+                let own = self.bristle_law(z[x], v - s);
+                let force_v = scale * (self.cc + self.sigma2 + own.d_second);
                 out.gz[1] = -b * force_v;
-                out.gz[x] = scale * self.kc;
+                out.gz[x] = scale * (self.kc + own.d_first);
                 if normal > 0.0 {
                     out.gz[0] = -scale * sign * mu * self.load_stiffness * b;
                 }
@@ -181,7 +183,7 @@ impl HybridSystem for Problem {
                 if let Some(i) = self.heat {
                     out.gz[i] = -scale * sign * mu_heat * normal;
                 }
-                out.gs = -scale * (self.cc + mu_s * normal);
+                out.gs = -scale * (self.cc + own.d_second + mu_s * normal);
             }
             Mode::RateForward | Mode::RateBackward => {
                 // s = kc |v| x / (mu N), with |v| continued beyond the end of the mode and mu as it is there: s is smooth.
@@ -220,11 +222,11 @@ impl HybridSystem for Problem {
     }
 
     fn affine(&self, mode: Mode) -> Affine {
-        let friction = !self.friction_is_constant();
+        let (friction, own_bristles) = (!self.friction_is_constant(), self.own_bristles);
         let (torque, heated) = (self.laws.iter().any(|(e, p)| e.torque(p, 0.0, 0.0).is_some()), self.heat.is_some());
         let stick = mode == Mode::Stick;
         let mut rows = [true; MAX_STATES];
-        rows[1] = !torque;
+        rows[1] = !torque && !own_bristles;
         if let Some(i) = self.heat {
             rows[i] = stick;
         }
@@ -234,9 +236,10 @@ impl HybridSystem for Problem {
         // Friction in proportion to a load that the arm moves, as long as it cannot lift off.
         let constant = !heated && self.psi.is_none() && self.never_lifts();
         match mode {
-            Mode::Stick => Affine { rows, constraint: true, margins: constant },
+            Mode::Stick => Affine { rows, constraint: true, margins: constant && !own_bristles },
             Mode::SlipForward | Mode::SlipBackward => {
-                Affine { rows, constraint: constant && !friction && self.cc > 0.0, margins: true }
+                let constraint = constant && !friction && !own_bristles && self.cc > 0.0;
+                Affine { rows, constraint, margins: true }
             }
             Mode::RateForward | Mode::RateBackward => Affine { rows, constraint: false, margins: true },
         }
@@ -267,7 +270,7 @@ impl HybridSystem for Problem {
                 let psi = self.state(self.psi, z);
                 let (_, slope, ..) = self.friction(0.0, psi, self.state(self.heat, z));
                 let p = self.point(forcing, z, 0.0);
-                let resistance = self.cc + slope * p.normal;
+                let resistance = self.cc + self.bristle_law(z[self.x], p.d).d_second + slope * p.normal;
                 let s = if resistance < 0.0 {
                     // Weakening steeper than the bristles' damping: the slip rate jumps to the next stable branch.
                     // Looked for from a small rate, since the force at the end of stick is at its limit to rounding only.
@@ -373,7 +376,7 @@ impl HybridSystem for Problem {
             let (angle, normal) = self.deflection(mu);
             let force = mu * normal + self.sigma2 * self.speed;
             z[0] = angle;
-            z[self.x] = mu * normal / (self.kc + self.cc * self.renewal);
+            z[self.x] = self.stretch_under(mu * normal);
             if let Some(i) = self.roller {
                 let [inverse, _, k] = self.support;
                 z[i] = -force * inverse / k;
@@ -419,7 +422,8 @@ impl HybridSystem for Problem {
             let normal = (self.load + self.load_stiffness * self.b * th).max(0.0);
             let mut gradient = [0.0; MAX_STATES];
             gradient[self.x] = 1.0;
-            out[self.x] = Some((z[self.x] - (mu * normal - self.state(self.q, z)) / self.kc, gradient));
+            let held = self.stretch_under(mu * normal - self.state(self.q, z));
+            out[self.x] = Some((z[self.x] - held, gradient));
         }
         if let Some(i) = self.psi {
             let mut gradient = [0.0; MAX_STATES];

@@ -32,7 +32,7 @@ impl Problem {
 
     /// Slip rate on the stable branch nearest to `last` in direction `sign`, or None where there is none.
     pub(super) fn slip_root_near(&self, forcing: &Forcing, z: &[f64], sign: f64, last: f64) -> Option<f64> {
-        if self.friction_is_constant() && self.cc > 0.0 {
+        if self.friction_is_constant() && self.cc > 0.0 && !self.own_bristles {
             // The pull falls in proportion to the slip rate.
             let root = self.excess(forcing, z, sign, 0.0) / self.cc;
             return (root > 0.0).then_some(root);

@@ -49,7 +49,7 @@ impl Problem {
                 });
             }
         }
-        if self.speed == 0.0 && self.continuum().is_none() {
+        if self.speed == 0.0 && !self.own_bristles && self.continuum().is_none() {
             let stuck = self.static_contact();
             let (mu, ..) = self.friction(0.0, 0.0, 0.0);
             let swing = self.load_stiffness.abs() * self.b * stuck.response.0.hypot(stuck.response.1);
@@ -81,7 +81,7 @@ impl Problem {
     /// The stuck motion (case II) of a contact whose strength grows without bound while it rests on a roller at rest:
     /// once it rests it never slips again. `None` where the strength is bounded.
     pub fn locked_state(&self) -> Option<LimitingState> {
-        let linear = self.laws.iter().all(|(e, p)| e.torque(p, 0.0, 0.0).is_none());
+        let linear = !self.own_bristles && self.laws.iter().all(|(e, p)| e.torque(p, 0.0, 0.0).is_none());
         let grows = self.psi.is_some() && {
             let aged = |age: f64| self.friction(0.0, age * self.psi_scale, 0.0).0;
             aged(1e12) > aged(1e9)
@@ -113,6 +113,25 @@ impl Problem {
             }
         }
         (linear, self.load)
+    }
+
+    /// Stretch of bristles at rest under a force: kc x + law(x) = F, or that of the stiffness alone where there is none.
+    pub(super) fn stretch_under(&self, force: f64) -> f64 {
+        let stiffness = self.kc + self.cc * self.renewal;
+        let linear = force / stiffness;
+        if !self.own_bristles {
+            return linear;
+        }
+        let mut stretch = linear;
+        for _ in 0..50 {
+            let law = self.bristle_law(stretch, 0.0);
+            let step = (force - stiffness * stretch - law.value) / (stiffness + law.d_first);
+            stretch += step;
+            if step.abs() <= 1e-12 * stretch.abs() {
+                return stretch;
+            }
+        }
+        linear
     }
 
     /// State at time 0 of the motion with the bristles stuck to a roller at rest, where friction can hold them.
