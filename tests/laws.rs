@@ -279,7 +279,7 @@ fn derivatives_are_those_of_differences() {
 
 #[test]
 fn a_power_of_the_velocity_needs_no_velocity_to_be_stated() {
-    let rig = "[rig]\nkind = \"oscillator\"\nmass = 2\nnatural_frequency = \"80 Hz\"\nquality_factor = 300\ndrive = \"force\"\n";
+    let rig = "title = \"Power\"\nprovenance = \"none\"\n[rig]\nkind = \"oscillator\"\nmass = 2\nnatural_frequency = \"80 Hz\"\nquality_factor = 300\ndrive = \"force\"\n";
     let sweep = "[sweep]\nfrequency = 80\ndrive = 1\n";
     let of = |more: &str| {
         let text = format!("{rig}{sweep}[[effect]]\nname = \"power-damping\"\nD = 3\np = 1.5\n{more}");
