@@ -37,12 +37,12 @@ impl Candidates {
         words.iter().map(name).collect::<Result<_, _>>().map(Self::Named)
     }
 
-    /// Whether an effect is among them.
+    /// Whether an effect is among them; a formula, which a scenario states to be searched, always is.
     pub fn include(&self, effect: &dyn Effect) -> bool {
         match self {
             Self::Usual => effect.searched(),
             Self::All => true,
-            Self::Named(names) => names.contains(&effect.name()),
+            Self::Named(names) => effect.formula().is_some() || names.contains(&effect.name()),
         }
     }
 }
