@@ -79,7 +79,11 @@ fn noisy(exact: &[Point], seed: u64) -> Vec<Point> {
     points
 }
 
-fn compared(mut points: Vec<Point>) -> Comparison {
+fn compared(points: Vec<Point>) -> Comparison {
+    compared_with(points, NoiseSource::Stated)
+}
+
+fn compared_with(mut points: Vec<Point>, noise: NoiseSource) -> Comparison {
     let series = by_condition(&mut points);
     let table = Table {
         file: "table.csv".into(),
@@ -87,8 +91,8 @@ fn compared(mut points: Vec<Point>) -> Comparison {
         points,
         series,
         signals: Signals::ARM,
-        amplitude_noise: NoiseSource::Stated,
-        phase_noise: Some(NoiseSource::Stated),
+        amplitude_noise: noise,
+        phase_noise: Some(noise),
         notes: Vec::new(),
     };
     compare(&scenario(), &table, &Options { seed: 0 })
@@ -137,6 +141,24 @@ fn noise_larger_than_stated_is_taken_from_the_scatter() {
     }
     assert!(inside >= 51, "{inside} of 60 intervals hold the truth");
     assert!(regions <= 2 && outliers <= 5, "{regions} regions, {outliers} readings that stand out");
+}
+
+/// Deviations that were estimated along series are known to a fifth or so, the scatter about a model that holds better.
+#[test]
+fn intervals_go_by_the_scatter_about_the_model_where_the_noise_was_estimated() {
+    let points = noisy(&exact(), 3);
+    let widths = |found: &Comparison| -> Vec<f64> { found.intervals.iter().map(|i| i.high - i.low).collect() };
+    let of_true = widths(&compared(points.clone()));
+    for factor in [0.8, 1.2] {
+        let mut points = points.clone();
+        for point in &mut points {
+            point.amplitude_sd *= factor;
+            point.phase_sd = point.phase_sd.map(|sd| factor * sd);
+        }
+        for (width, of_true) in widths(&compared_with(points, NoiseSource::Estimated)).iter().zip(&of_true) {
+            assert!((width / of_true - 1.0).abs() < 0.15, "{factor}: {width} for {of_true}");
+        }
+    }
 }
 
 #[test]

@@ -62,8 +62,11 @@ impl Whiteness {
     /// Noise of the readings over the stated one: the scatter where that contradicts it; where the noise was estimated from the
     /// readings alone, the scatter about the model, which is known better.
     pub fn noise(&self) -> f64 {
-        let (factor, contradicted) = self.scatter();
-        if contradicted || self.own_scatter { factor } else { 1.0 }
+        match self.scatter() {
+            _ if self.own_scatter => self.rough_chi2.sqrt(),
+            (factor, true) => factor,
+            _ => 1.0,
+        }
     }
 }
 

@@ -183,6 +183,8 @@ pub fn profiled(
         sides.iter_mut().for_each(|side| side.resume(&inside));
         solved += in_step(&mut sides, allowed.saturating_sub(solved));
         let unfinished = sides.iter().filter(|side| side.end.is_none()).count();
+        let inside: Vec<Refit> = sides.iter().flat_map(|side| side.inside.iter().cloned()).collect();
+        sides.iter_mut().for_each(|side| side.close(&inside));
         let intervals = sides.chunks(2).map(|pair| Side::interval(&pair[0], &pair[1])).collect();
         return Profiles { fit, intervals, unfinished, solved };
     }
@@ -332,14 +334,26 @@ impl<'p, 'a> Side<'p, 'a> {
         self.direction * fit.parameters[self.i].natural_step(fit.values[self.i], values[self.i])
     }
 
+    /// The farthest on this side of the refits of all.
+    fn farthest(&self, inside: &[Refit]) -> Option<Refit> {
+        let steps = inside.iter().map(|refit| Refit { step: self.step(&refit.values), ..refit.clone() });
+        steps.max_by(|a, b| a.step.total_cmp(&b.step))
+    }
+
     /// Goes on from the farthest of the refits of all sides where that lies beyond what this one took for its end.
     fn resume(&mut self, inside: &[Refit]) {
-        let steps = inside.iter().map(|refit| Refit { step: self.step(&refit.values), ..refit.clone() });
-        let Some(far) = steps.max_by(|a, b| a.step.total_cmp(&b.step)) else { return };
+        let Some(far) = self.farthest(inside) else { return };
         if self.end.is_some_and(|(step, _)| far.step > step * (1.0 + CLOSE)) {
             (self.tie, self.refit) = (Some(far.clone()), Some(far));
             (self.inside, self.near, self.outside, self.trials, self.end) = (Vec::new(), (0.0, 0.0), None, 0, None);
         }
+    }
+
+    /// The end that was found, else that of the curvature; not before what any side found to be inside.
+    fn close(&mut self, inside: &[Refit]) {
+        let (step, closed) = self.end.unwrap_or((self.curvature(), self.curvature() < self.room));
+        let far = self.farthest(inside).map_or(0.0, |far| far.step);
+        self.end = Some(if far > step { (far, far < self.room * (1.0 - 1e-9)) } else { (step, closed) });
     }
 
     /// Judges the last refit, and makes the next one or ends.
@@ -395,10 +409,10 @@ impl<'p, 'a> Side<'p, 'a> {
         }
     }
 
-    /// The interval between the ends on two sides; those not found are of the curvature.
+    /// The interval between the ends on two sides.
     fn interval(below: &Self, above: &Self) -> Interval {
         let of = |side: &Self| {
-            let (step, closed) = side.end.unwrap_or((side.curvature(), side.curvature() < side.room));
+            let (step, closed) = side.end.unwrap_or((side.room, false));
             (side.at(step), closed)
         };
         let ends = (of(below), of(above));
