@@ -89,6 +89,11 @@ impl Dual {
         let value = self.value.powf(exponent.value);
         self.combine(exponent, value, exponent.value * value / self.value, value * self.value.ln())
     }
+    /// Sine and cosine.
+    pub fn sin_cos(self) -> (Self, Self) {
+        let (sine, cosine) = self.value.sin_cos();
+        (self.chain(sine, cosine), self.chain(cosine, -sine))
+    }
     /// Reciprocal.
     pub fn recip(self) -> Self {
         self.chain(1.0 / self.value, -1.0 / (self.value * self.value))

@@ -147,6 +147,10 @@ pub enum Measure {
     Slowness,
     /// Travel in 1/w0 at that speed.
     Travel,
+    /// Largest motion at the contact without it.
+    Stroke,
+    /// Force of the bristles' stiffness at that stretch.
+    StrokeForce,
     /// Stiffness of the bristles.
     ContactStiffness,
     /// Damping whose force at w0 is that of the bristles' stiffness.
@@ -245,6 +249,8 @@ impl Measure {
             Self::Speed => of.speed(),
             Self::Slowness => 1.0 / of.speed(),
             Self::Travel => of.speed() / of.omega,
+            Self::Stroke => of.lever * of.motion,
+            Self::StrokeForce => of.contact_stiffness * of.lever * of.motion,
             Self::ContactStiffness => of.contact_stiffness,
             Self::ContactDamping => of.contact_stiffness / of.omega,
             Self::ContactMass => of.contact_stiffness / of.omega.powi(2),

@@ -3,7 +3,7 @@
 mod common;
 
 use common::paper_model;
-use stickslip::effects::find;
+use stickslip::effects::{Branch, find};
 use stickslip::model::contact::{Problem, Sliders};
 use stickslip::model::continuum::Element;
 use stickslip::model::system::{Forcing, Linear, SliderSystem};
@@ -50,8 +50,14 @@ impl SliderSystem for Replaced<'_> {
     fn relative_speed(&self, forcing: &Forcing, velocity: f64, support: f64) -> f64 {
         self.continuum.relative_speed(forcing, velocity, support)
     }
-    fn bristles(&self) -> [f64; 5] {
+    fn bristles(&self) -> [f64; 3] {
         self.continuum.bristles()
+    }
+    fn branches(&self) -> &[(f64, f64)] {
+        self.continuum.branches()
+    }
+    fn hysteresis(&self, from: Branch, by: f64) -> Option<(Branch, f64)> {
+        self.continuum.hysteresis(from, by)
     }
     fn heating(&self) -> (f64, f64) {
         self.continuum.heating()

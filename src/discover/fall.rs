@@ -71,7 +71,7 @@ impl Start {
 /// The fall of the error of a discovery; `None` where nothing was found, or where it would take as long as the search.
 pub(super) fn fall(d: &Discovery) -> Option<Fall> {
     let end = &d.explanation().hypothesis;
-    let costly = end.model.has_continuum() && end.model.effects.len() > 1;
+    let costly = end.model.has_sliders() && end.model.effects.len() > 1;
     if end.additions.is_empty() || costly {
         return None;
     }

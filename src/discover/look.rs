@@ -179,7 +179,7 @@ impl Count<'_> {
             let (_, values) = model.effects.iter().find(|(e, _)| e.name() == effect.name())?;
             Some(Sample::Known(values.clone()))
         });
-        let count = if model.has_continuum() && known.is_some() { 0 } else { count };
+        let count = if model.has_sliders() && known.is_some() { 0 } else { count };
         known.into_iter().chain((self.turn * count..(self.turn + 1) * count).map(of)).collect()
     }
 }

@@ -123,7 +123,7 @@ impl Competitor for Runner<'_, '_> {
     fn advance(&mut self, Round { points, evaluations }: Round) {
         let typical = if self.fit.is_some() { typical_of(&self.residuals) } else { f64::INFINITY };
         let all = self.data.points.len();
-        let points = if self.model.has_continuum() && points < all { points / COSTLY } else { points };
+        let points = if self.model.has_sliders() && points < all { points / COSTLY } else { points };
         let effort = Effort { points, evaluations };
         if !self.data.affords(&self.model, effort) {
             return;

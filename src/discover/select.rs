@@ -203,7 +203,7 @@ impl<'a> Search<'a> {
                 break;
             }
             chosen = self.eliminate(best);
-            if !self.structured(&chosen) && !chosen.fitted().has_continuum() {
+            if !self.structured(&chosen) && !chosen.fitted().has_sliders() {
                 beam = vec![chosen.clone()];
                 continue;
             }
@@ -308,7 +308,7 @@ impl<'a> Search<'a> {
         let points = (o.first_points / 2).min(self.data.points.len());
         // A continuum of sliders costs as much as all others together: it is looked at on fewer points, ...
         let costly = |from: &Hypothesis, addition: Addition| {
-            extended(&from.model, &[addition]).has_continuum() && !from.model.has_continuum()
+            extended(&from.model, &[addition]).has_sliders() && !from.model.has_sliders()
         };
         let few = work.iter().any(|(number, addition)| costly(parents[*number], *addition)).then_some(points / COSTLY);
         let places_on = |points: usize| -> Vec<Vec<Parent<'_>>> {

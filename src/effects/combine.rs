@@ -1,6 +1,6 @@
 //! Which effects go together. The rules follow from what effects contribute, not from their names.
 
-use super::{Effect, typical};
+use super::{Branch, Effect, typical};
 use crate::dual::{Dual, MAX_PARAMETERS};
 use crate::parameter::FIRST_EFFECT_PARAMETER;
 
@@ -12,7 +12,8 @@ const SINGLE: &[(&str, Contributes)] = &[
     ("the element between interface and arm", |e, p, d| e.rate_element(d).is_some() || e.continuum(p).is_some()),
     ("an internal state of the interface", |e, p, _| e.interface_rate(p, 1.0, 1.0).is_some()),
     ("the heating of the interface", |e, _, d| e.heating(d).is_some()),
-    ("a viscoelastic branch", |e, _, d| e.branch(d).is_some()),
+    ("a viscoelastic branch", |e, _, d| e.branch(d).is_some() || e.fractional(d, 1.0).is_some()),
+    ("a hysteresis of the bristles", |e, p, _| remembers(e, p)),
     ("a joint to ground", |e, _, d| slips(e, d)),
     ("the support of the roller", |e, _, d| e.support(d).is_some()),
 ];
@@ -32,24 +33,56 @@ pub fn compatible(effects: &[&dyn Effect]) -> Result<(), String> {
             ));
         }
     }
-    let other_bristles = |effect: &&&dyn Effect| {
-        let (p, d) = sample(**effect);
-        let replaced = effect.rate_element(&d).is_some() || effect.continuum(&p).is_some();
-        replaced || effect.renewal(&d, Dual::constant(1.0)).is_some() || effect.support(&d).is_some()
-    };
-    let of_bristles = |effect: &&&dyn Effect| effect.bristle_force(&sample(**effect).0, 0.0, 0.0).is_some();
-    if let (Some(one), Some(other)) = (effects.iter().find(of_bristles), effects.iter().find(other_bristles)) {
-        let (one, other) = (one.name(), other.name());
-        return Err(format!(
-            "`{one}` is a force of one set of bristles between arm and roller, and `{other}` changes these"
-        ));
-    }
+    one_set_of_bristles(effects)?;
     let parameters = effects.iter().map(|effect| effect.parameters().len()).sum::<usize>();
     let most = MAX_PARAMETERS - FIRST_EFFECT_PARAMETER;
     if parameters > most {
         return Err(format!("the effects have {parameters} parameters together, but there is room for {most}"));
     }
     Ok(())
+}
+
+/// Whether no effect changes the bristles on which another acts.
+fn one_set_of_bristles(effects: &[&dyn Effect]) -> Result<(), String> {
+    let rules: [(Contributes, Contributes); 3] = [
+        (
+            |e, p, _| e.bristle_force(p, 0.0, 0.0).is_some(),
+            |e, p, d| {
+                e.continuum(p).is_some() || e.support(d).is_some() || e.fractional(d, 1.0).is_some() || remembers(e, p)
+            },
+        ),
+        (|e, p, _| remembers(e, p), |e, p, _| e.continuum(p).is_some()),
+        (
+            |e, p, d| e.fractional(d, 1.0).is_some() || remembers(e, p) || e.bristle_force(p, 0.0, 0.0).is_some(),
+            |e, _, d| e.rate_element(d).is_some() || e.renewal(d, Dual::constant(1.0)).is_some(),
+        ),
+    ];
+    for (acts, changes) in rules {
+        let find = |which: Contributes| {
+            effects.iter().find(|effect| {
+                let (p, d) = sample(**effect);
+                which(**effect, &p, &d)
+            })
+        };
+        if let (Some(one), Some(other)) = (find(acts), find(changes)) {
+            let (one, other) = (one.name(), other.name());
+            return Err(format!(
+                "`{one}` is a force of one set of bristles between arm and roller, and `{other}` changes these"
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Whether the force of the bristles depends on their history by a law without states.
+fn remembers(effect: &dyn Effect, p: &[f64]) -> bool {
+    effect.hysteresis(p, Branch::default(), 0.0).is_some()
+}
+
+/// Whether only the solver of sliders can carry an effect with these parameters.
+pub fn slides(effect: &dyn Effect, p: &[f64]) -> bool {
+    let d: Vec<Dual> = p.iter().map(|&value| Dual::constant(value)).collect();
+    effect.continuum(p).is_some() || remembers(effect, p) || effect.fractional(&d, 1.0).is_some()
 }
 
 /// Whether an effect enters the equations of the contact or of its load.
@@ -61,6 +94,7 @@ pub fn enters_contact(effect: &dyn Effect) -> bool {
         || effect.renewal(&d, Dual::constant(1.0)).is_some()
         || effect.contact_factor(&d, Dual::constant(1.0)).is_some()
         || effect.bristle_force(&p, 0.0, 0.0).is_some()
+        || remembers(effect, &p)
 }
 
 /// Whether an effect can act on a rig with or without a contact; the error says why not.
@@ -100,14 +134,23 @@ mod tests {
     use super::*;
     use crate::effects::{REGISTRY, find};
 
+    const EXCLUDED: [[&str; 2]; 8] = [
+        ["lugre", "partial-slip"],
+        ["friction-joint", "pivot-friction"],
+        ["maxwell-branch", "spring-pot"],
+        ["spring-pot", "lugre"],
+        ["spring-pot", "contact-renewal"],
+        ["berg-friction", "lugre"],
+        ["berg-friction", "contact-renewal"],
+        ["berg-friction", "partial-slip"],
+    ];
+
     #[test]
     fn only_two_elements_of_the_contact_exclude_each_other() {
         for (i, one) in REGISTRY.iter().enumerate() {
             for other in &REGISTRY[..i] {
                 let both = [one.name(), other.name()];
-                let excluded = [["lugre", "partial-slip"], ["friction-joint", "pivot-friction"]]
-                    .iter()
-                    .any(|pair| pair.iter().all(|name| both.contains(name)));
+                let excluded = EXCLUDED.iter().any(|pair| pair.iter().all(|name| both.contains(name)));
                 assert_eq!(compatible(&[*other, *one]).is_err(), excluded, "{both:?}");
             }
         }

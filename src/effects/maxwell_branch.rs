@@ -36,7 +36,7 @@ impl Effect for MaxwellBranch {
          share of stick changes, and it may move down. Full slip: nothing, since the bristles do not move."
     }
     fn impersonator(&self) -> &'static str {
-        "a contact with a fractional element (spring-pot, which is not in the catalogue) looks the same over \
+        "a contact with a fractional element (spring-pot) looks the same over \
          less than an octave of frequency at 1 % noise, as blind trials show; readings of the sticking contact a decade below the \
          resonance tell the two apart"
     }

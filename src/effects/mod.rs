@@ -6,6 +6,7 @@
 
 mod actuator_lag;
 mod asymmetric_stiffness;
+mod berg_friction;
 mod clearance;
 mod combine;
 mod contact_renewal;
@@ -28,13 +29,14 @@ mod rate_strengthening;
 mod residual_modes;
 mod roller_compliance;
 mod sensor_delay;
+mod spring_pot;
 mod stribeck;
 mod structural_damping;
 mod typical;
 mod viscous_film;
 
 pub use crate::parameter::{Measure, ParameterInfo, Scales};
-pub use combine::{compatible, enters_contact, fits_rig, in_paper_formulation};
+pub use combine::{compatible, enters_contact, fits_rig, in_paper_formulation, slides};
 pub use typical::{middle, typical};
 
 use crate::dual::Dual;
@@ -82,6 +84,15 @@ pub struct Law {
     pub d_second: f64,
     /// Derivatives by the parameters of the effect, in its order.
     pub d_parameters: [f64; 4],
+}
+
+/// Where a hysteresis stands; the default is rest, before any reversal.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Branch {
+    /// Its force \[N\].
+    pub force: f64,
+    /// What the force had left to its limit at the last reversal \[N\]: positive on the way up, negative on the way down.
+    pub reach: f64,
 }
 
 /// The compliant support of the roller: m y'' + c y' + k y = -F.
@@ -167,6 +178,16 @@ pub trait Effect: Sync {
     }
     /// Viscoelastic branch beside the bristles: (stiffness \[N/m\], relaxation time \[s\]).
     fn branch(&self, _p: &[Dual]) -> Option<(Dual, Dual)> {
+        None
+    }
+    /// Complex stiffness \[N/m\], in phase and in quadrature, that the bristles have beside their own at `omega` \[rad/s\], in
+    /// proportion to a power of the frequency.
+    fn fractional(&self, _p: &[Dual], _omega: f64) -> Option<(Dual, Dual)> {
+        None
+    }
+    /// Force of the bristles that depends on the history of their stretch: where the hysteresis stands when the stretch has moved
+    /// by `by` \[m\] without turning back, and the slope of its force there \[N/m\].
+    fn hysteresis(&self, _p: &[f64], _from: Branch, _by: f64) -> Option<(Branch, f64)> {
         None
     }
     /// Rate \[1/s\] at which bristles are replaced unstretched, for the roller speed `speed` \[m/s\].
@@ -259,6 +280,8 @@ pub static REGISTRY: &[&dyn Effect] = &[
     &normal_coupling::NormalCoupling,
     &load_stiffening::LoadStiffening,
     &maxwell_branch::MaxwellBranch,
+    &spring_pot::SpringPot,
+    &berg_friction::BergFriction,
     &partial_slip::PartialSlip,
     &contact_renewal::ContactRenewal,
     &lugre::LuGre,

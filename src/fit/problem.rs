@@ -2,6 +2,7 @@
 
 use super::Parameter;
 use super::dense::{Chain, Reading, Solved, chains};
+use crate::effects::slides;
 use crate::measurement::Point;
 use crate::model::{Model, Operation};
 use crate::parameter::FIRST_EFFECT_PARAMETER;
@@ -141,7 +142,7 @@ impl<'a> Problem<'a> {
     /// Residuals at these values, and with `derivatives` their Jacobian (otherwise without columns).
     pub fn evaluate(&mut self, values: &[f64], derivatives: bool) -> Evaluation {
         // The solver's own derivatives of a continuum are differences by every parameter of the model.
-        if derivatives && self.model.has_continuum() {
+        if derivatives && self.model.has_sliders() {
             return self.differences(values);
         }
         self.solve(values, derivatives)
@@ -153,7 +154,7 @@ impl<'a> Problem<'a> {
         let indices: Vec<usize> = if derivatives { self.parameters.iter().map(|p| p.index).collect() } else { vec![] };
         let tolerance = self.tolerance;
         let gives_up = self.gives_up;
-        let share = if gives_up && model.has_continuum() { LOST_COSTLY } else { LOST.0 };
+        let share = if gives_up && model.has_sliders() { LOST_COSTLY } else { LOST.0 };
         let allowed = share * self.points.len() as f64;
         let troubled = AtomicUsize::new(0);
         let points = &self.points;
@@ -244,14 +245,14 @@ impl<'a> Problem<'a> {
 impl Problem<'_> {
     /// An evaluation of a continuum of sliders: its derivatives by the parameters of the effect that makes it one are
     /// differences, those by all others are of the single slider that it becomes where that effect vanishes. They lead a
-    /// fit to its minimum; what it is worth there is told by the residuals.
+    /// fit to its minimum; what it is worth there is told by the residuals. Of bristles that remember all are differences.
     fn differences(&mut self, values: &[f64]) -> Evaluation {
         let mut evaluation = self.evaluate(values, false);
         let mut single = self.clone();
         let mut own = Vec::new();
         let mut index = FIRST_EFFECT_PARAMETER;
         for (effect, p) in &self.model.effects {
-            if effect.continuum(p).is_some() {
+            if slides(*effect, p) {
                 for zero in effect.zero() {
                     with_parameter(&mut single.model, index + zero.parameter, |slot| *slot = zero.value);
                 }
@@ -259,13 +260,17 @@ impl Problem<'_> {
             }
             index += p.len();
         }
-        let kept: Vec<usize> = (0..values.len()).filter(|&i| !own.contains(&self.parameters[i].index)).collect();
-        single.parameters = kept.iter().map(|&i| self.parameters[i].clone()).collect();
-        let others: Vec<f64> = kept.iter().map(|&i| values[i]).collect();
-        let analytic = single.solve(&others, true).jacobian;
+        let remembers = self.model.remembers();
+        let kept = |i: &usize| !remembers && !own.contains(&self.parameters[*i].index);
+        let kept: Vec<usize> = (0..values.len()).filter(kept).collect();
         let mut jacobian = DMatrix::zeros(evaluation.residuals.len(), values.len());
-        for (column, &i) in kept.iter().enumerate() {
-            jacobian.set_column(i, &analytic.column(column));
+        if !kept.is_empty() {
+            single.parameters = kept.iter().map(|&i| self.parameters[i].clone()).collect();
+            let others: Vec<f64> = kept.iter().map(|&i| values[i]).collect();
+            let analytic = single.solve(&others, true).jacobian;
+            for (column, &i) in kept.iter().enumerate() {
+                jacobian.set_column(i, &analytic.column(column));
+            }
         }
         for column in (0..values.len()).filter(|i| !kept.contains(i)) {
             let (parameter, value) = (&self.parameters[column].clone(), values[column]);
@@ -285,10 +290,11 @@ impl Problem<'_> {
 }
 
 /// Steady states of a single slider that one of a model costs, as measured: of a joint 0.1 ms instead of 0.03 ms, where dry friction
-/// may stop the body 0.3 ms, under a damping without a bounded slope some milliseconds; a continuum of sliders has its own solution
+/// may stop the body 0.3 ms, under a damping without a bounded slope some milliseconds, of bristles that remember one; a continuum of sliders has its own solution
 /// by itself, and none beside another law of the contact.
 pub fn cost(model: &Model) -> u64 {
-    match (model.has_continuum(), model.effects.len()) {
+    match (model.has_sliders(), model.effects.len()) {
+        (true, _) if model.remembers() => 30,
         (false, _) if model.is_steep() => 100,
         (false, _) if model.has_dry_friction() => 10,
         (false, _) if model.has_joint() => 3,

@@ -84,7 +84,7 @@ impl<'a> Readings<'a> {
 
     /// Whether the model has derivatives that are worth their time.
     pub fn solvable(&self) -> bool {
-        !self.model.has_continuum()
+        !self.model.has_sliders()
             && (!self.model.has_contact || self.model.contact.formulation == crate::scenario::Formulation::Series)
     }
 

@@ -13,10 +13,11 @@ pub use parallel::Sliders;
 pub use states::LimitingState;
 
 use super::lumps::Lumps;
+use super::relaxations::Relaxations;
 use super::system::{Forcing, HybridSystem, Mode};
 use super::{Model, Operation};
 use crate::dual::{Dual, Scalar};
-use crate::effects::{Effect, Law};
+use crate::effects::{Branch, Effect, Law};
 use crate::parameter::FIRST_EFFECT_PARAMETER;
 
 /// Largest number of law parameters evaluated inside a cycle per effect.
@@ -86,6 +87,10 @@ pub struct Problem {
     rate_element: bool,
     /// Whether the bristles have a force beside that of their stiffness and damping.
     own_bristles: bool,
+    /// The spring-pot beside them.
+    spring_pot: Option<Box<Relaxations>>,
+    /// Whether a law makes their force depend on the history of their stretch.
+    hysteretic: bool,
     stroke: f64,
     psi_scale: f64,
     columns: Vec<Column>,
@@ -185,6 +190,9 @@ impl Problem {
         let has_psi = laws.iter().any(|(e, p)| e.interface_rate(p, 0.0, 0.0).is_some());
         let psi = take(has_psi, 1);
         let own_bristles = laws.iter().any(|(e, p)| e.bristle_force(p, 0.0, 0.0).is_some());
+        let hysteretic = laws.iter().any(|(e, p)| e.hysteresis(p, Branch::default(), 0.0).is_some());
+        let spring_pot = lumps.spring_pot.as_deref().map(|(re, im)| (re.value, im.value));
+        let spring_pot = spring_pot.filter(|(re, im)| re.hypot(*im) > 0.0);
         let inverse = 1.0 / lumps.inertia.value;
         let (kc, cc) = (lumps.contact_stiffness.value, lumps.contact_damping.value);
         let support = lumps.support.as_ref().map_or([0.0; 3], |s| {
@@ -228,6 +236,8 @@ impl Problem {
             psi,
             rate_element: lumps.rate_element.is_some(),
             own_bristles,
+            spring_pot: spring_pot.map(|modulus| Box::new(Relaxations::new(modulus, lumps.omega))),
+            hysteretic,
             stroke: lumps.arm.value * (free.0.hypot(free.1) * stuck.0.hypot(stuck.1)).sqrt(),
             psi_scale: 1.0,
             columns,
@@ -304,6 +314,11 @@ impl Problem {
     /// Whether the bristles have a force beside that of their stiffness and damping.
     pub fn has_own_bristles(&self) -> bool {
         self.own_bristles
+    }
+
+    /// Whether the bristles remember more than a state or two, so that only the solver of sliders can carry them.
+    pub fn remembers(&self) -> bool {
+        self.spring_pot.is_some() || self.hysteretic
     }
 
     /// Torque of the laws on the arm, with its slopes by the angle and the angular velocity.

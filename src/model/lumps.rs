@@ -41,6 +41,8 @@ pub struct Lumps {
     pub renewal: Dual,
     /// Viscoelastic branch: stiffness \[N/m\] and relaxation time \[s\].
     pub branch: Option<Box<(Dual, Dual)>>,
+    /// Complex stiffness of the spring-pot at w \[N/m\].
+    pub spring_pot: Option<Box<(Dual, Dual)>>,
     /// Viscous coefficient of the rate element \[N s/m\].
     pub rate_element: Option<Box<Dual>>,
     /// Support of the roller.
@@ -111,6 +113,7 @@ impl Lumps {
             load_stiffness: Dual::constant(0.0),
             renewal: Dual::constant(0.0),
             branch: None,
+            spring_pot: None,
             rate_element: None,
             support: None,
             heating: None,
@@ -166,6 +169,7 @@ impl Lumps {
             self.phase_offset = self.phase_offset + angle;
         }
         keep_first(&mut self.branch, effect.branch(p));
+        keep_first(&mut self.spring_pot, effect.fractional(p, self.omega));
         keep_first(&mut self.rate_element, effect.rate_element(p));
         keep_first(&mut self.support, effect.support(p));
         keep_first(&mut self.heating, effect.heating(p));
@@ -192,8 +196,8 @@ impl Lumps {
         divide((T::of(&self.torque_re), T::of(&self.torque_im)), (re, im))
     }
 
-    /// Complex amplitude \[rad\] of the arm with the bristles stuck to a roller at rest (case II, with a compliant support
-    /// and a viscoelastic branch where there are any).
+    /// Complex amplitude \[rad\] of the arm with the bristles stuck to a roller at rest (case II, with a compliant support,
+    /// a viscoelastic branch and a spring-pot where there are any).
     pub fn stuck_response<T: Scalar>(&self) -> (T, T) {
         let w = self.omega;
         let mut z = (T::of(&self.contact_stiffness), T::of(&self.contact_damping) * w);
@@ -201,6 +205,9 @@ impl Lumps {
             let wt = T::of(tau) * w;
             let scale = T::of(k1) * (wt * wt + T::constant(1.0)).recip();
             z = (z.0 + scale * wt * wt, z.1 + scale * wt);
+        }
+        if let Some((re, im)) = self.spring_pot.as_deref() {
+            z = (z.0 + T::of(re), z.1 + T::of(im));
         }
         if let Some(support) = &self.support {
             let (mass, damping) = (T::of(&support.mass), T::of(&support.damping));

@@ -7,11 +7,12 @@ pub mod alone;
 pub mod contact;
 pub mod continuum;
 pub mod lumps;
+pub mod relaxations;
 mod scales;
 pub mod system;
 
 use crate::dual::Dual;
-use crate::effects::{Effect, REGISTRY, fits_rig};
+use crate::effects::{Effect, REGISTRY, fits_rig, slides};
 use crate::parameter::{FIRST_CONTACT_PARAMETER, FIRST_INSTRUMENT_PARAMETER, ParameterInfo, Scales};
 use crate::scenario::parameters::CONTACT;
 use crate::scenario::{Contact, Instrument, Rig, Scenario, Signals};
@@ -82,9 +83,14 @@ impl Model {
         registered.chain(self.candidates.iter().copied())
     }
 
-    /// Whether an effect makes the contact a continuum of sliders.
-    pub fn has_continuum(&self) -> bool {
-        self.effects.iter().any(|(effect, p)| effect.continuum(p).is_some())
+    /// Whether only the solver of sliders can carry an effect: the contact is a continuum of them, or its bristles remember.
+    pub fn has_sliders(&self) -> bool {
+        self.effects.iter().any(|(effect, p)| slides(*effect, p))
+    }
+
+    /// Whether the force of its bristles depends on more of their history than states tell.
+    pub fn remembers(&self) -> bool {
+        self.effects.iter().any(|(effect, p)| slides(*effect, p) && effect.continuum(p).is_none())
     }
 
     /// Whether an effect is a joint that slips bit by bit.

@@ -4,6 +4,7 @@
 //! A mode holds while its event function is positive; where it falls to zero the system names the next mode.
 
 use super::continuum::Element;
+use crate::effects::Branch;
 
 /// Most differential states a system can have.
 pub const MAX_STATES: usize = 8;
@@ -224,8 +225,13 @@ pub trait SliderSystem {
     fn support(&self) -> Option<(Linear, f64)>;
     /// Relative speed of roller and arm at the arm's relative velocity and the support's velocity.
     fn relative_speed(&self, forcing: &Forcing, velocity: f64, support: f64) -> f64;
-    /// (kc, cc, rate of renewal, branch stiffness, branch rate).
-    fn bristles(&self) -> [f64; 5];
+    /// (kc, cc, rate of renewal).
+    fn bristles(&self) -> [f64; 3];
+    /// Stiffness and rate of the viscoelastic branches beside them.
+    fn branches(&self) -> &[(f64, f64)];
+    /// Their force that depends on the history of their stretch, as [`crate::effects::Effect::hysteresis`]: where it stands when
+    /// the stretch has moved by `by`, and its slope; none where there is none.
+    fn hysteresis(&self, from: Branch, by: f64) -> Option<(Branch, f64)>;
     /// (gain, rate) of the heating T' = gain F s - rate T; zero where there is none.
     fn heating(&self) -> (f64, f64);
     /// mu N and its slope at slip rate s >= 0, arm angle, interface state and heating.

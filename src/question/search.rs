@@ -115,7 +115,7 @@ impl<'a> Search<'a> {
         let keys = Addition::Effect(self.effect).keys();
         let parameters: Vec<Parameter> = keys.iter().filter_map(|key| parameter(&self.model, key)).collect();
         let signed = parameters.iter().any(|p| p.signed);
-        let costly = self.model.has_continuum();
+        let costly = self.model.has_sliders();
         let (count, followed) = if costly { COSTLY } else { (SAMPLES[parameters.len().clamp(1, 4) - 1], FOLLOWED) };
         let mut tried: Vec<(f64, Start)> = Vec::new();
         for number in 0..count {

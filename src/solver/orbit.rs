@@ -38,12 +38,15 @@ fn paper_contact(lumps: &Lumps) -> PaperContact {
     }
 }
 
-/// One period of the steady state at `samples` instants; empty where there is none.
+/// One period of the steady state at `samples` instants; empty where there is none, or where its bristles remember.
 pub fn orbit(model: &Model, at: &Operation, euler_steps: usize, tolerance: &Tolerance, samples: usize) -> Orbit {
     if model.contact.formulation == Formulation::Paper {
         return paper_euler::orbit(&paper_contact(&Lumps::new(model, at)), euler_steps);
     }
     let problem = Problem::new(model, at);
+    if problem.remembers() {
+        return Orbit::default();
+    }
     let Ok(periodic) = shooting::solve(&problem, None, tolerance) else { return Orbit::default() };
     let period = problem.period();
     let stretch_index = problem.stretch_index();

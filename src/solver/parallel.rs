@@ -1,6 +1,7 @@
 //! Periodic states of a contact of many parallel sliders: Newton for the few states they share.
 
-use super::sliders::{Cycle, Method, Slider};
+use super::sliders::{Cycle, Method, SHARED, STRETCH, Shared, Slider, with_hysteresis};
+use crate::effects::Branch;
 use crate::model::continuum::held;
 use crate::model::system::SliderSystem;
 use nalgebra::{DMatrix, DVector};
@@ -24,6 +25,12 @@ pub struct Found {
     pub multiplier: f64,
 }
 
+/// Cycles that a hysteresis over a turning roller is left to itself, at first and after a Newton step that led astray: until bristles
+/// have slipped and turned back as they will.
+const SETTLING: usize = 6;
+/// Factor by which the change over a cycle grows where a step led astray.
+const ASTRAY: f64 = 3.0;
+
 /// What is demanded of a solution.
 #[derive(Debug, Clone, Copy)]
 pub struct Demand {
@@ -42,13 +49,17 @@ impl Demand {
     pub const FINE: Self = Self { steps: 96, periodic: 1e-9, creep: 3e-6, cycles: 120 };
     /// Errors of about 1e-3, for searches over many models.
     pub const COARSE: Self = Self { steps: 48, periodic: 1e-6, creep: 1e-4, cycles: 28 };
+    /// The same of a single slider, which goes from stick to slip as a whole: the steps do not stop there.
+    pub const SINGLE: Self = Self { steps: 240, cycles: 200, ..Self::FINE };
+    /// The same for searches over many models.
+    pub const COARSE_SINGLE: Self = Self { steps: 96, cycles: 60, ..Self::COARSE };
 }
 
 /// A periodic state, as the start for a neighbouring problem.
 #[derive(Debug, Clone)]
 pub struct Memory {
     /// Shared states, less those of the system's own start.
-    shared: [f64; 5],
+    shared: Shared,
     /// The sliders, their stretch and the force of their branch in parts of what they can carry.
     sliders: Vec<Slider>,
     /// Slope of the change over a cycle by the shared states, in units of their scales, and the map itself.
@@ -73,11 +84,18 @@ fn search(
 ) -> Result<Found, String> {
     let mut search = Search::begin(system, demand, from);
     while search.cycles < demand.cycles {
-        let cycle = search.method.cycle(&search.shared, &search.sliders)?;
         search.cycles += 1;
+        let cycle = match search.method.cycle(&search.shared, &search.sliders) {
+            Ok(cycle) => cycle,
+            Err(_) if search.retreat() => continue,
+            Err(why) => return Err(why),
+        };
         let residual: Vec<f64> =
             search.active.iter().map(|&i| (cycle.shared[i] - search.shared[i]) / search.scales[i]).collect();
         let size = residual.iter().fold(0.0f64, |m, r| m.max(r.abs()));
+        if search.settles(&cycle, size) {
+            continue;
+        }
         if size < demand.periodic && search.creep(&cycle) < demand.creep {
             return search.finish(cycle, size, memory);
         }
@@ -94,12 +112,12 @@ struct Search<'a> {
     method: Method<'a>,
     /// The shared states that take part.
     active: Vec<usize>,
-    scales: [f64; 5],
+    scales: Shared,
     /// Shared states at the system's own start, and age of the interface there.
-    at_start: ([f64; 5], f64),
+    at_start: (Shared, f64),
     /// Most stretch that each slider can carry at the start \[m\].
     most: Vec<f64>,
-    shared: [f64; 5],
+    shared: Shared,
     sliders: Vec<Slider>,
     /// Slope of the change over a cycle by the shared states, in units of their scales, and the map of a cycle.
     slopes: [Option<DMatrix<f64>>; 2],
@@ -107,39 +125,92 @@ struct Search<'a> {
     last: Option<DVector<f64>>,
     best: f64,
     cycles: usize,
+    /// Of a hysteresis: cycles that it is still left to itself, and where it came to from the best start so far.
+    settling: usize,
+    safe: Option<(Shared, Vec<Slider>)>,
 }
 
 impl<'a> Search<'a> {
     /// At the system's own start, or at that of a neighbouring problem.
     fn begin(system: &'a dyn SliderSystem, demand: &Demand, from: Option<Memory>) -> Self {
         let method = Method::new(system, demand.steps);
-        let (mut shared, psi) = system.start();
-        let at_start = (shared, psi);
+        let (own, psi) = system.start();
+        let mut shared = [0.0; SHARED];
+        shared[..own.len()].copy_from_slice(&own);
         let (stroke, speed) = system.scale();
         let angle = stroke / system.lever();
         let omega = speed / stroke;
-        let scales = [angle, omega * angle, stroke, speed, shared[4].abs().max(1e-12)];
-        let active = method.active();
         let kc = system.bristles()[0];
+        let force = kc * stroke;
+        let scales = [angle, omega * angle, stroke, speed, shared[4].abs().max(1e-12), force, force, stroke];
+        let active = method.active();
         let (limit, _) = system.limit(&system.forcing(0.0), shared[0], 0.0, psi, shared[4]);
         let stretch = |limit_of: f64| {
             let most = limit_of * limit / kc;
             if system.at_rest() { held(rest(system, &shared), most) } else { most }
         };
-        let mut sliders: Vec<Slider> =
-            system.elements().iter().map(|e| Slider { x: stretch(e.limit), q: 0.0, psi }).collect();
+        let mut sliders: Vec<Slider> = system.elements().iter().map(|e| Slider::new(stretch(e.limit), psi)).collect();
+        if let Some((branch, _)) = system.hysteresis(Branch::default(), sliders[0].x) {
+            with_hysteresis(&mut shared, branch);
+            shared[STRETCH] = sliders[0].x;
+        }
+        let at_start = (shared, psi);
         let most: Vec<f64> = system.elements().iter().map(|e| (e.limit * limit / kc).max(f64::MIN_POSITIVE)).collect();
         let mut slopes = [None, None];
         let alike = |from: &Memory| from.sliders.len() == sliders.len() && from.slopes[0].nrows() == active.len();
         if let Some(from) = from.filter(alike) {
             shared = std::array::from_fn(|i| at_start.0[i] + from.shared[i]);
             for ((slider, before), most) in sliders.iter_mut().zip(&from.sliders).zip(&most) {
-                *slider = Slider { x: before.x * most, q: before.q * kc * most, psi: before.psi };
+                *slider = before.times(*most, kc * most);
             }
             slopes = from.slopes.map(Some);
         }
         let (last, best, cycles) = (None, f64::INFINITY, 0);
-        Self { system, method, active, scales, at_start, most, shared, sliders, slopes, last, best, cycles }
+        let settling = if active.contains(&STRETCH) && slopes[0].is_none() { SETTLING } else { 0 };
+        let safe = None;
+        Self {
+            system,
+            method,
+            active,
+            scales,
+            at_start,
+            most,
+            shared,
+            sliders,
+            slopes,
+            last,
+            best,
+            cycles,
+            settling,
+            safe,
+        }
+    }
+
+    /// Whether a hysteresis over a turning roller is left to itself for this cycle, which changed it by `size`.
+    fn settles(&mut self, cycle: &Cycle, size: f64) -> bool {
+        if !self.active.contains(&STRETCH) {
+            return false;
+        }
+        let lost = !(size.is_finite() && cycle.shared.iter().all(|z| z.is_finite()));
+        if lost || size > ASTRAY * self.best {
+            return self.retreat();
+        }
+        self.safe = Some((cycle.shared, cycle.sliders.clone()));
+        if self.settling == 0 {
+            return false;
+        }
+        self.settling -= 1;
+        (self.shared, self.sliders) = (cycle.shared, cycle.sliders.clone());
+        true
+    }
+
+    /// Goes back to where the best start led, to begin from there again; false where there is none.
+    fn retreat(&mut self) -> bool {
+        let Some((shared, sliders)) = self.safe.take() else { return false };
+        (self.shared, self.sliders) = (shared, sliders);
+        (self.settling, self.slopes) = (SETTLING, [None, None]);
+        (self.last, self.best) = (None, f64::INFINITY);
+        true
     }
 
     /// Sliders that give way a little once a cycle creep for long; what counts is their share of the force.
@@ -162,7 +233,7 @@ impl<'a> Search<'a> {
         let parts = std::iter::zip(&self.sliders, &self.most);
         *memory = Some(Memory {
             shared: std::array::from_fn(|i| self.shared[i] - self.at_start.0[i]),
-            sliders: parts.map(|(s, most)| Slider { x: s.x / most, q: s.q / (kc * most), psi: s.psi }).collect(),
+            sliders: parts.map(|(s, most)| s.times(1.0 / most, 1.0 / (kc * most))).collect(),
             slopes: [self.slopes[0].take().unwrap_or_else(|| &map - one), map],
         });
         let Cycle { fundamental, mean, stick, force, .. } = cycle;
@@ -218,7 +289,7 @@ impl<'a> Search<'a> {
 }
 
 /// Stretch \[m\] of a slider that has never slipped over a roller at rest.
-fn rest(system: &dyn SliderSystem, shared: &[f64; 5]) -> f64 {
+fn rest(system: &dyn SliderSystem, shared: &Shared) -> f64 {
     shared[2] - system.lever() * (system.forcing(0.0).angle + shared[0])
 }
 

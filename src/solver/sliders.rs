@@ -5,24 +5,61 @@
 
 use super::collocation::{A, C, interpolate};
 use super::stages::{Block, Pair, Stages, relaxation, solve3};
+use crate::effects::Branch;
+use crate::model::relaxations::RELAXATIONS;
 use crate::model::system::{Forcing, SliderSystem};
 use nalgebra::DMatrix;
+
+/// Number of shared states: angle, velocity, support, its velocity, heating; under a hysteresis, which one slider has, its two numbers
+/// and the stretch.
+pub const SHARED: usize = 8;
+/// The shared states.
+pub type Shared = [f64; SHARED];
+/// Where the hysteresis stands among them.
+const HYSTERESIS: [usize; 2] = [5, 6];
+/// The stretch, which a roller at rest leaves to the slider.
+pub const STRETCH: usize = 7;
+
+/// The hysteresis among the shared states.
+fn hysteresis_of(shared: &Shared) -> Branch {
+    let [force, reach] = HYSTERESIS.map(|i| shared[i]);
+    Branch { force, reach }
+}
+
+/// Sets the hysteresis among the shared states.
+pub fn with_hysteresis(shared: &mut Shared, branch: Branch) {
+    [shared[HYSTERESIS[0]], shared[HYSTERESIS[1]]] = [branch.force, branch.reach];
+}
 
 /// States of a slider.
 #[derive(Debug, Clone, Copy)]
 pub struct Slider {
     /// Stretch \[m\].
     pub x: f64,
-    /// Force of its branch \[N\].
-    pub q: f64,
+    /// Rate of stretch at the end of the last step \[m/s\].
+    rate: f64,
+    /// Forces of its branches \[N\].
+    q: [f64; RELAXATIONS],
     /// State of its interface.
     pub psi: f64,
+}
+
+impl Slider {
+    /// At rest.
+    pub fn new(x: f64, psi: f64) -> Self {
+        Self { x, rate: 0.0, q: [0.0; RELAXATIONS], psi }
+    }
+
+    /// With stretch and forces that many times as large.
+    pub fn times(&self, stretch: f64, force: f64) -> Self {
+        Self { x: self.x * stretch, rate: self.rate * stretch, q: self.q.map(|q| q * force), psi: self.psi }
+    }
 }
 
 /// What a cycle leaves behind.
 pub struct Cycle {
     /// Shared states at the end.
-    pub shared: [f64; 5],
+    pub shared: Shared,
     /// The sliders at the end.
     pub sliders: Vec<Slider>,
     /// Which of them slipped.
@@ -46,11 +83,20 @@ pub struct Method<'a> {
     arm: Pair,
     support: Option<(Pair, f64)>,
     stretch: (Stages, Block),
-    branch: (Stages, Block),
+    /// Of every branch: its stiffness, its force at the stages by that at the start and by the rates.
+    branches: Vec<(f64, Stages, Block)>,
     stiffness: Block,
     /// Where friction does not depend on the slip rate: what a slider does with each set of its stages slipping.
     slipping: Option<[Slipping; 8]>,
     has_interface: bool,
+    is_hysteretic: bool,
+}
+
+/// The force of the bristles about a motion over the stages: its value there, and own + stiffness times the rates near it.
+struct Tangent {
+    force: Stages,
+    own: Stages,
+    stiffness: Block,
 }
 
 /// A slider with some of its stages slipping (the bits of its index) at a force that does not depend on the slip rate.
@@ -85,22 +131,28 @@ impl<'a> Method<'a> {
     /// With so many steps per period.
     pub fn new(system: &'a dyn SliderSystem, steps: usize) -> Self {
         let h = system.period() / steps as f64;
-        let [kc, cc, renewal, k1, rate] = system.bristles();
+        let [kc, cc, renewal] = system.bristles();
         let stretch = relaxation(h, renewal);
-        let branch = relaxation(h, rate);
+        let branch = |&(k, rate): &(f64, f64)| {
+            let (start, by_rate) = relaxation(h, rate);
+            (k, start, by_rate)
+        };
+        let branches: Vec<_> = system.branches().iter().map(branch).collect();
         let mut stiffness = [[0.0; 3]; 3];
         for i in 0..3 {
             for k in 0..3 {
-                stiffness[i][k] = kc * stretch.1[i][k] + k1 * branch.1[i][k];
+                let relaxing: f64 = branches.iter().map(|(k1, _, by_rate)| k1 * by_rate[i][k]).sum();
+                stiffness[i][k] = kc * stretch.1[i][k] + relaxing;
             }
             stiffness[i][i] += cc;
         }
         let support = system.support().map(|(linear, gain)| (Pair::new(h, linear), gain));
-        let slipping =
-            system.rate_independent().then(|| std::array::from_fn(|stages| Slipping::new(&stiffness, stages)));
+        let is_hysteretic = system.hysteresis(Branch::default(), 0.0).is_some();
+        let slipping = (system.rate_independent() && !is_hysteretic)
+            .then(|| std::array::from_fn(|stages| Slipping::new(&stiffness, stages)));
         let has_interface = system.interface(0.0).is_some();
         let arm = Pair::new(h, system.arm());
-        Self { system, steps, h, arm, support, stretch, branch, stiffness, slipping, has_interface }
+        Self { system, steps, h, arm, support, stretch, branches, stiffness, slipping, has_interface, is_hysteretic }
     }
 
     /// The shared states that there are.
@@ -112,16 +164,20 @@ impl<'a> Method<'a> {
         if self.system.heating().0 > 0.0 {
             active.push(4);
         }
+        if self.is_hysteretic {
+            active.extend(HYSTERESIS);
+            active.extend((!self.system.at_rest()).then_some(STRETCH));
+        }
         active
     }
 
     /// Derivatives of the shared states at the end of a cycle by those at its start, in units of the scales, by differences.
     pub fn jacobian(
         &self,
-        shared: &[f64; 5],
+        shared: &Shared,
         sliders: &[Slider],
         base: &Cycle,
-        scales: &[f64; 5],
+        scales: &Shared,
         active: &[usize],
     ) -> Result<DMatrix<f64>, String> {
         let n = active.len();
@@ -138,7 +194,7 @@ impl<'a> Method<'a> {
     }
 
     /// One cycle from these states.
-    pub fn cycle(&self, shared: &[f64; 5], sliders: &[Slider]) -> Result<Cycle, String> {
+    pub fn cycle(&self, shared: &Shared, sliders: &[Slider]) -> Result<Cycle, String> {
         let system = self.system;
         let mut out = Cycle {
             shared: *shared,
@@ -149,9 +205,13 @@ impl<'a> Method<'a> {
             stick: 0.0,
             force: (f64::INFINITY, f64::NEG_INFINITY),
         };
+        if self.is_hysteretic && !system.at_rest() {
+            out.sliders[0].x = shared[STRETCH];
+        }
         let kc = system.bristles()[0];
-        let mut force: Stages =
-            [system.elements().iter().zip(sliders).map(|(e, s)| e.share * (kc * s.x + s.q)).sum(); 3];
+        let of = |s: &Slider| kc * s.x + s.q.iter().sum::<f64>();
+        let held: f64 = system.elements().iter().zip(&out.sliders).map(|(e, s)| e.share * of(s)).sum();
+        let mut force: Stages = [held + hysteresis_of(shared).force; 3];
         let mut before: Option<(f64, Stages)> = None;
         for step in 0..self.steps {
             // The first guess continues the polynomial of the last step.
@@ -170,7 +230,8 @@ impl<'a> Method<'a> {
     fn step(&self, t: f64, guess: Stages, cycle: &mut Cycle, reference: f64) -> Result<Stages, String> {
         let system = self.system;
         let elements = system.elements();
-        let [angle, velocity, support, support_velocity, heat] = cycle.shared;
+        let [angle, velocity, support, support_velocity, heat, ..] = cycle.shared;
+        let branch = hysteresis_of(&cycle.shared);
         let forcing = C.map(|c| system.forcing(t + c * self.h));
         let (stroke, speed) = system.scale();
         let tolerance = 1e-10 * system.bristles()[0] * stroke;
@@ -214,7 +275,7 @@ impl<'a> Method<'a> {
                         let (most, by_s) = system.limit(&forcing[i], angles[i], s, psi, heats[i]);
                         (element.limit * most, element.limit * by_s)
                     };
-                    self.slider(&cycle.sliders[j], &v, &limit, speed)
+                    self.slider(&cycle.sliders[j], branch, &v, &limit, speed)
                 };
                 for i in 0..3 {
                     sum[i] += element.share * solved.force[i];
@@ -248,7 +309,8 @@ impl<'a> Method<'a> {
             }
             if size < tolerance || (round > 30 && size < 1e4 * tolerance) {
                 self.accept(cycle, &forcing, &v, &rates, &angles, &force, reference);
-                cycle.shared = [angles[2], velocities[2], supports.0[2], supports.1[2], heats[2]];
+                let ends = [angles[2], velocities[2], supports.0[2], supports.1[2], heats[2]];
+                cycle.shared[..ends.len()].copy_from_slice(&ends);
                 return Ok(force);
             }
         }
@@ -282,10 +344,19 @@ impl<'a> Method<'a> {
         for (j, element) in self.system.elements().iter().enumerate() {
             let slider = &mut cycle.sliders[j];
             let d = rates[j];
+            if self.is_hysteretic {
+                let branch = self.hysteresis(hysteresis_of(&cycle.shared), slider.rate, &d).0;
+                with_hysteresis(&mut cycle.shared, branch);
+            }
+            slider.rate = d[2];
             let dot = |row: &Stages| row[0] * d[0] + row[1] * d[1] + row[2] * d[2];
             slider.x = self.stretch.0[2] * slider.x + dot(&self.stretch.1[2]);
-            let k1 = self.system.bristles()[3];
-            slider.q = self.branch.0[2] * slider.q + k1 * dot(&self.branch.1[2]);
+            if self.is_hysteretic {
+                cycle.shared[STRETCH] = slider.x;
+            }
+            for (q, (k1, start, by_rate)) in slider.q.iter_mut().zip(&self.branches) {
+                *q = start[2] * *q + k1 * dot(&by_rate[2]);
+            }
             let slip: Stages = std::array::from_fn(|i| (v[i] - d[i]).abs());
             slider.psi = self.interface(slider.psi, &slip)[2];
             for i in 0..3 {
@@ -310,6 +381,57 @@ impl<'a> Method<'a> {
         solve3(matrix, std::array::from_fn(|i| psi + self.h * (0..3).map(|k| A[i][k] * rate[k].0).sum::<f64>()))
     }
 
+    /// Force of bristles and branches at the stages without any rate.
+    fn own(&self, slider: &Slider) -> Stages {
+        let kc = self.system.bristles()[0];
+        let relaxing =
+            |i: usize| -> f64 { self.branches.iter().zip(&slider.q).map(|((_, start, _), q)| start[i] * q).sum() };
+        std::array::from_fn(|i| kc * self.stretch.0[i] * slider.x + relaxing(i))
+    }
+
+    /// The force of the bristles at these rates, and its tangent there.
+    fn tangent(&self, own: Stages, branch: Branch, before: f64, d: &Stages) -> Tangent {
+        let mut stiffness = self.stiffness;
+        let mut force = plus(&own, &stiffness, d);
+        if !self.is_hysteretic {
+            return Tangent { force, own, stiffness };
+        }
+        let (_, forces, slopes) = self.hysteresis(branch, before, d);
+        for i in 0..3 {
+            force[i] += forces[i];
+            for k in 0..3 {
+                stiffness[i][k] += slopes[i] * self.stretch.1[i][k];
+            }
+        }
+        let moved = plus(&[0.0; 3], &stiffness, d);
+        Tangent { force, own: std::array::from_fn(|i| force[i] - moved[i]), stiffness }
+    }
+
+    /// The hysteresis over a step: where it ends, its force and slope at the stages. Between two stages whose rates differ in sign
+    /// the stretch turns back, where the line between the rates is zero.
+    fn hysteresis(&self, from: Branch, before: f64, d: &Stages) -> (Branch, Stages, Stages) {
+        let (mut branch, mut x, mut rate, mut time) = (from, 0.0, before, 0.0);
+        let (mut forces, mut slopes) = ([0.0; 3], [0.0; 3]);
+        for i in 0..3 {
+            let stretch = (0..3).map(|k| self.stretch.1[i][k] * d[k]).sum::<f64>();
+            let mut by = stretch - x;
+            let mut go = |by: f64| {
+                let (there, slope) = self.system.hysteresis(branch, by).unwrap_or_default();
+                branch = there;
+                slope
+            };
+            if rate * d[i] < 0.0 {
+                let to_reversal = 0.5 * rate * rate / (rate - d[i]) * (C[i] - time) * self.h;
+                go(to_reversal);
+                by -= to_reversal;
+            }
+            slopes[i] = go(by);
+            forces[i] = branch.force;
+            (x, rate, time) = (stretch, d[i], C[i]);
+        }
+        (branch, forces, slopes)
+    }
+
     /// One slider at the stages, where its limit does not depend on the slip rate.
     fn steady_slider(
         &self,
@@ -319,8 +441,7 @@ impl<'a> Method<'a> {
         most: &Stages,
         speed: f64,
     ) -> Solved {
-        let kc = self.system.bristles()[0];
-        let own: Stages = std::array::from_fn(|i| kc * self.stretch.0[i] * slider.x + self.branch.0[i] * slider.q);
+        let own = self.own(slider);
         let mut rate = *v;
         let mut force = plus(&own, &self.stiffness, &rate);
         let mut sign = [0.0; 3];
@@ -350,16 +471,19 @@ impl<'a> Method<'a> {
     }
 
     /// One slider at the stages: stuck or at its limit, each stage by itself.
-    fn slider(&self, slider: &Slider, v: &Stages, limit: &dyn Fn(usize, f64, f64) -> (f64, f64), speed: f64) -> Solved {
-        let kc = self.system.bristles()[0];
-        let own: Stages = std::array::from_fn(|i| kc * self.stretch.0[i] * slider.x + self.branch.0[i] * slider.q);
-        let force = |d: &Stages| -> Stages {
-            std::array::from_fn(|i| own[i] + (0..3).map(|k| self.stiffness[i][k] * d[k]).sum::<f64>())
-        };
+    fn slider(
+        &self,
+        slider: &Slider,
+        branch: Branch,
+        v: &Stages,
+        limit: &dyn Fn(usize, f64, f64) -> (f64, f64),
+        speed: f64,
+    ) -> Solved {
+        let own = self.own(slider);
         let mut d = *v;
-        let mut f = force(&d);
+        let Tangent { force: mut f, own: mut start, mut stiffness } = self.tangent(own, branch, slider.rate, &d);
         if (0..3).all(|i| f[i].abs() <= limit(i, 0.0, slider.psi).0) && !self.has_interface {
-            return Solved { force: f, rate: d, slope: self.stiffness };
+            return Solved { force: f, rate: d, slope: stiffness };
         }
         let mut psi = [slider.psi; 3];
         let mut sign = [0.0; 3];
@@ -391,16 +515,16 @@ impl<'a> Method<'a> {
                 } else {
                     let slip = (sign[i] * (v[i] - d[i])).max(0.0);
                     let (most, by_s) = limit(i, slip, psi[i]);
-                    matrix[i] = self.stiffness[i];
+                    matrix[i] = stiffness[i];
                     matrix[i][i] += by_s;
-                    right[i] = -own[i] + sign[i] * (most - by_s * slip) + by_s * v[i];
+                    right[i] = -start[i] + sign[i] * (most - by_s * slip) + by_s * v[i];
                     slopes[i] = by_s;
                 }
             }
             let new = solve3(matrix, right);
             let change = (0..3).fold(0.0f64, |m, i| m.max((new[i] - d[i]).abs()));
             d = new;
-            f = force(&d);
+            Tangent { force: f, own: start, stiffness } = self.tangent(own, branch, slider.rate, &d);
             psi = self.interface(slider.psi, &std::array::from_fn(|i| (v[i] - d[i]).abs()));
             if !changed && change < 1e-13 * speed {
                 break;
@@ -415,7 +539,7 @@ impl<'a> Method<'a> {
             if sign[i] == 0.0 {
                 matrix[i][i] = 1.0;
             } else {
-                matrix[i] = self.stiffness[i];
+                matrix[i] = stiffness[i];
                 matrix[i][i] += slopes[i];
             }
         }
@@ -425,7 +549,7 @@ impl<'a> Method<'a> {
             right[k] = if sign[k] == 0.0 { 1.0 } else { slopes[k] };
             let column = solve3(matrix, right);
             for i in 0..3 {
-                slope[i][k] = (0..3).map(|l| self.stiffness[i][l] * column[l]).sum();
+                slope[i][k] = (0..3).map(|l| stiffness[i][l] * column[l]).sum();
             }
         }
         Solved { force: f, rate: d, slope }

@@ -9,7 +9,7 @@ use super::{Method, Status, SteadyState, oscillator, parallel, shooting, stoppin
 use crate::dual::MAX_PARAMETERS;
 use crate::model::alone::Alone;
 use crate::model::contact::{LimitingState, Problem, Sliders};
-use crate::model::system::{HybridSystem, Mode, SingleMode};
+use crate::model::system::{HybridSystem, Mode, SingleMode, SliderSystem};
 use crate::model::{Model, Operation};
 use crate::scenario::Formulation;
 use crate::statistics::wrap;
@@ -136,6 +136,9 @@ fn unguarded(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_
     }
     if let Some(continuum) = problem.continuum() {
         return parallel_state(model, at, &problem, &continuum, with, warm);
+    }
+    if problem.remembers() {
+        return parallel_state(model, at, &problem, &problem.sliders(), with, warm);
     }
     if !(warm.orbit.is_some() && warm.broken)
         && let Some(balance) = balance::solve(&problem, tolerance, derivatives)
@@ -276,21 +279,26 @@ fn lock_in(problem: &Problem, why: &str) -> Solution {
     Solution { state, derivatives: None, others: Vec::new() }
 }
 
-/// A contact of many parallel sliders; its derivatives are differences of converged solutions.
+/// A contact of many parallel sliders, or of one whose bristles remember; its derivatives are differences of converged solutions.
 fn parallel_state(
     model: &Model,
     at: &Operation,
     problem: &Problem,
-    continuum: &Sliders,
+    sliders: &Sliders,
     with: &Search<'_>,
     warm: &mut Warm,
 ) -> Solution {
     let coarse = with.tolerance.steps < Tolerance::default().steps;
-    let demand = if coarse { &parallel::Demand::COARSE } else { &parallel::Demand::FINE };
+    let demand = match (coarse, sliders.elements().len()) {
+        (true, 1) => &parallel::Demand::COARSE_SINGLE,
+        (false, 1) => &parallel::Demand::SINGLE,
+        (true, _) => &parallel::Demand::COARSE,
+        (false, _) => &parallel::Demand::FINE,
+    };
     // Searches over many models start from the last one; what is reported is looked for from the beginning.
     let mut none = None;
     let memory = if with.integrate { &mut none } else { &mut warm.sliders };
-    let found = match parallel::solve(continuum, demand, memory) {
+    let found = match parallel::solve(sliders, demand, memory) {
         Ok(found) => found,
         Err(why) => return without_periodic_state(problem, &why, with),
     };

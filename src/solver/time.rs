@@ -2,7 +2,9 @@
 //! the bristles, a scalar search for the slip rate. Slow, simple, and independent of the periodic solvers, with which it
 //! shares only the statement of the laws.
 
+use crate::effects::Branch;
 use crate::model::continuum::{Element, held};
+use crate::model::relaxations::RELAXATIONS;
 use crate::model::system::{Forcing, Linear, SliderSystem};
 
 /// Trials for the force at the end of a step.
@@ -192,8 +194,9 @@ impl Root {
 struct Bristle {
     x: f64,
     rate: f64,
-    q: f64,
-    q_rate: f64,
+    q: [f64; RELAXATIONS],
+    q_rate: [f64; RELAXATIONS],
+    branch: Branch,
     psi: f64,
     psi_rate: f64,
     slip: f64,
@@ -230,7 +233,9 @@ impl<'a> State<'a> {
             let most = e.limit * limit / kc;
             let x = if system.at_rest() { held(rest, most) } else { most };
             let slip = if system.at_rest() { 0.0 } else { system.relative_speed(&forcing, 0.0, 0.0).max(0.0) };
-            Bristle { x, rate: 0.0, q: 0.0, q_rate: 0.0, psi, psi_rate: 0.0, slip }
+            let (q, q_rate) = ([0.0; RELAXATIONS], [0.0; RELAXATIONS]);
+            let branch = system.hysteresis(Branch::default(), x).unwrap_or_default().0;
+            Bristle { x, rate: 0.0, q, q_rate, branch, psi, psi_rate: 0.0, slip }
         };
         let bristles: Vec<Bristle> = system.elements().iter().map(bristle).collect();
         let force = system.elements().iter().zip(&bristles).map(|(e, s)| e.share * kc * s.x).sum();
@@ -352,12 +357,21 @@ fn bristle(
     h: f64,
     solved: f64,
 ) -> f64 {
-    let [kc, cc, renewal, k1, rate] = system.bristles();
+    let [kc, cc, renewal] = system.bristles();
     let half = 0.5 * h;
-    // f = own + slope d, with the stretching rate d at the end of the step.
-    let (fade, relax) = (1.0 / (1.0 + half * renewal), 1.0 / (1.0 + half * rate));
-    let own = kc * fade * (old.x + half * old.rate) + relax * (old.q + half * old.q_rate);
-    let slope = kc * fade * half + cc + k1 * relax * half;
+    // f = own + slope d + hysteresis, with the stretching rate d at the end of the step.
+    let fade = 1.0 / (1.0 + half * renewal);
+    let mut own = kc * fade * (old.x + half * old.rate);
+    let mut slope = kc * fade * half + cc;
+    for ((k1, rate), (q, q_rate)) in system.branches().iter().zip(old.q.iter().zip(&old.q_rate)) {
+        let relax = 1.0 / (1.0 + half * rate);
+        own += relax * (q + half * q_rate);
+        slope += k1 * relax * half;
+    }
+    let hysteresis = |d: f64| {
+        let by = fade * (old.x + half * (old.rate + d)) - old.x;
+        system.hysteresis(old.branch, by).unwrap_or_default().0
+    };
     let psi_at = |s: f64| match system.interface(s) {
         Some((constant, factor)) => {
             let psi = (old.psi + half * (old.psi_rate + constant)) / (1.0 - half * factor);
@@ -373,30 +387,34 @@ fn bristle(
         new.slip = flow * x;
         (new.psi, new.psi_rate) = psi_at(v.abs());
         let d = v - new.slip;
-        finish(old, new, d, h, [renewal, k1, rate]);
-        return kc * new.x + cc * d + new.q + viscosity * v;
+        finish(system, old, new, d, h);
+        return kc * new.x + cc * d + new.q.iter().sum::<f64>() + viscosity * v;
     } else {
         let stick = own + slope * v;
-        let sign = if stick < 0.0 { -1.0 } else { 1.0 };
+        let sign = if stick + hysteresis(v).force < 0.0 { -1.0 } else { 1.0 };
         let excess = |s: f64| {
             let (limit, _) = system.limit(forcing, angle, s, psi_at(s).0, heat);
-            sign * stick - slope * s - element.limit * limit
+            sign * (stick + hysteresis(v - sign * s).force) - slope * s - element.limit * limit
         };
         let s = slip_rate(&excess, sign * old.slip, system.scale().1, 0.1 * solved);
         new.slip = sign * s;
         (new.psi, new.psi_rate) = psi_at(s);
         v - new.slip
     };
-    finish(old, new, d, h, [renewal, k1, rate]);
-    own + slope * d
+    finish(system, old, new, d, h);
+    new.branch = hysteresis(d);
+    own + slope * d + new.branch.force
 }
 
-fn finish(old: &Bristle, new: &mut Bristle, d: f64, h: f64, [renewal, k1, rate]: [f64; 3]) {
+fn finish(system: &dyn SliderSystem, old: &Bristle, new: &mut Bristle, d: f64, h: f64) {
+    let [.., renewal] = system.bristles();
     let half = 0.5 * h;
     new.x = (old.x + half * (old.rate + d)) / (1.0 + half * renewal);
     new.rate = d - renewal * new.x;
-    new.q = (old.q + half * (old.q_rate + k1 * d)) / (1.0 + half * rate);
-    new.q_rate = k1 * d - rate * new.q;
+    for (i, (k1, rate)) in system.branches().iter().enumerate() {
+        new.q[i] = (old.q[i] + half * (old.q_rate[i] + k1 * d)) / (1.0 + half * rate);
+        new.q_rate[i] = k1 * d - rate * new.q[i];
+    }
 }
 
 /// Slip rate s >= 0 at which the excess of pull over friction vanishes, on the branch of the last one; 0 for stick.

@@ -18,8 +18,9 @@ const CONDITIONS: [(f64, f64, f64); 5] =
 
 /// The balance for every effect that acts beside a contact, at typical parameters.
 pub fn every_effect() -> Vec<Check> {
-    // The period of a continuum of sliders is not one cycle of one system; the energies of its loops are known in closed form.
-    let single = |effect: &&&dyn Effect| effect.continuum(&effects::typical(**effect)).is_none();
+    // The period of sliders, or of bristles that remember, is not one cycle of one system; the energies of their loops are known
+    // in closed form.
+    let single = |effect: &&&dyn Effect| !effects::slides(**effect, &effects::typical(**effect));
     let fits = |effect: &&&dyn Effect| effects::fits_rig(**effect, true).is_ok();
     let effects: Vec<_> = effects::REGISTRY.iter().filter(single).filter(fits).collect();
     effects.par_iter().flat_map_iter(|effect| energy_balance(**effect, &effects::typical(**effect))).collect()

@@ -9,6 +9,8 @@
 
 static const double TWO_PI = 6.283185307179586476925;
 
+#define POT 48
+
 static double power(double x, double p) { return copysign(pow(fabs(x), p), x); }
 
 /* Parts of the cycle that was summed, and the change against the one before in out[3]. */
@@ -35,6 +37,8 @@ typedef struct {
     double J, C, K, re, im, b, kc, cc, mu, V, W, omega;
     double law, p1, p2, p3; /* friction: 1 Stribeck, 2 strengthening, 3 Grosch, 4 film */
     double K2, K3, K5, D2, kn, k1, tau;
+    double F_max, x_2;                 /* Berg's friction of the stretch */
+    double relaxations, pot[2 * POT]; /* a spring-pot: stiffness and rate of each */
 } rig;
 
 static double friction(const rig *r, double s)
@@ -51,13 +55,28 @@ static double friction(const rig *r, double s)
     }
 }
 
-typedef struct { double th, w, a, x, d, q; } state;
+/* x_r, F_r, up: the last reversal of the stretch and the direction since; F_b: Berg's force; p: forces of the spring-pot. */
+typedef struct { double th, w, a, x, d, q, x_r, F_r, up, F_b, p[POT]; } state;
+
+/* Berg's force at the end of a step, which begins with a reversal if the stretch turns back; returns its slope. */
+static double berg(const rig *r, const state *z, state *n)
+{
+    double moved = n->x - z->x, turns = moved * z->up < 0.0;
+    n->up = moved == 0.0 ? z->up : copysign(1.0, moved);
+    n->x_r = turns ? z->x : z->x_r;
+    n->F_r = turns ? z->F_b : z->F_r;
+    double room = r->F_max - n->up * n->F_r, soft = r->x_2 * (1.0 - n->up * n->F_r / r->F_max);
+    double from = n->x - n->x_r, over = soft + fabs(from);
+    n->F_b = n->F_r + from / over * room;
+    return room * soft / (over * over);
+}
 
 /* The end of a step at time t if the interface slips at rate s there; returns the force of the contact. */
 static double step(const rig *r, const state *z, double t, double h, double s, state *n)
 {
     double drive = r->re * sin(r->omega * t) + r->im * cos(r->omega * t), force = 0.0, a = z->a;
-    double branch = r->k1 * 0.5 * h / (1.0 + 0.5 * h / r->tau);
+    double branch = r->k1 * 0.5 * h / (1.0 + 0.5 * h / r->tau), hysteresis = 0.0;
+    for (int j = 0; j < (int)r->relaxations; j++) branch += r->pot[2 * j] * 0.5 * h / (1.0 + 0.5 * h * r->pot[2 * j + 1]);
     for (int i = 0; i < 30; i++) {
         n->w = z->w + 0.5 * h * (z->a + a);
         n->th = z->th + 0.5 * h * (z->w + n->w);
@@ -65,12 +84,21 @@ static double step(const rig *r, const state *z, double t, double h, double s, s
         n->x = z->x + 0.5 * h * (z->d + n->d);
         n->q = (z->q * (1.0 - 0.5 * h / r->tau) + r->k1 * 0.5 * h * (z->d + n->d)) / (1.0 + 0.5 * h / r->tau);
         force = r->kc * n->x + r->cc * n->d + n->q;
+        for (int j = 0; j < (int)r->relaxations; j++) {
+            double k = r->pot[2 * j], fade = 0.5 * h * r->pot[2 * j + 1];
+            n->p[j] = (z->p[j] * (1.0 - fade) + k * 0.5 * h * (z->d + n->d)) / (1.0 + fade);
+            force += n->p[j];
+        }
+        if (r->F_max > 0.0) {
+            hysteresis = berg(r, z, n);
+            force += n->F_b;
+        }
         double y = n->th, y2 = y * y;
         double spring = r->K * y + r->K2 * y2 + r->K3 * y2 * y + r->K5 * y2 * y2 * y;
         double slope = r->K + 2.0 * r->K2 * y + 3.0 * r->K3 * y2 + 5.0 * r->K5 * y2 * y2;
         double left = r->J * a + r->C * n->w + spring + r->D2 * fabs(n->w) * n->w - drive - r->b * force;
         double by = r->J + 0.5 * h * (r->C + 2.0 * r->D2 * fabs(n->w)) + 0.25 * h * h * slope
-                  + r->b * r->b * 0.5 * h * (r->kc * 0.5 * h + r->cc + branch);
+                  + r->b * r->b * 0.5 * h * ((r->kc + hysteresis) * 0.5 * h + r->cc + branch);
         double move = left / by;
         a -= move;
         if (fabs(move) <= 1e-13 * (fabs(a) + fabs(drive) / r->J)) break;
@@ -97,6 +125,12 @@ void contact(const rig *r, long steps, long cycles, double *out)
             double left = r->K * y + r->K2 * y2 + r->K3 * y2 * y + r->K5 * y2 * y2 * y - r->b * pull;
             z.th -= left / (r->K + 2.0 * r->K2 * y + 3.0 * r->K3 * y2 + 5.0 * r->K5 * y2 * y2);
         }
+    }
+    if (r->F_max > 0.0) {
+        z.up = 1.0;
+        n.x = z.x, z.x = 0.0;
+        berg(r, &z, &n);
+        z.x = n.x, z.F_b = n.F_b;
     }
     z.a = r->im / r->J;
     for (long c = 0; c < cycles; c++) {

@@ -24,7 +24,8 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 DATA = os.path.join(HERE, "..", "data")
 BESIDE, ALONE = os.path.join(DATA, "effects.csv"), os.path.join(DATA, "effects-alone.csv")
 
-STEPS, CYCLES = 4000, 110
+STEPS, CYCLES, CYCLES_OF_BERG = 4000, 110, 600
+POT, POT_STEP, POT_RANGE = 48, 0.5, 1e4
 STEPS_ALONE = 20000
 CLOSE = 1e-4
 
@@ -34,6 +35,10 @@ FREQUENCIES = [58.0, 70.0, 74.0, 82.0, 94.0]
 NEW = [
     ("viscous-film", dict(b=1.5)),
     ("load-stiffening", dict(m=0.4, N_ref=12.0)),
+    ("spring-pot", dict(c_a=3e4, a=0.3, t_0=0.002)),
+    ("spring-pot", dict(c_a=15000.0, a=0.65, t_0=0.003)),
+    ("berg-friction", dict(F_max=0.01, x_2=3e-7)),
+    ("berg-friction", dict(F_max=0.005, x_2=3e-8)),
     ("quintic-stiffness", dict(K_5=1.2e15)),
     ("asymmetric-stiffness", dict(K_2=1.5e5)),
     ("asymmetric-stiffness", dict(K_2=-1e5)),
@@ -70,7 +75,7 @@ FRICTION = {"stribeck": (1, "delta_mu", "v_s"), "rate-strengthening": (2, "beta"
             "grosch": (3, "delta_mu", "v_m", "h"), "viscous-film": (4, "b")}
 SPRINGS = {"asymmetric-stiffness": "K_2", "cubic-stiffness": "K_3", "quintic-stiffness": "K_5"}
 KNOWN = [*FRICTION, *SPRINGS, "none", "quadratic-damping", "structural-damping", "normal-coupling", "maxwell-branch",
-         "actuator-lag", "sensor-delay", "load-stiffening", "residual-modes"]
+         "actuator-lag", "sensor-delay", "load-stiffening", "spring-pot", "berg-friction", "residual-modes"]
 
 
 def read(amplitude, effect, p, omega, drive):
@@ -80,6 +85,16 @@ def read(amplitude, effect, p, omega, drive):
     if effect == "sensor-delay":
         amplitude *= cmath.exp(-1j * omega * p["tau"])
     return abs(amplitude), cmath.phase(amplitude)
+
+
+def spring_pot(size, order, w):
+    """size (i w)^order as (spring, dashpot, relaxations): the integral over all rates r of r^(order - 1) i w/(i w + r), at equal
+    steps of ln r from w/POT_RANGE to w POT_RANGE, what is slower as a spring, what is faster as a dashpot."""
+    scale, steps = size * math.sin(math.pi * order) / math.pi * POT_STEP, round(2 * math.log(POT_RANGE) / POT_STEP)
+    rates = [w / POT_RANGE * math.exp(POT_STEP * n) for n in range(steps + 1)]
+    spring = scale * rates[0] ** order / (math.exp(POT_STEP * order) - 1.0)
+    dashpot = scale * rates[-1] ** (order - 1.0) / (math.exp(POT_STEP * (1.0 - order)) - 1.0)
+    return spring, dashpot, [number for r in rates for number in (scale * r**order, r)]
 
 
 def beside(effect, p, speed, load, u0, frequency):
@@ -105,10 +120,16 @@ def beside(effect, p, speed, load, u0, frequency):
         drive /= 1.0 + 1j * w * p["tau"]
     elif effect == "load-stiffening":
         kc, cc = kc * (load / p["N_ref"]) ** p["m"], cc * (load / p["N_ref"]) ** p["m"]
+    berg, pot = (0.0, 1.0), []
+    if effect == "berg-friction":
+        berg = (p["F_max"], p["x_2"])
+    elif effect == "spring-pot":
+        spring, dashpot, pot = spring_pot(p["c_a"] * p["t_0"] ** p["a"], p["a"], w)
+        kc, cc = kc + spring, cc + dashpot
     law = (*law, 1.0, 1.0, 1.0)[:4]
     numbers = [r["J"], damping, stiffness, drive.real, drive.imag, r["b"], kc, cc, r["mu"], speed, load, w, *law,
-               springs["K_2"], springs["K_3"], springs["K_5"], *extra.values()]
-    re, im, mean, change = integrate(LIBRARY.contact, numbers, STEPS, CYCLES)
+               springs["K_2"], springs["K_3"], springs["K_5"], *extra.values(), *berg, len(pot) // 2, *pot, *[0.0] * (2 * POT - len(pot))]
+    re, im, mean, change = integrate(LIBRARY.contact, numbers, STEPS, CYCLES_OF_BERG if berg[0] else CYCLES)
     if change > 1e-6:
         raise ArithmeticError(f"{effect} {p} at {speed} {load} {u0} {frequency}: not settled, {change:.1e}")
     return *read(complex(re, im), effect, p, w, drive), mean

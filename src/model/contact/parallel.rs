@@ -1,7 +1,7 @@
 //! The equations of one operating point as the solver of parallel sliders sees them.
 
 use super::Problem;
-use crate::effects::Law;
+use crate::effects::{Branch, Law};
 use crate::model::continuum::{self, Element};
 use crate::model::system::{Forcing, HybridSystem, Linear, SliderSystem};
 
@@ -9,12 +9,19 @@ use crate::model::system::{Forcing, HybridSystem, Linear, SliderSystem};
 pub struct Sliders<'a> {
     problem: &'a Problem,
     elements: Vec<Element>,
+    branches: Vec<(f64, f64)>,
 }
 
 impl Problem {
     /// The contact as one slider or as the elements of a continuum.
     pub fn sliders(&self) -> Sliders<'_> {
-        self.continuum().unwrap_or_else(|| Sliders { problem: self, elements: continuum::elements(1.0, 1.0) })
+        self.continuum().unwrap_or_else(|| self.as_sliders(continuum::elements(1.0, 1.0)))
+    }
+
+    fn as_sliders(&self, elements: Vec<Element>) -> Sliders<'_> {
+        let maxwell = self.q.map(|_| (self.k1, self.branch_rate));
+        let spring_pot = self.spring_pot.iter().flat_map(|pot| pot.branches);
+        Sliders { problem: self, elements, branches: maxwell.into_iter().chain(spring_pot).collect() }
     }
 
     /// The continuum of elements that replaces the single one, where an effect asks for it.
@@ -25,7 +32,7 @@ impl Problem {
         // No stroke is much larger than those of the limiting cases; xm is where the last slider gives way.
         let stroke = 1.5 * self.b * amplitude(free).max(amplitude(stuck));
         let last = n * self.mu * self.load / self.kc;
-        Some(Sliders { problem: self, elements: continuum::elements(n, stroke / last) })
+        Some(self.as_sliders(continuum::elements(n, stroke / last)))
     }
 }
 
@@ -55,9 +62,16 @@ impl SliderSystem for Sliders<'_> {
     fn relative_speed(&self, forcing: &Forcing, velocity: f64, support: f64) -> f64 {
         self.problem.speed + support - self.problem.b * (forcing.velocity + velocity)
     }
-    fn bristles(&self) -> [f64; 5] {
+    fn bristles(&self) -> [f64; 3] {
         let p = self.problem;
-        [p.kc, p.cc, p.renewal, p.k1, p.branch_rate]
+        let (spring, dashpot) = p.spring_pot.as_ref().map_or((0.0, 0.0), |pot| (pot.spring, pot.dashpot));
+        [p.kc + spring, p.cc + dashpot, p.renewal]
+    }
+    fn branches(&self) -> &[(f64, f64)] {
+        &self.branches
+    }
+    fn hysteresis(&self, from: Branch, by: f64) -> Option<(Branch, f64)> {
+        self.problem.laws.iter().filter(|_| self.problem.hysteretic).find_map(|(e, p)| e.hysteresis(p, from, by))
     }
     fn heating(&self) -> (f64, f64) {
         (self.problem.heating_gain, self.problem.cooling_rate)

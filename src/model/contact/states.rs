@@ -49,7 +49,7 @@ impl Problem {
                 });
             }
         }
-        if self.speed == 0.0 && !self.own_bristles && self.continuum().is_none() {
+        if self.speed == 0.0 && !self.own_bristles && !self.hysteretic && self.continuum().is_none() {
             let stuck = self.static_contact();
             let (mu, ..) = self.friction(0.0, 0.0, 0.0);
             let swing = self.load_stiffness.abs() * self.b * stuck.response.0.hypot(stuck.response.1);
@@ -81,7 +81,8 @@ impl Problem {
     /// The stuck motion (case II) of a contact whose strength grows without bound while it rests on a roller at rest:
     /// once it rests it never slips again. `None` where the strength is bounded.
     pub fn locked_state(&self) -> Option<LimitingState> {
-        let linear = !self.own_bristles && self.laws.iter().all(|(e, p)| e.torque(p, 0.0, 0.0).is_none());
+        let linear =
+            !self.own_bristles && !self.hysteretic && self.laws.iter().all(|(e, p)| e.torque(p, 0.0, 0.0).is_none());
         let grows = self.psi.is_some() && {
             let aged = |age: f64| self.friction(0.0, age * self.psi_scale, 0.0).0;
             aged(1e12) > aged(1e9)
