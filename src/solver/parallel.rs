@@ -25,11 +25,14 @@ pub struct Found {
     pub multiplier: f64,
 }
 
-/// Cycles that a hysteresis over a turning roller is left to itself, at first and after a Newton step that led astray: until bristles
-/// have slipped and turned back as they will.
+/// Cycles that a slider by itself over a turning roller is left to itself, at first and after a Newton step that led astray: until its
+/// bristles have slipped and turned back as they will.
 const SETTLING: usize = 6;
 /// Factor by which the change over a cycle grows where a step led astray.
 const ASTRAY: f64 = 3.0;
+
+/// Singular value, in parts of the largest, of what a cycle does not change: below it the differences are rounding.
+const NEUTRAL: f64 = 1e-6;
 
 /// What is demanded of a solution.
 #[derive(Debug, Clone, Copy)]
@@ -85,13 +88,19 @@ fn search(
     let mut search = Search::begin(system, demand, from);
     while search.cycles < demand.cycles {
         search.cycles += 1;
-        let cycle = match search.method.cycle(&search.shared, &search.sliders) {
+        let cycle = match search.method.cycle(&search.at.shared, &search.at.sliders) {
             Ok(cycle) => cycle,
             Err(_) if search.retreat() => continue,
             Err(why) => return Err(why),
         };
+        if cycle.shared.iter().any(|z| !z.is_finite()) {
+            if search.retreat() {
+                continue;
+            }
+            return Err("the motion of the sliders has no bound".into());
+        }
         let residual: Vec<f64> =
-            search.active.iter().map(|&i| (cycle.shared[i] - search.shared[i]) / search.scales[i]).collect();
+            search.active.iter().map(|&i| (cycle.shared[i] - search.at.shared[i]) / search.scales[i]).collect();
         let size = residual.iter().fold(0.0f64, |m, r| m.max(r.abs()));
         if search.settles(&cycle, size) {
             continue;
@@ -101,7 +110,7 @@ fn search(
         }
         let residual = DVector::from_vec(residual);
         search.learn(&cycle, &residual, size)?;
-        search.step(cycle, &residual);
+        search.step(&cycle, &residual);
     }
     Err(format!("no periodic state of the parallel sliders within {} cycles", demand.cycles))
 }
@@ -117,17 +126,27 @@ struct Search<'a> {
     at_start: (Shared, f64),
     /// Most stretch that each slider can carry at the start \[m\].
     most: Vec<f64>,
-    shared: Shared,
-    sliders: Vec<Slider>,
+    at: Place,
     /// Slope of the change over a cycle by the shared states, in units of their scales, and the map of a cycle.
     slopes: [Option<DMatrix<f64>>; 2],
     /// The last step, in units of the scales.
     last: Option<DVector<f64>>,
     best: f64,
     cycles: usize,
-    /// Of a hysteresis: cycles that it is still left to itself, and where it came to from the best start so far.
-    settling: usize,
-    safe: Option<(Shared, Vec<Slider>)>,
+    settling: Settling,
+}
+
+/// States at the start of a cycle.
+#[derive(Clone)]
+struct Place {
+    shared: Shared,
+    sliders: Vec<Slider>,
+}
+
+/// Of a slider by itself: cycles that it is still left to itself, and where the last good start led.
+struct Settling {
+    cycles: usize,
+    safe: Option<Place>,
 }
 
 impl<'a> Search<'a> {
@@ -152,8 +171,8 @@ impl<'a> Search<'a> {
         let mut sliders: Vec<Slider> = system.elements().iter().map(|e| Slider::new(stretch(e.limit), psi)).collect();
         if let Some((branch, _)) = system.hysteresis(Branch::default(), sliders[0].x) {
             with_hysteresis(&mut shared, branch);
-            shared[STRETCH] = sliders[0].x;
         }
+        shared[STRETCH] = sliders[0].x;
         let at_start = (shared, psi);
         let most: Vec<f64> = system.elements().iter().map(|e| (e.limit * limit / kc).max(f64::MIN_POSITIVE)).collect();
         let mut slopes = [None, None];
@@ -166,57 +185,42 @@ impl<'a> Search<'a> {
             slopes = from.slopes.map(Some);
         }
         let (last, best, cycles) = (None, f64::INFINITY, 0);
-        let settling = if active.contains(&STRETCH) && slopes[0].is_none() { SETTLING } else { 0 };
-        let safe = None;
-        Self {
-            system,
-            method,
-            active,
-            scales,
-            at_start,
-            most,
-            shared,
-            sliders,
-            slopes,
-            last,
-            best,
-            cycles,
-            settling,
-            safe,
-        }
+        let alone = if active.contains(&STRETCH) && slopes[0].is_none() { SETTLING } else { 0 };
+        let (at, settling) = (Place { shared, sliders }, Settling { cycles: alone, safe: None });
+        Self { system, method, active, scales, at_start, most, at, slopes, last, best, cycles, settling }
     }
 
-    /// Whether a hysteresis over a turning roller is left to itself for this cycle, which changed it by `size`.
+    /// Whether a slider by itself is left to itself for this cycle, which changed it by `size`.
     fn settles(&mut self, cycle: &Cycle, size: f64) -> bool {
-        if !self.active.contains(&STRETCH) {
+        if self.system.elements().len() > 1 {
             return false;
         }
-        let lost = !(size.is_finite() && cycle.shared.iter().all(|z| z.is_finite()));
-        if lost || size > ASTRAY * self.best {
+        if size > ASTRAY * self.best {
             return self.retreat();
         }
-        self.safe = Some((cycle.shared, cycle.sliders.clone()));
-        if self.settling == 0 {
+        let end = self.place(cycle.shared, cycle);
+        self.settling.safe = Some(end.clone());
+        if self.settling.cycles == 0 {
             return false;
         }
-        self.settling -= 1;
-        (self.shared, self.sliders) = (cycle.shared, cycle.sliders.clone());
+        self.settling.cycles -= 1;
+        self.at = end;
         true
     }
 
-    /// Goes back to where the best start led, to begin from there again; false where there is none.
+    /// Goes back to where the last good start led, to begin from there again; false where there is none.
     fn retreat(&mut self) -> bool {
-        let Some((shared, sliders)) = self.safe.take() else { return false };
-        (self.shared, self.sliders) = (shared, sliders);
-        (self.settling, self.slopes) = (SETTLING, [None, None]);
-        (self.last, self.best) = (None, f64::INFINITY);
+        let Some(safe) = self.settling.safe.take() else { return false };
+        (self.at, self.settling.cycles) = (safe, SETTLING);
+        (self.slopes, self.last, self.best) = ([None, None], None, f64::INFINITY);
         true
     }
 
     /// Sliders that give way a little once a cycle creep for long; what counts is their share of the force.
     fn creep(&self, cycle: &Cycle) -> f64 {
         let stroke = self.scales[2];
-        let elements = self.system.elements().iter().zip(cycle.sliders.iter().zip(&self.sliders)).zip(&cycle.slipped);
+        let elements =
+            self.system.elements().iter().zip(cycle.sliders.iter().zip(&self.at.sliders)).zip(&cycle.slipped);
         let slipping = elements.filter(|(_, slipped)| **slipped);
         slipping.map(|((e, (new, old)), _)| e.share * (new.x - old.x).abs() / stroke).sum()
     }
@@ -225,14 +229,14 @@ impl<'a> Search<'a> {
     fn finish(mut self, cycle: Cycle, residual: f64, memory: &mut Option<Memory>) -> Result<Found, String> {
         let map = match self.slopes[1].take() {
             Some(map) => map,
-            None => self.method.jacobian(&self.shared, &self.sliders, &cycle, &self.scales, &self.active)?,
+            None => self.method.jacobian(&self.at.shared, &self.at.sliders, &cycle, &self.scales, &self.active)?,
         };
         let multiplier = radius(&map);
         let kc = self.system.bristles()[0];
         let one = DMatrix::identity(self.active.len(), self.active.len());
-        let parts = std::iter::zip(&self.sliders, &self.most);
+        let parts = std::iter::zip(&self.at.sliders, &self.most);
         *memory = Some(Memory {
-            shared: std::array::from_fn(|i| self.shared[i] - self.at_start.0[i]),
+            shared: std::array::from_fn(|i| self.at.shared[i] - self.at_start.0[i]),
             sliders: parts.map(|(s, most)| s.times(1.0 / most, 1.0 / (kc * most))).collect(),
             slopes: [self.slopes[0].take().unwrap_or_else(|| &map - one), map],
         });
@@ -254,7 +258,7 @@ impl<'a> Search<'a> {
             (Some(_), None) if self.best.is_infinite() => {}
             _ => {
                 let n = self.active.len();
-                let map = self.method.jacobian(&self.shared, &self.sliders, cycle, &self.scales, &self.active)?;
+                let map = self.method.jacobian(&self.at.shared, &self.at.sliders, cycle, &self.scales, &self.active)?;
                 self.cycles += n;
                 self.slopes = [Some(&map - DMatrix::identity(n, n)), Some(map)];
             }
@@ -264,27 +268,42 @@ impl<'a> Search<'a> {
     }
 
     /// Takes a Newton step, or goes to the end of the cycle where there is none.
-    fn step(&mut self, cycle: Cycle, residual: &DVector<f64>) {
-        let step = self.slopes[0].as_ref().and_then(|slope| slope.clone().lu().solve(&-residual));
+    fn step(&mut self, cycle: &Cycle, residual: &DVector<f64>) {
+        let step = self.slopes[0].as_ref().and_then(|slope| self.newton(slope, residual));
         self.last = step.filter(|step| step.iter().all(|d| d.is_finite()));
-        match &self.last {
-            Some(step) => {
-                for (k, &i) in self.active.iter().enumerate() {
-                    self.shared[i] += step[k] * self.scales[i];
-                }
+        let mut shared = cycle.shared;
+        if let Some(step) = &self.last {
+            shared = self.at.shared;
+            for (k, &i) in self.active.iter().enumerate() {
+                shared[i] += step[k] * self.scales[i];
             }
-            None => self.shared = cycle.shared,
         }
-        self.sliders = cycle.sliders;
+        self.at = self.place(shared, cycle);
+    }
+
+    /// The step that undoes the change over a cycle. A slider by itself is left where it is along what a cycle does not change: the
+    /// memory of a stroke that is small.
+    fn newton(&self, slope: &DMatrix<f64>, residual: &DVector<f64>) -> Option<DVector<f64>> {
+        if self.system.elements().len() > 1 || slope.iter().any(|d| !d.is_finite()) {
+            return slope.clone().lu().solve(&-residual);
+        }
+        let parts = slope.clone().svd(true, true);
+        parts.solve(&-residual, NEUTRAL * parts.singular_values.max()).ok()
+    }
+
+    /// These shared states with the sliders at the end of a cycle.
+    fn place(&self, shared: Shared, cycle: &Cycle) -> Place {
+        let mut sliders = cycle.sliders.clone();
         if self.system.at_rest() {
             // What never slips started with the arm, and an interface that never slips has no rate.
-            let (rest, psi) = (rest(self.system, &self.shared), self.at_start.1);
-            for (slider, slipped) in self.sliders.iter_mut().zip(&cycle.slipped) {
+            let (rest, psi) = (rest(self.system, &shared), self.at_start.1);
+            for (slider, slipped) in sliders.iter_mut().zip(&cycle.slipped) {
                 if !slipped {
                     (slider.x, slider.psi) = (rest, psi);
                 }
             }
         }
+        Place { shared, sliders }
     }
 }
 
@@ -294,5 +313,8 @@ fn rest(system: &dyn SliderSystem, shared: &Shared) -> f64 {
 }
 
 fn radius(matrix: &DMatrix<f64>) -> f64 {
+    if matrix.iter().any(|d| !d.is_finite()) {
+        return f64::INFINITY;
+    }
     matrix.complex_eigenvalues().iter().fold(0.0, |m, e| m.max(e.norm()))
 }

@@ -10,8 +10,8 @@ use crate::model::relaxations::RELAXATIONS;
 use crate::model::system::{Forcing, SliderSystem};
 use nalgebra::DMatrix;
 
-/// Number of shared states: angle, velocity, support, its velocity, heating; under a hysteresis, which one slider has, its two numbers
-/// and the stretch.
+/// Number of shared states: angle, velocity, support, its velocity, heating; the two numbers of a hysteresis, which one slider has; and
+/// the stretch of a slider by itself.
 pub const SHARED: usize = 8;
 /// The shared states.
 pub type Shared = [f64; SHARED];
@@ -166,9 +166,14 @@ impl<'a> Method<'a> {
         }
         if self.is_hysteretic {
             active.extend(HYSTERESIS);
-            active.extend((!self.system.at_rest()).then_some(STRETCH));
         }
+        active.extend(self.follows_stretch().then_some(STRETCH));
         active
+    }
+
+    /// Whether the stretch of the one slider, over a turning roller, is among the shared states.
+    fn follows_stretch(&self) -> bool {
+        !self.system.at_rest() && self.system.elements().len() == 1
     }
 
     /// Derivatives of the shared states at the end of a cycle by those at its start, in units of the scales, by differences.
@@ -205,7 +210,7 @@ impl<'a> Method<'a> {
             stick: 0.0,
             force: (f64::INFINITY, f64::NEG_INFINITY),
         };
-        if self.is_hysteretic && !system.at_rest() {
+        if self.follows_stretch() {
             out.sliders[0].x = shared[STRETCH];
         }
         let kc = system.bristles()[0];
@@ -351,7 +356,7 @@ impl<'a> Method<'a> {
             slider.rate = d[2];
             let dot = |row: &Stages| row[0] * d[0] + row[1] * d[1] + row[2] * d[2];
             slider.x = self.stretch.0[2] * slider.x + dot(&self.stretch.1[2]);
-            if self.is_hysteretic {
+            if self.follows_stretch() {
                 cycle.shared[STRETCH] = slider.x;
             }
             for (q, (k1, start, by_rate)) in slider.q.iter_mut().zip(&self.branches) {
