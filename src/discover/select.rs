@@ -39,7 +39,21 @@ pub fn discover_counted(
     options: &SearchOptions,
     solved: &Arc<AtomicU64>,
 ) -> Discovery {
-    searched(&table.applied_to(scenario), table, (options, solved), Noise::STATED)
+    let scenario = table.applied_to(scenario);
+    let (search, start) = Search::begin(&scenario, table, options, solved);
+    let mut known = Known::default();
+    let chosen = search.forward(&start, &mut known);
+    let Some(noise) = search.scatter(&chosen) else {
+        return search.run(&start, chosen, known, Noise::STATED);
+    };
+    // It goes on with the standard deviations that the readings scatter by.
+    let table = table.rescaled(noise);
+    let search = search.over(&table);
+    let [start, chosen] = [start, chosen].map(|h| search.data.fitted(search.data.reweighted(h, noise), CONTINUED));
+    let again = search.goes_on();
+    let mut known = known.map(|entry| search.reweighted(entry, noise, again));
+    let chosen = search.forward(&search.eliminate(chosen), &mut known);
+    search.run(&start, chosen, known, noise)
 }
 
 /// What explains the measurements of a scenario as far as the forward selection goes.
@@ -80,26 +94,6 @@ fn explained_by(
     let aim = taken.clone();
     search.settle_all(vec![&mut taken], &aim);
     (search.unit(&taken), search.readings(), taken)
-}
-
-/// Where the readings scatter more or less than their standard deviations say, these are scaled and the search begins again.
-fn searched(
-    scenario: &Scenario,
-    table: &Table,
-    (options, solved): (&SearchOptions, &Arc<AtomicU64>),
-    noise: Noise,
-) -> Discovery {
-    let (search, start) = Search::begin(scenario, table, options, solved);
-    let mut known = Known::default();
-    let chosen = search.forward(&start, &mut known);
-    if noise == Noise::STATED
-        && let Some(noise) = search.scatter(&chosen)
-    {
-        let left = options.budget.saturating_sub(search.data.solved());
-        let options = SearchOptions { budget: left.max(1), ..options.clone() };
-        return searched(scenario, &table.rescaled(noise), (&options, solved), noise);
-    }
-    search.run(&start, chosen, known, noise)
 }
 
 /// A search and what it has found so far.
@@ -147,6 +141,24 @@ impl<'a> Search<'a> {
             compare::calibrate(&model, &scenario.free, &table.points, Tolerance::default(), options.seed);
         let search = Self::new(scenario, table, (options, solved), &scenario.free, base.clone());
         (search, Hypothesis { additions: Vec::new(), model: base, fit, estimate: None, bic: f64::INFINITY })
+    }
+
+    /// The same with other standard deviations.
+    fn over<'t>(&'t self, table: &'t Table) -> Search<'t> {
+        let data = self.data.over(&table.points);
+        Search { scenario: self.scenario, table, options: self.options, data, pool: self.pool.clone() }
+    }
+
+    /// What was found, in standard deviations that are so many times as large; fitted `again` where the fit is to all points.
+    fn reweighted(&self, entry: Entry, noise: Noise, again: bool) -> Entry {
+        let Entry { hypothesis, visibility, strongest } = entry;
+        let mut hypothesis = self.data.reweighted(hypothesis, noise);
+        if again && hypothesis.is_full(self.data.points.len()) {
+            hypothesis = self.data.fitted(hypothesis, CONTINUED);
+        }
+        let phases = self.readings() - self.data.points.len();
+        let factor = noise.together(self.data.points.len(), phases);
+        Entry { hypothesis, visibility: visibility / factor.powi(2), strongest }
     }
 
     /// From the end of the forward selection to what is told.
