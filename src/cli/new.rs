@@ -22,7 +22,7 @@ use std::sync::LazyLock;
 /// The search that decides between kinds of readings.
 static SHORT: LazyLock<SearchOptions> = LazyLock::new(|| {
     let whole = SearchOptions::default();
-    SearchOptions { max_effects: 2, budget: whole.budget / 10, ..whole }
+    SearchOptions { max_effects: 2, budget: whole.budget / 4, ..whole }
 });
 /// Two neighbours along a series whose responses per drive differ by this many times what their neighbours do are a jump, if by more
 /// than this many standard deviations.
