@@ -2,19 +2,18 @@
 
 use super::Discovery;
 use super::data::{Data, Effort};
-use super::hypothesis::{Addition, Basis, Estimate, Hypothesis, additions, compatible, extended};
+use super::hypothesis::{Addition, Hypothesis, additions, compatible, extended};
 use super::known::{Entry, Known};
 use super::look::{Count, Look, Parent, look};
 use super::options::{MARGIN, MISTAKE, SearchOptions};
 use super::race::{Competitor, Race, Round};
 use super::runner::{Bar, COSTLY, Runner};
 use crate::compare::{self, Calibration};
-use crate::fit::{TAIL, robust_chi2, robust_square, schwarz, typical_of};
+use crate::fit::{TAIL, robust_chi2, robust_square, typical_of};
 use crate::measurement::{Noise, Table};
 use crate::model::Model;
 use crate::scenario::Scenario;
 use crate::solver::cycle::Tolerance;
-use nalgebra::DVector;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
@@ -54,46 +53,6 @@ pub fn discover_counted(
     let mut known = known.map(|entry| search.reweighted(entry, noise, again));
     let chosen = search.forward(&search.eliminate(chosen), &mut known);
     search.run(&start, chosen, known, noise)
-}
-
-/// What explains the measurements of a scenario as far as the forward selection goes.
-pub fn explain(scenario: &Scenario, table: &Table, options: &SearchOptions) -> Hypothesis {
-    let scenario = table.applied_to(scenario);
-    let (search, start) = Search::begin(&scenario, table, options, &Arc::default());
-    search.forward(&start, &mut Known::default())
-}
-
-/// Schwarz's criterion of what was found for one of some scenarios in each of them: they share the readings, not the instrument.
-pub fn explained(drafts: &[(&Scenario, &Table)], options: &SearchOptions, by: &Hypothesis) -> Vec<f64> {
-    let taken = drafts.iter().map(|(scenario, table)| explained_by(scenario, table, options, by));
-    let taken: Vec<(f64, usize, Hypothesis)> = taken.collect();
-    let unit = taken.iter().map(|(unit, ..)| *unit).fold(f64::INFINITY, f64::min);
-    taken.iter().map(|(_, readings, h)| schwarz(h.square(unit), h.fit.parameters.len(), *readings)).collect()
-}
-
-/// What was found for a scenario, fitted in another; the unit of squares beside it and the number of readings.
-fn explained_by(
-    scenario: &Scenario,
-    table: &Table,
-    options: &SearchOptions,
-    by: &Hypothesis,
-) -> (f64, usize, Hypothesis) {
-    let scenario = table.applied_to(scenario);
-    let (search, start) = Search::begin(&scenario, table, options, &Arc::default());
-    let mut taken = search.reduced(by, by.additions.clone());
-    for (parameter, value) in taken.fit.parameters.iter().zip(&mut taken.fit.values) {
-        let own = start.fit.parameters.iter().position(|own| own.key == parameter.key);
-        if let Some(own) = own.filter(|_| parameter.key.starts_with("instrument.")) {
-            *value = start.fit.values[own];
-        }
-    }
-    // Its residuals are of the other instrument: nothing to hold the fit against.
-    let residuals = DVector::from_element(1, f64::INFINITY);
-    taken.estimate = Some(Estimate { residuals, scale: 1.0, basis: Basis::Linear });
-    let mut taken = search.data.fitted(taken, CONTINUED);
-    let aim = taken.clone();
-    search.settle_all(vec![&mut taken], &aim);
-    (search.unit(&taken), search.readings(), taken)
 }
 
 /// A search and what it has found so far.
