@@ -2,11 +2,11 @@
 
 use super::{Global, say};
 use crate::compare::{calibrate, judge};
-use crate::discover::MARGIN;
+use crate::discover::{MARGIN, SearchOptions, explain};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::fit::resonance::{Resonance, of_all, resonance};
-use crate::fit::{robust_square, typical_of};
+use crate::fit::{robust_square, schwarz, typical_of};
 use crate::free_form;
 use crate::measurement::{Direction, Point, Series, Survey, Table, load, survey};
 use crate::model::Model;
@@ -19,17 +19,28 @@ use nalgebra::DVector;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
 /// Two neighbours along a series whose responses per drive differ by this many times what their neighbours do are a jump, if by more
 /// than this many standard deviations.
 const JUMP: (f64, f64) = (5.0, 8.0);
 
-/// What a scenario leaves, whatever depends on the amplitude is missing in its model: residuals in standard deviations.
-fn left_by_amplitude(scenario: &Scenario, table: &Table) -> DVector<f64> {
+/// The search that decides between kinds of readings.
+static SHORT: LazyLock<SearchOptions> = LazyLock::new(|| {
+    let whole = SearchOptions::default();
+    SearchOptions { max_effects: 2, budget: whole.budget / 10, ..whole }
+});
+
+/// What can be left of readings by a scenario with what it lacks: residuals in standard deviations and the number of parameters, by
+/// effects of the catalogue and, where a search is too short for these, by any law of the amplitude.
+fn left(scenario: &Scenario, table: &Table) -> Vec<(DVector<f64>, usize)> {
     let model = Model::new(&table.applied_to(scenario));
     let calibration = calibrate(&model, &scenario.free, &table.points, Tolerance::FIT, 0);
-    let comparison = judge(scenario, table, &calibration, None);
-    free_form::left_by_amplitude(&comparison).unwrap_or(comparison.fit.evaluation.residuals)
+    let law = free_form::left_by_amplitude(&judge(scenario, table, &calibration, None));
+    let fit = explain(scenario, table, &SHORT).fit;
+    let effects = (fit.evaluation.residuals, fit.parameters.len());
+    let readings = effects.0.len();
+    law.into_iter().filter(|(left, _)| left.len() == readings).chain([effects]).collect()
 }
 
 /// Looks at `table` and writes the scenario to `output`, or beside the table under its name.
@@ -238,31 +249,34 @@ impl<'a> Draft<'a> {
         lacking
     }
 
-    /// The scenario that leaves least, whatever depends on the amplitude is missing in its model, and what was chosen between, in
-    /// words: of a reading in volts it is not said whether it is of displacement, velocity or acceleration, and of a rig on a moving
-    /// base not whether its motion is read relative to that; they differ in shape and phase.
+    /// The scenario that explains the readings best with what it lacks, and what was chosen between, in words: of a reading in volts
+    /// it is not said whether it is of displacement, velocity or acceleration, and of a rig on a moving base not whether its motion
+    /// is read relative to that; they differ in shape and phase.
     fn best_scenario(&self, target: &Path) -> Result<(String, Option<String>)> {
         let kinds = self.kinds();
         if let [only] = kinds[..] {
             return Ok((self.scenario(target, only), None));
         }
-        let (mut drafts, mut left) = (Vec::new(), Vec::new());
+        let (mut drafts, mut explained) = (Vec::new(), Vec::new());
         for kind in kinds {
             let text = self.scenario(target, kind);
             let scenario = crate::scenario::load_text(target, &text)?;
             if let Some(table) = load(&scenario)? {
                 drafts.push((kind, text));
-                left.push(left_by_amplitude(&scenario, &table));
+                explained.push(left(&scenario, &table));
             }
         }
-        let unit = left.iter().map(typical_of).fold(f64::INFINITY, f64::min).powi(2);
-        let mut squares: Vec<f64> = left.iter().map(|left| robust_square(left, unit)).collect();
-        let best = (1..squares.len()).fold(0, |best, i| if squares[i] + MARGIN < squares[best] { i } else { best });
+        let unit = explained.iter().flatten().map(|(left, _)| typical_of(left)).fold(f64::INFINITY, f64::min).powi(2);
+        let criterion =
+            |(left, parameters): &(DVector<f64>, usize)| schwarz(robust_square(left, unit), *parameters, left.len());
+        let least = |all: &Vec<(DVector<f64>, usize)>| all.iter().map(criterion).fold(f64::INFINITY, f64::min);
+        let mut criteria: Vec<f64> = explained.iter().map(least).collect();
+        let best = (1..criteria.len()).fold(0, |best, i| if criteria[i] + MARGIN < criteria[best] { i } else { best });
         let (kind, text) = drafts.remove(best);
-        let least = squares.remove(best);
-        let margin = squares.iter().map(|other| other - least).fold(f64::INFINITY, f64::min);
+        let own = criteria.remove(best);
+        let margin = criteria.iter().map(|other| other - own).fold(f64::INFINITY, f64::min);
         let by = if margin > MARGIN {
-            format!("leaves less, whatever depends on the amplitude is missing, by {margin:.0} in the sum of squares")
+            format!("explains the readings, with what is missing, better by {margin:.0} in Schwarz's criterion")
         } else {
             "is an assumption, the readings do not decide".into()
         };

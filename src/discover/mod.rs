@@ -30,7 +30,7 @@ pub use hypothesis::{Addition, Basis, Estimate, Hypothesis, additions, compatibl
 pub use json::{DiscoveryJson, SCHEMA, json};
 pub use next::{Bounds, NextMeasurement, farthest};
 pub use options::{MARGIN, SearchOptions};
-pub use select::{discover, discover_counted};
+pub use select::{discover, discover_counted, explain};
 pub use verdict::{Evidence, verdict};
 pub use words::{identified, open_ends, sentence};
 

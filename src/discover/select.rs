@@ -55,6 +55,13 @@ pub fn discover_counted(
     search.run(&start, chosen, known, noise)
 }
 
+/// What explains the measurements of a scenario as far as the forward selection goes.
+pub fn explain(scenario: &Scenario, table: &Table, options: &SearchOptions) -> Hypothesis {
+    let scenario = table.applied_to(scenario);
+    let (search, start) = Search::begin(&scenario, table, options, &Arc::default());
+    search.forward(&start, &mut Known::default())
+}
+
 /// A search and what it has found so far.
 pub(super) struct Search<'a> {
     pub scenario: &'a Scenario,

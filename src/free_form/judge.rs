@@ -83,14 +83,14 @@ impl Judged<'_> {
     }
 }
 
-/// What the class of the amplitude leaves; `None` where it cannot be fitted.
-pub fn left_by_amplitude(c: &Comparison, readings: &Readings<'_>) -> Option<DVector<f64>> {
+/// What the class of the amplitude leaves, and its number of unknowns; `None` where it cannot be fitted.
+pub fn left_by_amplitude(c: &Comparison, readings: &Readings<'_>) -> Option<(DVector<f64>, usize)> {
     let motion = readings.measured_motion();
     let values = motion.iter().map(|ln| ln.exp()).collect();
     let class = Class::of(readings, &[(Variable::Amplitude, values)], c.table.series.len(), &motion)?;
     let fitted = class.fit(&motion, &asked(c, readings));
     let left = fitted.residuals.iter().flat_map(|(amplitude, phase)| [Some(*amplitude), *phase]).flatten();
-    Some(DVector::from_vec(left.collect()))
+    Some((DVector::from_vec(left.collect()), class.unknowns))
 }
 
 /// Fits all classes and judges them.

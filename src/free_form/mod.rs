@@ -165,8 +165,8 @@ pub fn analyse(c: &Comparison) -> FreeForm {
 }
 
 /// What a missing force leaves whose stiffness and damping are any smooth functions of the amplitude of the motion: residuals of
-/// amplitudes and phases in standard deviations; `None` where there is no such force of the model.
-pub fn left_by_amplitude(c: &Comparison) -> Option<DVector<f64>> {
+/// amplitudes and phases in standard deviations, and the number of unknowns; `None` where there is no such force of the model.
+pub fn left_by_amplitude(c: &Comparison) -> Option<(DVector<f64>, usize)> {
     let readings = Readings::of(c);
     if !readings.solvable() || readings.points.is_empty() {
         return None;
