@@ -150,13 +150,18 @@
       `error: ${sigma > 0 ? "+" : ""}${written(sigma, 0.1)} σ`];
   };
 
+  // What shows a drawing: where there is one for a narrow screen too, that which is seen.
+  const phone = matchMedia("screen and (max-width: 48rem)");
+  const frameOf = (figure) => (phone.matches && figure.querySelector(".narrow")) || figure.querySelector(".canvas");
+
   // A drawing with its panels, series and view.
   class Plot {
     constructor(figure) {
       this.figure = figure;
-      this.frame = figure.querySelector(".canvas");
-      this.drawing = figure.querySelector(".drawing");
+      this.frame = frameOf(figure);
+      this.drawing = this.frame.querySelector(".drawing");
       this.svg = this.drawing.querySelector("svg");
+      if (figure.querySelector(".narrow")) this.pristine = this.frame.cloneNode(true);
       this.title = figure.querySelector(".title").firstChild.textContent.trim();
       this.hidden = new Set();
       this.panels = new Map(all("[data-panel]", this.svg).map((node) => [node.dataset.panel, this.panel(node)]));
@@ -262,7 +267,7 @@
       }
     }
     clip(panel) {
-      const id = `${this.figure.id}--clip-${panel.id}`;
+      const id = `${this.figure.id}--clip${this.frame.matches(".narrow") ? "-narrow" : ""}-${panel.id}`;
       if (!document.getElementById(id)) {
         const { left: x, top: y, width, height } = panel;
         shape("rect", { x, y, width, height }, shape("clipPath", { id }, shape("defs", {}, this.svg)));
@@ -566,6 +571,12 @@
       this.show(next);
       say(this.words(next).join(", "));
     }
+    // The drawing as the page brought it, without anything that was added to it.
+    end() {
+      all(".watch, .tools", this.figure).forEach((node) => node.remove());
+      this.frame.replaceWith(this.pristine);
+      plots.splice(plots.indexOf(this), 1);
+    }
     // The drawing as it is seen, as a file.
     file() {
       const copy = this.svg.cloneNode(true);
@@ -650,13 +661,23 @@
     draw();
   };
 
+  const begin = async (figure) => {
+    const plot = new Plot(figure);
+    if (!figure.classList.contains("before-after")) return;
+    const rows = await tableOf(figure);
+    if (rows.length && figure.plot === plot) watch(plot, rows);
+  };
   const near = new IntersectionObserver((entries) => {
     for (const { isIntersecting, target } of entries) {
       if (!isIntersecting) continue;
       near.unobserve(target);
-      const plot = new Plot(target);
-      if (target.classList.contains("before-after")) tableOf(target).then((rows) => { if (rows.length) watch(plot, rows); });
+      begin(target);
     }
   }, { rootMargin: "300px" });
+  // A screen that was turned shows the other drawing.
+  phone.addEventListener("change", () => plots.filter((plot) => plot.pristine).forEach((plot) => {
+    plot.end();
+    begin(plot.figure);
+  }));
   all("figure").filter((figure) => figure.querySelector(".drawing svg")).forEach((figure) => near.observe(figure));
 })();

@@ -99,6 +99,9 @@ fn the_first_picture_has_every_state_on_the_way_for_the_page_to_draw() {
     let off = |i: usize| (last[i].parse::<f64>().unwrap() / measured[i].parse::<f64>().unwrap() - 1.0).abs();
     assert!((4..last.len()).all(|i| off(i) < 0.1));
     assert!(variants()[2].1.fall().is_none());
+    // The page moves the same panels of the form for a narrow screen.
+    let panels = |svg: &str| svg.matches("data-panel=").count();
+    assert_eq!(panels(drawing.narrow.as_ref().unwrap()), panels(&drawing.svg));
 }
 
 #[test]

@@ -55,12 +55,8 @@ struct Part<T> {
 pub fn get<T: Illustrated + DeserializeOwned>(cache: &Cache, key: &Key, out: &Folder) -> Result<Option<T>> {
     let Some(Part { mut result, files }) = cache.get::<Part<T>>(key) else { return Ok(None) };
     for figure in result.figures() {
-        for file in &figure.files {
-            let place = match file.kind.as_str() {
-                "SVG" => &mut figure.svg,
-                "CSV" if figure.csv.is_empty() => &mut figure.csv,
-                _ => continue,
-            };
+        for file in figure.files.clone() {
+            let Some(place) = figure.text(&file.kind) else { continue };
             let Some(text) = files.get(&file.name).and_then(Content::text) else { return Ok(None) };
             *place = text.into();
         }
@@ -86,6 +82,7 @@ where
     for figure in result.figures() {
         names.extend(figure.files.iter().map(|file| file.name.clone()));
         figure.svg.clear();
+        figure.narrow = None;
         figure.csv.clear();
     }
     let files = names.into_iter().filter_map(|name| Some((out.written(&name)?, name)));

@@ -1,11 +1,13 @@
 //! `stickslip new`: looks at a measured table, says what it sees, and writes a scenario that fits it.
 
 use super::{Global, say};
-use crate::compare::calibrate;
-use crate::discover::{MARGIN, SearchOptions, explain, explained};
+use crate::compare::{calibrate, judge};
+use crate::discover::{MARGIN, SearchOptions, explain};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::fit::resonance::{Resonance, of_all, resonance};
+use crate::fit::{robust_square, schwarz, typical_of};
+use crate::free_form;
 use crate::measurement::{Direction, Point, Series, Survey, Table, load, survey};
 use crate::model::Model;
 use crate::scenario::diagnostic::whole_file;
@@ -13,20 +15,33 @@ use crate::scenario::{Coordinate, Scenario, Signal};
 use crate::solver::cycle::Tolerance;
 use crate::statistics::{median, wrap};
 use crate::units::{self, count};
-use std::cmp::Ordering::Equal;
+use nalgebra::DVector;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
+
+/// Two neighbours along a series whose responses per drive differ by this many times what their neighbours do are a jump, if by more
+/// than this many standard deviations.
+const JUMP: (f64, f64) = (5.0, 8.0);
 
 /// The search that decides between kinds of readings.
 static SHORT: LazyLock<SearchOptions> = LazyLock::new(|| {
     let whole = SearchOptions::default();
     SearchOptions { max_effects: 2, budget: whole.budget / 10, ..whole }
 });
-/// Two neighbours along a series whose responses per drive differ by this many times what their neighbours do are a jump, if by more
-/// than this many standard deviations.
-const JUMP: (f64, f64) = (5.0, 8.0);
+
+/// What can be left of readings by a scenario with what it lacks: residuals in standard deviations and the number of parameters, by
+/// effects of the catalogue and, where a search is too short for these, by any law of the amplitude.
+fn left(scenario: &Scenario, table: &Table) -> Vec<(DVector<f64>, usize)> {
+    let model = Model::new(&table.applied_to(scenario));
+    let calibration = calibrate(&model, &scenario.free, &table.points, Tolerance::FIT, 0);
+    let law = free_form::left_by_amplitude(&judge(scenario, table, &calibration, None));
+    let fit = explain(scenario, table, &SHORT).fit;
+    let effects = (fit.evaluation.residuals, fit.parameters.len());
+    let readings = effects.0.len();
+    law.into_iter().filter(|(left, _)| left.len() == readings).chain([effects]).collect()
+}
 
 /// Looks at `table` and writes the scenario to `output`, or beside the table under its name.
 pub fn execute(table: &Path, output: Option<&Path>, global: &Global) -> Result<()> {
@@ -234,55 +249,38 @@ impl<'a> Draft<'a> {
         lacking
     }
 
-    /// The scenario in which the readings are explained best, and what was chosen between, in words: of a reading in volts it is
-    /// not said whether it is of displacement, velocity or acceleration, and of a rig on a moving base not whether its motion is
-    /// read relative to that; they differ in shape and phase.
+    /// The scenario that explains the readings best with what it lacks, and what was chosen between, in words: of a reading in volts
+    /// it is not said whether it is of displacement, velocity or acceleration, and of a rig on a moving base not whether its motion
+    /// is read relative to that; they differ in shape and phase.
     fn best_scenario(&self, target: &Path) -> Result<(String, Option<String>)> {
         let kinds = self.kinds();
         if let [only] = kinds[..] {
             return Ok((self.scenario(target, only), None));
         }
-        let mut drafts = Vec::new();
+        let (mut drafts, mut explained) = (Vec::new(), Vec::new());
         for kind in kinds {
             let text = self.scenario(target, kind);
             let scenario = crate::scenario::load_text(target, &text)?;
-            drafts.extend(load(&scenario)?.map(|table| (kind, text, scenario, table)));
+            if let Some(table) = load(&scenario)? {
+                drafts.push((kind, text));
+                explained.push(left(&scenario, &table));
+            }
         }
-        let by_linear = |(_, _, scenario, table): &(Kind, String, Scenario, Table)| {
-            let smallest = |a: &Series, b: &Series| (a.load, a.drive).partial_cmp(&(b.load, b.drive));
-            let series = (0..table.series.len())
-                .min_by(|&a, &b| smallest(&table.series[a], &table.series[b]).unwrap_or(Equal))
-                .unwrap_or(0);
-            let points: Vec<Point> = table.points.iter().filter(|p| p.series == series).cloned().collect();
-            let model = Model::new(&table.applied_to(scenario));
-            calibrate(&model, &scenario.free, &points, Tolerance::COARSE, 0).fit.objective
-        };
-        let least = |values: &[f64]| {
-            (1..values.len()).fold(0, |best, i| if values[i] + MARGIN < values[best] { i } else { best })
-        };
-        // Whatever is missing changes the shape of the resonance too: each kind is judged with that, and what is missing as that
-        // kind is read, until neither changes.
-        let mut best = least(&drafts.iter().map(by_linear).collect::<Vec<_>>());
-        let (mut tried, mut criteria, mut with) = (Vec::new(), Vec::new(), String::new());
-        while !tried.contains(&best) {
-            tried.push(best);
-            let (_, _, scenario, table) = &drafts[best];
-            let found = explain(scenario, table, &SHORT);
-            with = found.label();
-            let all: Vec<(&Scenario, &Table)> = drafts.iter().map(|(.., scenario, table)| (scenario, table)).collect();
-            criteria = explained(&all, &SHORT, &found);
-            best = least(&criteria);
-        }
-        let (kind, text, ..) = drafts.remove(best);
-        let criterion = criteria.remove(best);
-        let margin = criteria.iter().map(|other| other - criterion).fold(f64::INFINITY, f64::min);
+        let unit = explained.iter().flatten().map(|(left, _)| typical_of(left)).fold(f64::INFINITY, f64::min).powi(2);
+        let criterion =
+            |(left, parameters): &(DVector<f64>, usize)| schwarz(robust_square(left, unit), *parameters, left.len());
+        let least = |all: &Vec<(DVector<f64>, usize)>| all.iter().map(criterion).fold(f64::INFINITY, f64::min);
+        let mut criteria: Vec<f64> = explained.iter().map(least).collect();
+        let best = (1..criteria.len()).fold(0, |best, i| if criteria[i] + MARGIN < criteria[best] { i } else { best });
+        let (kind, text) = drafts.remove(best);
+        let own = criteria.remove(best);
+        let margin = criteria.iter().map(|other| other - own).fold(f64::INFINITY, f64::min);
         let by = if margin > MARGIN {
-            let with = if with == "nothing" { String::new() } else { format!(" with {with}") };
-            format!("explains the readings{with} better by {margin:.0} in Schwarz's criterion")
+            format!("explains the readings, with what is missing, better by {margin:.0} in Schwarz's criterion")
         } else {
             "is an assumption, the readings do not decide".into()
         };
-        let others: Vec<String> = drafts.iter().map(|(other, ..)| self.words(*other)).collect();
+        let others: Vec<String> = drafts.iter().map(|(other, _)| self.words(*other)).collect();
         let chosen = format!("the reading is taken as {}, not {}: that {by}", self.words(kind), others.join(" or "));
         Ok((text, Some(chosen)))
     }

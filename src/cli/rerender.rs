@@ -22,13 +22,8 @@ pub fn execute(from: &Path, (out, open): (Option<&Path>, bool), extras: &Extras,
     let out = if out.as_os_str().is_empty() { PathBuf::from(".") } else { out };
     extras.free(&out)?;
     for figure in report::figures(&mut view) {
-        for file in &figure.files {
-            let place = match file.kind.as_str() {
-                "SVG" => &mut figure.svg,
-                // The first table is what is shown; others go with it.
-                "CSV" if figure.csv.is_empty() => &mut figure.csv,
-                _ => continue,
-            };
+        for file in figure.files.clone() {
+            let Some(place) = figure.text(&file.kind) else { continue };
             *place = text(&folder.join(&file.name))?;
         }
     }

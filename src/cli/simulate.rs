@@ -134,8 +134,14 @@ pub(super) fn write(drawing: Drawing, id: &str, out: &Folder) -> Result<FigureIn
         out.write(&name, &bytes)?;
         names.push(name);
     }
-    let Drawing { name, title, caption, alt, svg, csv, notes, reading } = drawing;
-    Ok(FigureInput { name, title, caption, alt, svg, csv, notes, reading, files: names })
+    if let Some(svg) = drawing.narrow.as_ref().filter(|_| format.contains(&Format::Svg)) {
+        let name = format!("{id}/{}{}", drawing.name, report::NARROW_ENDING);
+        let svg = preset.map_or_else(|| svg.clone(), |preset| preset.svg(svg));
+        out.write(&name, svg.as_bytes())?;
+        names.push(name);
+    }
+    let Drawing { name, title, caption, alt, svg, narrow, csv, notes, reading } = drawing;
+    Ok(FigureInput { name, title, caption, alt, svg, narrow, csv, notes, reading, files: names })
 }
 
 /// Name of the file with every steady state of the scenario `id`.

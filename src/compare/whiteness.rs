@@ -70,16 +70,19 @@ impl Whiteness {
     }
 }
 
-/// Scatter of amplitudes and phases about anything smooth, over their stated standard deviations, each by itself and one where it
-/// does not contradict these; `None` where neither does. More than stated only where nothing but noise is left: a misfit may be
-/// rough too.
+/// Scatter of amplitudes and phases about anything smooth, over their standard deviations, each by itself; `None` where it is not to
+/// be gone by. Of stated deviations where it contradicts these, of those estimated along series always: it is known better. More
+/// than they say only where nothing but noise is left: a misfit may be rough too.
 pub fn scatter(points: &[Compared], table: &Table, fitted: usize) -> Option<Noise> {
     let structured = whiteness(points, table.series.len(), fitted, table.amplitude_noise).structured;
     let of = |kind: fn(&Compared) -> Option<f64>, source: NoiseSource| {
         let curve = |number| points.iter().filter(|p| p.condition == number).filter_map(kind).collect();
         let curves: Vec<Vec<f64>> = (0..table.series.len()).map(curve).collect();
         let (factor, contradicted) = test(&curves, 0).scatter();
-        let told = contradicted && source != NoiseSource::Estimated && (factor < 1.0 || !structured);
+        let told = match source {
+            NoiseSource::Estimated => !structured,
+            _ => contradicted && (factor < 1.0 || !structured),
+        };
         if told { factor } else { 1.0 }
     };
     let noise = Noise {

@@ -95,9 +95,9 @@ impl Search<'_> {
                 self.options.budget
             ));
         }
-        if let Some(words) = noise.words() {
+        if let Some(words) = noise.words(self.table.amplitude_noise) {
             notes.push(format!(
-                "{words}; the search began again with standard deviations so many times as large, and its chi2 is in these"
+                "{words}; the search went on with standard deviations so many times as large, and its chi2 is in these"
             ));
         }
         if verdict == Verdict::EffectMissing {

@@ -3,7 +3,7 @@
 use super::hypothesis::{Addition, Hypothesis};
 use crate::compare::TIGHTER;
 use crate::fit::{Fit, Parameter, Problem, Settings, TAIL, cost, minimise, parameter, schwarz, typical_of};
-use crate::measurement::Point;
+use crate::measurement::{Noise, Point};
 use crate::model::Model;
 use crate::solver::cycle::Tolerance;
 use nalgebra::DVector;
@@ -15,6 +15,7 @@ const CLOSE: f64 = 1e-4;
 const CLOSER: f64 = 1e-6;
 
 /// The readings, and the model that is to explain them.
+#[derive(Clone)]
 pub struct Data<'a> {
     /// The model of the scenario, not calibrated.
     pub base: Model,
@@ -64,6 +65,11 @@ impl<'a> Data<'a> {
         }
     }
 
+    /// The same at the same points with other standard deviations.
+    pub fn over<'t>(&'t self, points: &'t [Point]) -> Data<'t> {
+        Data { points, ..self.clone() }
+    }
+
     /// So many of the points in their order.
     pub fn some(&self, count: usize) -> Vec<&'a Point> {
         let mut chosen: Vec<usize> = self.order.iter().copied().take(count).collect();
@@ -77,6 +83,31 @@ impl<'a> Data<'a> {
         self.order.iter().take(count).for_each(|&index| chosen[index] = true);
         let rows = self.points.iter().zip(chosen).flat_map(|(p, chosen)| (0..readings([p])).map(move |_| chosen));
         DVector::from_vec(residuals.iter().zip(rows).filter(|(_, chosen)| *chosen).map(|(&r, _)| r).collect())
+    }
+
+    /// A hypothesis in standard deviations that are so many times as large.
+    pub fn reweighted(&self, hypothesis: Hypothesis, noise: Noise) -> Hypothesis {
+        let of = |p: &Point| [Some(noise.amplitude), p.phase.map(|_| noise.phase)];
+        let all = DVector::from_vec(self.points.iter().flat_map(of).flatten().map(f64::recip).collect());
+        // A fit to some of the points is to the first of their order that have so many readings.
+        let weights = |rows: usize| {
+            let mut count = 0;
+            let first = self.order.iter().position(|&index| {
+                let before = count;
+                count += readings([&self.points[index]]);
+                before >= rows
+            });
+            self.part(&all, first.unwrap_or(self.points.len()))
+        };
+        let Hypothesis { mut fit, mut estimate, .. } = hypothesis;
+        let own = weights(fit.evaluation.residuals.len());
+        fit.evaluation.residuals.component_mul_assign(&own);
+        fit.evaluation.jacobian.column_iter_mut().for_each(|mut column| column.component_mul_assign(&own));
+        if let Some(estimate) = &mut estimate {
+            let own = weights(estimate.residuals.len());
+            estimate.residuals.component_mul_assign(&own);
+        }
+        Hypothesis { fit, estimate, ..hypothesis }
     }
 
     /// Readings: amplitudes and phases.

@@ -2,6 +2,7 @@
 
 use super::hypothesis::{Addition, Basis, Hypothesis};
 use crate::model::Model;
+use rayon::prelude::*;
 
 /// A hypothesis with one more addition, and what the look at that saw.
 #[derive(Clone)]
@@ -39,6 +40,12 @@ pub(super) struct Known {
 }
 
 impl Known {
+    /// The same with every entry changed.
+    pub fn map(mut self, change: impl Fn(Entry) -> Entry + Sync + Send) -> Self {
+        self.entries = self.entries.into_par_iter().map(change).collect();
+        self
+    }
+
     /// Whether all candidates were raced beside these.
     pub fn raced(&self, additions: &[Addition]) -> bool {
         self.parents.iter().any(|known| known.len() == additions.len() && known.iter().all(|a| additions.contains(a)))

@@ -4,7 +4,7 @@
 use super::data::{Data, readings};
 use super::hypothesis::{Addition, Hypothesis, extended};
 use crate::fit::resonance;
-use crate::fit::{Evaluation, Parameter, Problem, TAIL, parameter, robust_chi2, typical_of};
+use crate::fit::{Evaluation, Parameter, Prediction, Problem, TAIL, parameter, robust_chi2, typical_of};
 use crate::measurement::Point;
 use crate::model::Model;
 use crate::solver::cycle::Tolerance;
@@ -15,8 +15,6 @@ const SINGULAR: f64 = 1e-9;
 
 /// A hypothesis to which something may be added, on some of the points.
 pub struct Parent<'a> {
-    /// Values of its parameters.
-    pub values: Vec<f64>,
     model: Model,
     problem: Problem<'a>,
     evaluation: Evaluation,
@@ -47,12 +45,64 @@ impl<'a> Parent<'a> {
                 span = u.select_columns(&seen);
             }
         }
-        Self { model: problem.model(&values), values, problem, evaluation, span }
+        Self { model: problem.model(&values), problem, evaluation, span }
     }
 
     /// Residuals at the best that the parameters can do, in a linear estimate.
     pub fn rest(&self) -> DVector<f64> {
         self.without(&self.evaluation.residuals)
+    }
+
+    /// A model at its points.
+    fn evaluated(&self, data: &Data<'_>, model: &Model) -> Evaluation {
+        let mut problem = self.problem.of(model.clone());
+        let evaluation = problem.evaluate(&[], false);
+        data.count(problem.solved);
+        evaluation
+    }
+
+    /// The model, which has one more addition and leaves this, with the resonance that the hypothesis has.
+    fn kept(&self, model: &Model, from: &Hypothesis, evaluation: &Evaluation) -> Option<Model> {
+        let free: Vec<String> = from.fit.parameters.iter().map(|p| p.key.clone()).collect();
+        let read = |evaluation: &Evaluation| -> Vec<Point> {
+            let pairs = self.problem.points().iter().zip(&evaluation.predictions);
+            let steady = pairs.filter(|(_, prediction)| prediction.status.is_steady());
+            let point = |(point, prediction): (&&Point, &Prediction)| {
+                let phase = point.phase.map(|_| prediction.phase);
+                Point { amplitude: prediction.amplitude, phase, ..(*point).clone() }
+            };
+            steady.map(point).collect()
+        };
+        resonance::kept(model, &free, &read(&self.evaluation), &read(evaluation))
+    }
+
+    /// A starting point: the model, which has one more addition and leaves this, or as much of the addition as the sum of squares
+    /// wants.
+    fn start(
+        &self,
+        data: &Data<'_>,
+        from: &Hypothesis,
+        addition: Addition,
+        (model, evaluation): (Model, &Evaluation),
+    ) -> Start {
+        let values = |model: &Model| {
+            let none: [&Point; 0] = [];
+            Problem::new(model.clone(), none, data.beside(model, from, addition), Tolerance::COARSE).values()
+        };
+        let rest = self.rest();
+        let change = self.without(&(&evaluation.residuals - &self.evaluation.residuals));
+        let drawn = self.without(&evaluation.residuals);
+        let share = (-rest.dot(&change) / change.norm_squared()).max(0.0);
+        if share.is_finite() {
+            let scaled = &rest + &change * share;
+            let threshold = TAIL * typical_of(&rest);
+            let better = robust_chi2(&scaled, threshold) < robust_chi2(&drawn, threshold);
+            let strengthened = better.then(|| strengthened(&self.model, &model, addition, share)).flatten();
+            if let Some(model) = strengthened {
+                return Start { values: values(&model), model, residuals: scaled };
+            }
+        }
+        Start { values: values(&model), model, residuals: drawn }
     }
 
     /// A change of the residuals less what the parameters could undo.
@@ -90,38 +140,17 @@ pub fn look(data: &Data<'_>, parents: &[Parent<'_>], from: &Hypothesis, addition
     for (number, shares) in count.samples(from, addition).into_iter().enumerate() {
         let parent = &parents[number % parents.len()];
         let model = shares.of(data, &parent.model, addition);
-        let mut problem = parent.problem.of(model.clone());
-        let residuals = problem.evaluate(&[], false).residuals;
-        data.count(problem.solved);
-        let rest = parent.rest();
-        let change = parent.without(&(&residuals - &parent.evaluation.residuals));
-        let size = change.norm_squared();
+        let evaluation = parent.evaluated(data, &model);
         found.strongest.push(model.clone());
+        let size = parent.without(&(&evaluation.residuals - &parent.evaluation.residuals)).norm_squared();
         if size > found.visibility {
             (found.visibility, found.strongest) = (size, vec![model.clone()]);
         }
-        let values = |model: &Model| {
-            let none: [&Point; 0] = [];
-            let own = Problem::new(model.clone(), none, data.beside(model, from, addition), Tolerance::COARSE).values();
-            let mut values = parent.values.clone();
-            values.extend_from_slice(&own[parent.values.len()..]);
-            values
-        };
-        let drawn = parent.without(&residuals);
-        if size > 0.0 {
-            // As much of the change as the sum of squares wants.
-            let share = (-rest.dot(&change) / size).max(0.0);
-            let scaled = &rest + &change * share;
-            let threshold = TAIL * typical_of(&rest);
-            let better = robust_chi2(&scaled, threshold) < robust_chi2(&drawn, threshold);
-            if let Some(model) =
-                Some(share).filter(|_| better).and_then(|share| strengthened(&parent.model, &model, addition, share))
-            {
-                found.starts.push(Start { values: values(&model), model, residuals: scaled });
-                continue;
-            }
-        }
-        found.starts.push(Start { values: values(&model), model, residuals: drawn });
+        // An effect may be a part of what was taken for the rig.
+        let kept = if addition.is_effect() { parent.kept(&model, from, &evaluation) } else { None };
+        let kept = kept.map(|model| (parent.evaluated(data, &model), model));
+        found.starts.push(parent.start(data, from, addition, (model, &evaluation)));
+        found.starts.extend(kept.map(|(evaluation, model)| parent.start(data, from, addition, (model, &evaluation))));
     }
     if found.visibility > 0.0 {
         found.strongest.drain(1..);

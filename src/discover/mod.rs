@@ -30,13 +30,13 @@ pub use hypothesis::{Addition, Basis, Estimate, Hypothesis, additions, compatibl
 pub use json::{DiscoveryJson, SCHEMA, json};
 pub use next::{Bounds, NextMeasurement, farthest};
 pub use options::{MARGIN, SearchOptions};
-pub use select::{discover, discover_counted, explain, explained};
+pub use select::{discover, discover_counted, explain};
 pub use verdict::{Evidence, verdict};
 pub use words::{identified, open_ends, sentence};
 
 use crate::compare::{Comparison, Outlier};
 use crate::fit::{Correlation, Interval};
-use crate::measurement::Noise;
+use crate::measurement::{Noise, NoiseSource};
 use std::sync::OnceLock;
 
 /// What the data say.
@@ -161,6 +161,13 @@ impl Discovery {
             self.fall.get_or_init(|| fall);
         }
         self.fall.get().and_then(Option::as_ref)
+    }
+
+    /// Whether the readings contradict the standard deviations that they came with; those that were estimated from the readings
+    /// claim nothing that could be.
+    pub fn contradicts_its_noise(&self) -> bool {
+        let source = self.explanation().comparison.table.amplitude_noise;
+        self.noise != Noise::STATED && source != NoiseSource::Estimated
     }
 
     /// The last rung: the explanation, or the calibrated base.

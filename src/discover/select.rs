@@ -2,19 +2,18 @@
 
 use super::Discovery;
 use super::data::{Data, Effort};
-use super::hypothesis::{Addition, Basis, Estimate, Hypothesis, additions, compatible, extended};
+use super::hypothesis::{Addition, Hypothesis, additions, compatible, extended};
 use super::known::{Entry, Known};
 use super::look::{Count, Look, Parent, look};
 use super::options::{MARGIN, MISTAKE, SearchOptions};
 use super::race::{Competitor, Race, Round};
 use super::runner::{Bar, COSTLY, Runner};
 use crate::compare::{self, Calibration};
-use crate::fit::{TAIL, robust_chi2, robust_square, schwarz, typical_of};
+use crate::fit::{TAIL, robust_chi2, robust_square, typical_of};
 use crate::measurement::{Noise, Table};
 use crate::model::Model;
 use crate::scenario::Scenario;
 use crate::solver::cycle::Tolerance;
-use nalgebra::DVector;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
@@ -39,7 +38,21 @@ pub fn discover_counted(
     options: &SearchOptions,
     solved: &Arc<AtomicU64>,
 ) -> Discovery {
-    searched(&table.applied_to(scenario), table, (options, solved), Noise::STATED)
+    let scenario = table.applied_to(scenario);
+    let (search, start) = Search::begin(&scenario, table, options, solved);
+    let mut known = Known::default();
+    let chosen = search.forward(&start, &mut known);
+    let Some(noise) = search.scatter(&chosen) else {
+        return search.run(&start, chosen, known, Noise::STATED);
+    };
+    // It goes on with the standard deviations that the readings scatter by.
+    let table = table.rescaled(noise);
+    let search = search.over(&table);
+    let [start, chosen] = [start, chosen].map(|h| search.data.fitted(search.data.reweighted(h, noise), CONTINUED));
+    let again = search.goes_on();
+    let mut known = known.map(|entry| search.reweighted(entry, noise, again));
+    let chosen = search.forward(&search.eliminate(chosen), &mut known);
+    search.run(&start, chosen, known, noise)
 }
 
 /// What explains the measurements of a scenario as far as the forward selection goes.
@@ -47,59 +60,6 @@ pub fn explain(scenario: &Scenario, table: &Table, options: &SearchOptions) -> H
     let scenario = table.applied_to(scenario);
     let (search, start) = Search::begin(&scenario, table, options, &Arc::default());
     search.forward(&start, &mut Known::default())
-}
-
-/// Schwarz's criterion of what was found for one of some scenarios in each of them: they share the readings, not the instrument.
-pub fn explained(drafts: &[(&Scenario, &Table)], options: &SearchOptions, by: &Hypothesis) -> Vec<f64> {
-    let taken = drafts.iter().map(|(scenario, table)| explained_by(scenario, table, options, by));
-    let taken: Vec<(f64, usize, Hypothesis)> = taken.collect();
-    let unit = taken.iter().map(|(unit, ..)| *unit).fold(f64::INFINITY, f64::min);
-    taken.iter().map(|(_, readings, h)| schwarz(h.square(unit), h.fit.parameters.len(), *readings)).collect()
-}
-
-/// What was found for a scenario, fitted in another; the unit of squares beside it and the number of readings.
-fn explained_by(
-    scenario: &Scenario,
-    table: &Table,
-    options: &SearchOptions,
-    by: &Hypothesis,
-) -> (f64, usize, Hypothesis) {
-    let scenario = table.applied_to(scenario);
-    let (search, start) = Search::begin(&scenario, table, options, &Arc::default());
-    let mut taken = search.reduced(by, by.additions.clone());
-    for (parameter, value) in taken.fit.parameters.iter().zip(&mut taken.fit.values) {
-        let own = start.fit.parameters.iter().position(|own| own.key == parameter.key);
-        if let Some(own) = own.filter(|_| parameter.key.starts_with("instrument.")) {
-            *value = start.fit.values[own];
-        }
-    }
-    // Its residuals are of the other instrument: nothing to hold the fit against.
-    let residuals = DVector::from_element(1, f64::INFINITY);
-    taken.estimate = Some(Estimate { residuals, scale: 1.0, basis: Basis::Linear });
-    let mut taken = search.data.fitted(taken, CONTINUED);
-    let aim = taken.clone();
-    search.settle_all(vec![&mut taken], &aim);
-    (search.unit(&taken), search.readings(), taken)
-}
-
-/// Where the readings scatter more or less than their standard deviations say, these are scaled and the search begins again.
-fn searched(
-    scenario: &Scenario,
-    table: &Table,
-    (options, solved): (&SearchOptions, &Arc<AtomicU64>),
-    noise: Noise,
-) -> Discovery {
-    let (search, start) = Search::begin(scenario, table, options, solved);
-    let mut known = Known::default();
-    let chosen = search.forward(&start, &mut known);
-    if noise == Noise::STATED
-        && let Some(noise) = search.scatter(&chosen)
-    {
-        let left = options.budget.saturating_sub(search.data.solved());
-        let options = SearchOptions { budget: left.max(1), ..options.clone() };
-        return searched(scenario, &table.rescaled(noise), (&options, solved), noise);
-    }
-    search.run(&start, chosen, known, noise)
 }
 
 /// A search and what it has found so far.
@@ -147,6 +107,24 @@ impl<'a> Search<'a> {
             compare::calibrate(&model, &scenario.free, &table.points, Tolerance::default(), options.seed);
         let search = Self::new(scenario, table, (options, solved), &scenario.free, base.clone());
         (search, Hypothesis { additions: Vec::new(), model: base, fit, estimate: None, bic: f64::INFINITY })
+    }
+
+    /// The same with other standard deviations.
+    fn over<'t>(&'t self, table: &'t Table) -> Search<'t> {
+        let data = self.data.over(&table.points);
+        Search { scenario: self.scenario, table, options: self.options, data, pool: self.pool.clone() }
+    }
+
+    /// What was found, in standard deviations that are so many times as large; fitted `again` where the fit is to all points.
+    fn reweighted(&self, entry: Entry, noise: Noise, again: bool) -> Entry {
+        let Entry { hypothesis, visibility, strongest } = entry;
+        let mut hypothesis = self.data.reweighted(hypothesis, noise);
+        if again && hypothesis.is_full(self.data.points.len()) {
+            hypothesis = self.data.fitted(hypothesis, CONTINUED);
+        }
+        let phases = self.readings() - self.data.points.len();
+        let factor = noise.together(self.data.points.len(), phases);
+        Entry { hypothesis, visibility: visibility / factor.powi(2), strongest }
     }
 
     /// From the end of the forward selection to what is told.

@@ -69,6 +69,7 @@ pub fn draw(entry: &Entry) -> Result<Drawing, FigureError> {
         caption,
         alt,
         svg,
+        narrow: None,
         csv: csv(&lines),
         notes,
         reading: READING.map(String::from),

@@ -72,6 +72,8 @@ pub struct Drawing {
     pub alt: String,
     /// The drawing, deterministic.
     pub svg: String,
+    /// The same for a narrow screen, where it has such a form.
+    pub narrow: Option<String>,
     /// Exactly what is shown, with units in the header.
     pub csv: String,
     /// Key numbers: name, and value with unit.
@@ -119,6 +121,7 @@ impl Drawing {
         for text in [&mut self.title, &mut self.caption, &mut self.alt, &mut self.svg, &mut self.csv] {
             *text = tell(text);
         }
+        self.narrow = self.narrow.map(|text| tell(&text));
         for (label, text) in &mut self.notes {
             (*label, *text) = (tell(label), tell(text));
         }
@@ -134,7 +137,8 @@ impl Drawing {
         reading: [&str; 3],
     ) -> Self {
         let reading = reading.map(String::from);
-        Self { name: name.into(), title: title.into(), caption, alt, svg, csv, notes: Vec::new(), reading }
+        let (name, title, notes) = (name.into(), title.into(), Vec::new());
+        Self { name, title, caption, alt, svg, narrow: None, csv, notes, reading }
     }
 }
 

@@ -57,6 +57,7 @@ pub fn draw(answer: &Answer) -> Result<Drawing, FigureError> {
         caption,
         alt,
         svg,
+        narrow: None,
         csv: csv(answer),
         notes: notes(answer),
         reading: reading(answer),

@@ -149,9 +149,11 @@ impl Parameter {
         by_t * self.half() * (u - ORIGIN).cos()
     }
 
-    /// Coordinate of a value, moved a little into the bounds.
+    /// Coordinate of a value; one at a bound is moved a little away from it, where the coordinate has no slope.
     pub fn coordinate(&self, value: f64) -> f64 {
-        ((self.scale(value) - self.middle()) / self.half()).clamp(-0.999, 0.999).asin() + ORIGIN
+        let sine = (self.scale(value) - self.middle()) / self.half();
+        let inside = if sine.abs() < 1.0 - 1e-9 { sine } else { sine.clamp(-0.999, 0.999) };
+        inside.asin() + ORIGIN
     }
 
     /// Value at the share `share` in 0..1 of the range of a search.

@@ -7,7 +7,7 @@
 use crate::measurement::Point;
 use crate::model::lumps::Lumps;
 use crate::model::{Model, Operation};
-use crate::scenario::{Dissipation, Elasticity, Rig};
+use crate::scenario::{Dissipation, Elasticity, Oscillator, Rig};
 use crate::statistics::{median, wrap};
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::TAU;
@@ -146,20 +146,7 @@ pub fn started(model: &Model, free: &[String], points: &[Point]) -> Option<Model
     })?;
     let at = Operation { speed: 0.0, load: 0.0, drive: typical.drive, frequency: seen.frequency };
     let Rig::Oscillator(rig) = &mut model.rig else { return None };
-    match rig.elasticity_form {
-        Elasticity::NaturalFrequency if is_free("rig.natural_frequency") => rig.elasticity = seen.frequency,
-        Elasticity::Stiffness if is_free("rig.stiffness") => {
-            rig.elasticity = rig.mass * (TAU * seen.frequency).powi(2);
-        }
-        _ => {}
-    }
-    let critical = (rig.mass * rig.stiffness()).sqrt();
-    match rig.dissipation_form {
-        Dissipation::QualityFactor if is_free("rig.quality_factor") => rig.dissipation = seen.quality,
-        Dissipation::DampingRatio if is_free("rig.damping_ratio") => rig.dissipation = 0.5 / seen.quality,
-        Dissipation::Damping if is_free("rig.damping") => rig.dissipation = critical / seen.quality,
-        _ => {}
-    }
+    put(rig, free, seen.frequency, seen.quality);
     let reading = |model: &Model| {
         let lumps = Lumps::new(model, &at);
         lumps.reading(lumps.free_response())
@@ -188,6 +175,41 @@ pub fn started(model: &Model, free: &[String], points: &[Point]) -> Option<Model
     if let Some(phase) = seen.phase.filter(|_| is_free("instrument.phase_offset")) {
         model.instrument.phase_offset = wrap(model.instrument.phase_offset + phase - reading(&model).1);
     }
+    Some(model)
+}
+
+/// Gives a rig a natural frequency \[Hz\] and a quality factor as far as its numbers are `free`.
+fn put(rig: &mut Oscillator, free: &[String], frequency: f64, quality: f64) {
+    let is_free = |key: &str| free.iter().any(|k| k == key);
+    match rig.elasticity_form {
+        Elasticity::NaturalFrequency if is_free("rig.natural_frequency") => rig.elasticity = frequency,
+        Elasticity::Stiffness if is_free("rig.stiffness") => rig.elasticity = rig.mass * (TAU * frequency).powi(2),
+        _ => {}
+    }
+    let critical = (rig.mass * rig.stiffness()).sqrt();
+    match rig.dissipation_form {
+        Dissipation::QualityFactor if is_free("rig.quality_factor") => rig.dissipation = quality,
+        Dissipation::DampingRatio if is_free("rig.damping_ratio") => rig.dissipation = 0.5 / quality,
+        Dissipation::Damping if is_free("rig.damping") => rig.dissipation = critical / quality,
+        _ => {}
+    }
+}
+
+/// The model with as much stiffness and damping taken from those of its numbers that are `free` as its readings resonate higher and
+/// broader than others do, both at the same places: what was added to it replaces a part of the rig. `None` for the paper's kind of
+/// rig, where no resonance is seen, and where there is not as much stiffness.
+pub fn kept(model: &Model, free: &[String], without: &[Point], with: &[Point]) -> Option<Model> {
+    let mut model = model.clone();
+    let order = model.signals.reading.order;
+    let Rig::Oscillator(rig) = &mut model.rig else { return None };
+    let (before, after) = (of_all(without, order)?, of_all(with, order)?);
+    let (stiffness, damping) = (rig.stiffness(), rig.damping());
+    let frequency = (stiffness / rig.mass).sqrt() / TAU;
+    let square = frequency.powi(2) + before.frequency.powi(2) - after.frequency.powi(2);
+    let loss = damping / (rig.mass * stiffness).sqrt();
+    let less = loss + 1.0 / before.quality - 1.0 / after.quality;
+    let loss = if less > 0.0 { less } else { loss };
+    put(rig, free, Some(square).filter(|square| *square > 0.0)?.sqrt(), 1.0 / loss);
     Some(model)
 }
 

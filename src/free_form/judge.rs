@@ -10,6 +10,7 @@ use crate::compare::{Comparison, Whiteness, whiteness};
 use crate::fit::TAIL;
 use crate::model::lumps::Lumps;
 use crate::statistics::spread;
+use nalgebra::DVector;
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -80,6 +81,16 @@ impl Judged<'_> {
         let base = square(&self.tried[0].fitted.residuals, &self.used);
         (100.0 * (1.0 - square(residuals, &self.used) / base.max(f64::MIN_POSITIVE))).clamp(0.0, 100.0)
     }
+}
+
+/// What the class of the amplitude leaves, and its number of unknowns; `None` where it cannot be fitted.
+pub fn left_by_amplitude(c: &Comparison, readings: &Readings<'_>) -> Option<(DVector<f64>, usize)> {
+    let motion = readings.measured_motion();
+    let values = motion.iter().map(|ln| ln.exp()).collect();
+    let class = Class::of(readings, &[(Variable::Amplitude, values)], c.table.series.len(), &motion)?;
+    let fitted = class.fit(&motion, &asked(c, readings));
+    let left = fitted.residuals.iter().flat_map(|(amplitude, phase)| [Some(*amplitude), *phase]).flatten();
+    Some((DVector::from_vec(left.collect()), class.unknowns))
 }
 
 /// Fits all classes and judges them.

@@ -32,6 +32,7 @@ use crate::model::lumps::Lumps;
 use class::Class;
 use fit::Fitted;
 use judge::Judged;
+use nalgebra::DVector;
 use rayon::prelude::*;
 use readings::Readings;
 
@@ -161,6 +162,16 @@ pub fn analyse(c: &Comparison) -> FreeForm {
     }
     found.statement = words::statement(&found, &judged);
     found
+}
+
+/// What a missing force leaves whose stiffness and damping are any smooth functions of the amplitude of the motion: residuals of
+/// amplitudes and phases in standard deviations, and the number of unknowns; `None` where there is no such force of the model.
+pub fn left_by_amplitude(c: &Comparison) -> Option<(DVector<f64>, usize)> {
+    let readings = Readings::of(c);
+    if !readings.solvable() || readings.points.is_empty() {
+        return None;
+    }
+    judge::left_by_amplitude(c, &readings)
 }
 
 /// Motion at the place that k and c are told of, per unit of the coordinate.

@@ -33,15 +33,16 @@ impl Noise {
         ((amplitudes * self.amplitude.powi(2) + phases * self.phase.powi(2)) / (amplitudes + phases)).sqrt()
     }
 
-    /// What the readings say of the stated deviations, where they contradict these.
-    pub fn words(&self) -> Option<String> {
+    /// What the readings say of the deviations that they came with, which are from there.
+    pub fn words(&self, source: NoiseSource) -> Option<String> {
         let Self { amplitude, phase } = *self;
+        let than = if source == NoiseSource::Estimated { "along their series" } else { "stated" };
         match (amplitude != 1.0, phase != 1.0) {
             (false, false) => None,
-            (true, false) => Some(format!("the amplitudes scatter {amplitude:.2} times as much as stated")),
-            (false, true) => Some(format!("the phases scatter {phase:.2} times as much as stated")),
+            (true, false) => Some(format!("the amplitudes scatter {amplitude:.2} times as much as {than}")),
+            (false, true) => Some(format!("the phases scatter {phase:.2} times as much as {than}")),
             (true, true) => Some(format!(
-                "the amplitudes scatter {amplitude:.2} times as much as stated, the phases {phase:.2} times"
+                "the amplitudes scatter {amplitude:.2} times as much as {than}, the phases {phase:.2} times"
             )),
         }
     }

@@ -17,6 +17,9 @@ use crate::model::Model;
 use crate::solver::Status;
 use crate::solver::cycle::Tolerance;
 use crate::sweep::{Condition, curve};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::rc::Rc;
 
 /// Points that a search works on, at most.
 const POINTS: usize = 34;
@@ -42,6 +45,9 @@ const DIGITS: usize = 3;
 /// Parameters with their signs, and values of them.
 type Start = (Vec<Parameter>, Vec<f64>);
 
+/// What the effect gives at the points of a search: amplitudes, and how many points have no steady state.
+type Response = (Vec<f64>, usize);
+
 struct Search<'a> {
     base: &'a Model,
     effect: &'static dyn Effect,
@@ -51,6 +57,8 @@ struct Search<'a> {
     coarse: Judge,
     points: Vec<&'a Point>,
     model: Model,
+    /// What was solved, by the bits of the values.
+    known: Rc<RefCell<BTreeMap<Vec<u64>, Response>>>,
 }
 
 /// Searches the parameters of an effect; whether it can is also said for `others` that judge by another tolerance.
@@ -64,7 +72,7 @@ pub(super) fn search(
     let stride = stride(points.len());
     let model = extended(base, &[Addition::Effect(effect)]);
     let (coarse, points) = (judge.every(stride), points.iter().step_by(stride).collect());
-    let search = Search { base, effect, condition, judge, coarse, points, model };
+    let search = Search { base, effect, condition, judge, coarse, points, model, known: Rc::default() };
     let starts = search.starts();
     let nearest = search.nearest(&starts).unwrap_or_else(|| starts[0].clone());
     let near = search.setting(&nearest);
@@ -95,7 +103,8 @@ impl<'a> Search<'a> {
     /// The same search for another judge of the same curve.
     fn judged_by(&self, judge: &'a Judge) -> Self {
         let coarse = judge.every(stride(judge.frequency().len()));
-        Self { judge, coarse, points: self.points.clone(), model: self.model.clone(), ..*self }
+        let (points, model, known) = (self.points.clone(), self.model.clone(), Rc::clone(&self.known));
+        Self { judge, coarse, points, model, known, ..*self }
     }
 
     /// Whether a search from these starts finds a setting with all features.
@@ -171,14 +180,26 @@ impl<'a> Search<'a> {
         best.map(|(_, start)| start)
     }
 
+    /// What the effect gives at these values. Searches by several judges and within several bounds pass through the same ones;
+    /// only what a continuum of sliders gives depends on what was solved before.
+    fn response(&self, problem: &mut Problem<'_>, values: &[f64]) -> Response {
+        let key: Vec<u64> = values.iter().map(|value| value.to_bits()).collect();
+        if let Some(known) = self.known.borrow().get(&key).filter(|_| !self.model.has_continuum()) {
+            return known.clone();
+        }
+        let predictions = problem.evaluate(values, false).predictions;
+        let not_steady = predictions.iter().filter(|p| p.status != Status::Steady).count();
+        let response: Response = (predictions.iter().map(|p| p.amplitude).collect(), not_steady);
+        self.known.borrow_mut().insert(key, response.clone());
+        response
+    }
+
     /// Goes downhill along one parameter at a time from a start within the bounds, until the cost is below `enough`.
     fn compass(&self, parameters: &[Parameter], start: Vec<f64>, enough: f64) -> (f64, Vec<f64>) {
         let mut problem = self.problem(parameters);
         let mut cost = |values: &[f64]| {
-            let predictions = problem.evaluate(values, false).predictions;
-            let amplitude: Vec<f64> = predictions.iter().map(|p| p.amplitude).collect();
+            let (amplitude, not_steady) = self.response(&mut problem, values);
             let features = self.coarse.features(&amplitude, 0);
-            let not_steady = predictions.iter().filter(|p| p.status != Status::Steady).count();
             let cost = WEIGHT * (self.coarse.shortfall(&features) + not_steady as f64) + features.rms;
             if cost.is_finite() { cost } else { f64::MAX }
         };

@@ -52,7 +52,7 @@ pub use parameters::formulation;
 pub use provenance::{Provenance, SECTION as PROVENANCE_SECTION};
 pub use question::question_view;
 pub use render::{PAGES, RenderError, json, others, render};
-pub use scenario::{FigureInput, scenario_view};
+pub use scenario::{FigureInput, NARROW_ENDING, scenario_view};
 pub use trend::{Trend, figure_view};
 pub use values::{Value, values};
 pub use verdict::{Agreement, Change, Completeness, Found, Match, Passed, Tone, Verdict};

@@ -89,12 +89,14 @@ fn page(
     template: &str,
     (figures, symbols): (&[&FigureView], &[SymbolView]),
 ) -> Result<String, RenderError> {
+    let inline = |svg: &str, prefix: String| Value::from_safe_string(svg::inline(svg, &prefix).unwrap_or_default());
     let drawing = |figure: &FigureView| {
-        let svg = svg::inline(&figure.svg, &format!("{}--", figure.anchor)).unwrap_or_default();
-        (figure.anchor.clone(), Value::from_safe_string(svg))
+        let narrow = figure.narrow.as_ref().map(|svg| inline(svg, format!("{}--narrow--", figure.anchor)));
+        let wide = inline(&figure.svg, format!("{}--", figure.anchor));
+        (figure.anchor.clone(), BTreeMap::from([("wide", wide), ("narrow", narrow.unwrap_or_else(|| Value::from("")))]))
     };
     let table = |figure: &FigureView| (figure.anchor.clone(), packed::packed(&figure.csv));
-    let drawings: BTreeMap<String, Value> = figures.par_iter().map(|figure| drawing(figure)).collect();
+    let drawings: BTreeMap<String, BTreeMap<&str, Value>> = figures.par_iter().map(|figure| drawing(figure)).collect();
     let tables: BTreeMap<String, String> = figures.par_iter().map(|figure| table(figure)).collect();
     let environment = environment(symbols)?;
     let page = environment.get_template(template)?;

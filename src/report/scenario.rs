@@ -25,6 +25,8 @@ pub struct FigureInput {
     pub alt: String,
     /// The drawing.
     pub svg: String,
+    /// The same for a narrow screen, where it has such a form.
+    pub narrow: Option<String>,
     /// Labelled numbers.
     pub notes: Vec<(String, String)>,
     /// What is shown as a table.
@@ -35,6 +37,10 @@ pub struct FigureInput {
     pub files: Vec<String>,
 }
 
+/// Kind of a file with the drawing for a narrow screen.
+const NARROW: &str = "narrow SVG";
+/// How the name of such a file ends.
+pub const NARROW_ENDING: &str = "-narrow.svg";
 /// Frequencies from which on a list of them is a curve with a peak.
 const CURVE: usize = 5;
 /// How many reasons of points that are not steady a section shows.
@@ -87,10 +93,15 @@ pub(super) fn figure(scenario_id: &str, input: &FigureInput) -> FigureView {
     let file = |name: &String| FileView {
         name: name.clone(),
         href: anchor::href(name),
-        kind: name.rsplit_once('.').map_or("file".into(), |(_, extension)| extension.to_ascii_uppercase()),
+        kind: match name.rsplit_once('.') {
+            Some(_) if name.ends_with(NARROW_ENDING) => NARROW.into(),
+            Some((_, extension)) => extension.to_ascii_uppercase(),
+            None => "file".into(),
+        },
     };
     FigureView {
         svg: input.svg.clone(),
+        narrow: input.narrow.clone(),
         csv: input.csv.clone(),
         anchor,
         name: input.name.clone(),
@@ -100,6 +111,18 @@ pub(super) fn figure(scenario_id: &str, input: &FigureInput) -> FigureView {
         notes: input.notes.iter().map(|(label, text)| NoteView { label: label.clone(), text: text.clone() }).collect(),
         reading: reading(&input.reading),
         files: input.files.iter().map(file).collect(),
+    }
+}
+
+impl FigureView {
+    /// Where the text of its file of that kind belongs. The first table is what is shown; others go with it.
+    pub fn text(&mut self, kind: &str) -> Option<&mut String> {
+        match kind {
+            "SVG" => Some(&mut self.svg),
+            NARROW => Some(self.narrow.insert(String::new())),
+            "CSV" if self.csv.is_empty() => Some(&mut self.csv),
+            _ => None,
+        }
     }
 }
 

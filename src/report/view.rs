@@ -272,6 +272,9 @@ pub struct FigureView {
     /// The drawing, checked when the page is made. Not part of the JSON: it is among the files.
     #[serde(skip)]
     pub svg: String,
+    /// The same for a narrow screen, where it has such a form; among the files too.
+    #[serde(skip)]
+    pub narrow: Option<String>,
     /// What is shown as a table. Not part of the JSON either.
     #[serde(skip)]
     pub csv: String,

@@ -1,4 +1,4 @@
-// The report in a real browser: node tests/browser/run.mjs REPORT_FOLDER HOSTILE_FOLDER [SCREENSHOT_FOLDER]
+// The report in a real browser: node tests/browser/run.mjs REPORT_FOLDER HOSTILE_FOLDER OWN_FOLDER [SCREENSHOT_FOLDER]
 // Every interaction, no error, no request, no sideways scroll, nothing that axe objects to, nothing that a title can run.
 import assert from "node:assert/strict";
 import { readFileSync, mkdirSync } from "node:fs";
@@ -7,7 +7,7 @@ import { join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
 
-const [folder, hostile, pictures] = process.argv.slice(2).map((path) => resolve(path));
+const [folder, hostile, own, pictures] = process.argv.slice(2).map((path) => resolve(path));
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const browser = await chromium.launch({
   executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
@@ -67,20 +67,21 @@ const picture = async (page, name, options = {}) => {
 const text = (page, selector) => page.locator(selector).first().innerText();
 
 // The first figure whose curves have names, scrolled into view.
-const figure = async (page) => {
-  const id = await page.evaluate(() => {
+const figure = async (page, which = "figure") => {
+  const id = await page.evaluate((selector) => {
+    const seen = (one) => [...one.querySelectorAll(".canvas")].find((canvas) => canvas.checkVisibility());
     const named = (one) => one.querySelectorAll("[data-key]").length > 2 && one.querySelectorAll("[data-s]").length > 2;
-    const found = [...document.querySelectorAll("figure")].find((one) => named(one) && !one.closest("details"));
-    found.querySelector(".canvas").scrollIntoView({ block: "center" });
+    const found = [...document.querySelectorAll(selector)].find((one) => named(one) && seen(one));
+    seen(found).scrollIntoView({ block: "center" });
     return found.id;
-  });
+  }, which);
   const root = page.locator(`[id="${id}"]`);
   await root.locator(".tools").waitFor();
   return root;
 };
 // Where a point of a series is on the screen.
 const place = (root, share = 0.5) => root.evaluate((one, part) => {
-  const svg = one.querySelector("svg");
+  const svg = [...one.querySelectorAll(".drawing > svg")].find((svg) => svg.checkVisibility());
   const line = [...svg.querySelectorAll("[data-s] polyline")].find((l) => l.points.numberOfItems > 20);
   const { x, y } = line.points.getItem(Math.floor(line.points.numberOfItems * part));
   const at = new DOMPoint(x, y).matrixTransform(svg.getScreenCTM());
@@ -117,14 +118,72 @@ try {
     check(filter.includes("invert"), "figures are light in the dark theme");
     check((await text(page, ".tallies a[href='trials.html']")).length > 5, "no link to the trials");
     await page.finish();
-    const phone = await open(folder, { viewport: PHONE });
-    const small = await phone.locator("figure.before-after .drawing").first().evaluate((drawing) => {
-      const [svg] = drawing.children;
-      const scale = svg.getBoundingClientRect().width / svg.viewBox.baseVal.width;
-      return Math.min(...[...svg.querySelectorAll("[data-ticks] text")].map((one) => +one.getAttribute("font-size") * scale));
-    });
-    check(small >= 9.5, `text of the axes has ${small} px`);
-    await phone.finish();
+  });
+
+  await step("a page of one's own rig is short, and begins with the picture, the verdict and the next measurement", async () => {
+    for (const name of ["explained", "unexplained", "compared"]) {
+      const page = await open(join(own, name), { viewport: { width: 1280, height: 800 } });
+      const root = page.locator("figure:has(.canvas)").first();
+      await root.locator(".tools").waitFor();
+      const screens = (await page.evaluate(() => document.documentElement.scrollHeight)) / 800;
+      console.log(`    ${name}: ${screens.toFixed(1)} screens of 1280 x 800`);
+      check(screens <= 8, `${name}: ${screens} screens before anything is unfolded`);
+      const first = [".measured .result", ...(name === "compared" ? [] : [".measured .canvas", ".measured .next"])];
+      for (const part of first) {
+        const { y, height } = await page.locator(part).first().boundingBox();
+        check(y + height <= 800, `${name}: ${part} ends ${y + height} px down`);
+      }
+      check((await page.locator(".measured h3").count()) > 0 && (await page.locator("main h2").count()) >= 3, name);
+      await picture(page, `own-${name}`);
+      await page.evaluate(() => document.querySelectorAll("details").forEach((one) => { one.open = true; }));
+      await narrow(page, name);
+      await page.finish();
+    }
+  });
+
+  await step("the first picture is read on a phone as it is", async () => {
+    const pages = [folder, ...["explained", "unexplained", "compared"].map((name) => join(own, name))];
+    for (const [path, colorScheme] of pages.flatMap((path) => [[path, "light"], [path, "dark"]])) {
+      const page = await open(path, { viewport: PHONE, colorScheme, hasTouch: true, isMobile: true });
+      const root = page.locator(".measured figure").first();
+      await root.scrollIntoViewIfNeeded();
+      await root.locator(".tools").waitFor();
+      const frame = root.locator(".canvas:visible");
+      const { whole, seen, texts } = await frame.evaluate((one) => {
+        const svg = one.querySelector("svg");
+        const scale = svg.getBoundingClientRect().width / svg.viewBox.baseVal.width;
+        const sizes = [...svg.querySelectorAll("text")].map((text) => +text.getAttribute("font-size") * scale);
+        return { whole: one.scrollWidth, seen: one.clientWidth, texts: Math.min(...sizes) };
+      });
+      check(whole <= seen, `${path}: ${whole} px of the picture in ${seen}`);
+      check(texts >= 11, `${path}: text of the first picture has ${texts} px`);
+      check(!(await root.getByRole("button", { name: "Fit to width" }).isVisible()), "a button for what fits");
+      await picture(page, `phone-${path.split("/").at(-1)}-${colorScheme}`);
+      await page.finish();
+    }
+    // What was moved on one drawing begins anew on the other.
+    const page = await open(join(own, "explained"), { viewport: PHONE });
+    const root = page.locator(".measured figure").first();
+    const line = () => root.locator(".canvas:visible").evaluate((one) =>
+      [...one.querySelectorAll('[data-s="model, corrected"] :is(polyline, path)')].filter((shape) => shape.style.display !== "none")
+        .map((shape) => shape.getAttribute("points") ?? shape.getAttribute("d")).join());
+    await root.locator(".watch").waitFor();
+    const before = await line();
+    await root.getByRole("slider").focus();
+    await page.keyboard.press("Home");
+    check((await line()) !== before, "the slider moves the narrow drawing");
+    await page.setViewportSize(DESKTOP);
+    await root.locator(".wide .tip").waitFor({ state: "attached" });
+    await root.locator(".watch").waitFor();
+    check((await root.locator(".tools").count()) === 1 && (await root.locator(".watch").count()) === 1, "tools are there twice");
+    const wide = await line();
+    await root.getByRole("slider").focus();
+    await page.keyboard.press("Home");
+    check((await line()) !== wide, "the slider moves the wide drawing");
+    await page.setViewportSize(PHONE);
+    await root.locator(".narrow .tip").waitFor({ state: "attached" });
+    check((await line()) === before, "the narrow drawing is not as it was");
+    await page.finish();
   });
 
   await step("the error falls: strength and switches redraw curve and number, and the number is the JSON's", async () => {
@@ -176,7 +235,7 @@ try {
       await root.scrollIntoViewIfNeeded();
       await root.locator(".tools").waitFor();
       await page.waitForTimeout(500);
-      await root.locator(".canvas").evaluate((one) => one.scrollIntoView({ block: "center" }));
+      await root.locator(".canvas:visible").evaluate((one) => one.scrollIntoView({ block: "center" }));
       const at = await root.evaluate((one) => {
         const { plot } = one;
         const { x, y } = plot.points.filter(({ group }) => group.name.startsWith("measured"))[8];
@@ -191,7 +250,7 @@ try {
     const [first, second] = ["overlay", "overlay-phase"].map((name) => page.locator(`.measured figure[id$="-${name}"]`).first());
     await second.scrollIntoViewIfNeeded();
     await second.locator(".tools").waitFor();
-    await first.locator(".canvas").focus();
+    await first.locator(".canvas:visible").focus();
     await page.keyboard.press("ArrowRight");
     await page.keyboard.press("+");
     check((await zoomed(first)) && (await zoomed(second)), "the phases do not follow the amplitudes");
@@ -238,13 +297,13 @@ try {
       await page.mouse.move(at.x + dx, at.y + dy, { steps: 3 });
       await page.mouse.up();
     };
-    await root.locator(".canvas").evaluate((one) => one.scrollIntoView({ block: "center" }));
+    await root.locator(".canvas:visible").evaluate((one) => one.scrollIntoView({ block: "center" }));
     Object.assign(at, await place(root));
     await drag(60, 40);
     check(await zoomed(root), "dragging zooms");
     check((await root.locator("[data-overlay] text").count()) >= 3, "a zoomed panel has its ticks");
     await picture(page, "zoom");
-    const box = await root.locator("svg").boundingBox();
+    const box = await root.locator(".drawing:visible > svg").boundingBox();
     await page.mouse.dblclick(box.x + box.width / 3, box.y + box.height / 4);
     check(!(await zoomed(root)), "a double click shows the whole view");
     const after = await root.evaluate((one) => one.querySelector("[data-s] polyline").getAttribute("points"));
@@ -259,7 +318,7 @@ try {
   await step("the same with the keyboard alone", async () => {
     const page = await open(folder);
     const root = await figure(page);
-    await root.locator(".canvas").focus();
+    await root.locator(".canvas:visible").focus();
     const said = [];
     for (const key of ["ArrowRight", "ArrowRight", "ArrowDown"]) {
       await page.keyboard.press(key);
@@ -280,7 +339,7 @@ try {
     await page.evaluate(() => document.querySelectorAll(".measured details").forEach((one) => { one.open = true; }));
     for (const root of await page.locator("figure:has(.canvas)").all()) {
       if (!(await root.isVisible())) continue;
-      await root.locator(".canvas").focus();
+      await root.locator(".canvas:visible").focus();
       await page.keyboard.press("ArrowRight");
       await page.keyboard.press("+");
       if (!(await zoomed(root))) continue;
@@ -304,14 +363,16 @@ try {
     const swatches = await root.locator(".series .swatch").evaluateAll((all) => all.map((one) => getComputedStyle(one).borderTopColor));
     check(new Set(swatches).size > 1 && (await root.locator(".series button").first().isVisible()),
       `curves are named beside their colours: ${swatches}`);
-    const widths = () => root.locator(".canvas").evaluate((one) => [one.scrollWidth, one.clientWidth]);
+    await page.evaluate(() => document.querySelectorAll(".measured details").forEach((one) => { one.open = true; }));
+    const large = await figure(page, ".measured details figure");
+    const widths = () => large.locator(".canvas:visible").evaluate((one) => [one.scrollWidth, one.clientWidth]);
     const [whole, seen] = await widths();
     check(whole > 1.5 * seen, "a phone shows what can be read");
     await picture(page, "readable");
-    await root.getByRole("button", { name: "Fit to width" }).click();
+    await large.getByRole("button", { name: "Fit to width" }).click();
     check((await widths())[0] <= seen + 1, "and on demand the whole figure");
     await picture(page, "whole");
-    await root.getByRole("button", { name: "Readable size" }).click();
+    await large.getByRole("button", { name: "Readable size" }).click();
     check((await widths())[0] === whole, "and the readable one again");
     await page.finish();
   });
@@ -323,7 +384,7 @@ try {
       await map.evaluate((one) => { for (let up = one; up; up = up.parentElement) if (up.localName === "details") up.open = true; });
       const cell = map.locator("[data-area] path, [data-area] rect").last();
       await cell.scrollIntoViewIfNeeded();
-      const at = await map.locator("svg").evaluate((svg) => {
+      const at = await map.locator(".drawing > svg").evaluate((svg) => {
         const [left, top, width, height] = svg.querySelector("[data-panel]").dataset.box.split(" ").map(Number);
         const matrix = svg.getScreenCTM();
         const { x, y } = new DOMPoint(left + 0.37 * width, top + 0.6 * height).matrixTransform(matrix);

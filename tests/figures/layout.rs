@@ -16,9 +16,15 @@ fn texts(group: &Group, found: &mut Vec<(String, Rect)>) {
     }
 }
 
-/// Every text lies on the canvas and none touches another.
+/// Every text lies on the canvas and none touches another, on a narrow screen too.
 pub fn check_layout(drawing: &Drawing) {
-    let tree = Tree::from_str(&drawing.svg, &figures::style::options()).unwrap();
+    for svg in [&drawing.svg].into_iter().chain(&drawing.narrow) {
+        check_texts(drawing, svg);
+    }
+}
+
+fn check_texts(drawing: &Drawing, svg: &str) {
+    let tree = Tree::from_str(svg, &figures::style::options()).unwrap();
     let mut found = Vec::new();
     texts(tree.root(), &mut found);
     assert!(found.len() > 5, "{}: only {} texts", drawing.name, found.len());

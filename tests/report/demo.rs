@@ -153,6 +153,7 @@ pub fn figure(id: &str, name: &str, title: &str) -> FigureInput {
             .into(),
         alt: "Five resonance curves; the peak moves from 71 to 82 hertz and falls as the roller slows.".into(),
         svg,
+        narrow: None,
         notes: vec![
             ("Peak in full slip".into(), "6.240 µrad at 71.19 Hz".into()),
             ("Peak in static contact".into(), "4.581 µrad at 81.57 Hz".into()),

@@ -1,7 +1,7 @@
 //! Figures of a comparison: a [`Comparison`] in, SVG, CSV and caption out.
 //!
 //! `words` says how conditions are named and chosen, `sigma` how residuals are scaled, `grid` where small multiples stand,
-//! `multiples` draws what they share.
+//! `multiples` draws what they share, `stack` what a narrow screen shows of them.
 
 mod budget;
 mod columns;
@@ -13,6 +13,7 @@ pub(super) mod multiples;
 pub(crate) mod overlay;
 mod peaks;
 pub(super) mod sigma;
+pub(super) mod stack;
 pub(crate) mod words;
 
 use super::Figure;

@@ -4,6 +4,7 @@ mod text;
 
 use super::multiples::{Multiples, frequencies};
 use super::sigma::{BAND, Sigma};
+use super::stack::{self, Stack};
 use super::words::{self, Amplitude};
 
 use crate::compare::{Compared, Comparison};
@@ -150,6 +151,22 @@ impl<'a> Data<'a> {
         multiples.draw((title, alt), values, |canvas, panel, condition| self.strip(canvas, panel, condition))
     }
 
+    /// Panels without the errors, for a narrow screen.
+    fn narrow(&self, title: &str, alt: &str) -> Result<String, FigureError> {
+        let shown = words::worst(self.c, stack::MOST);
+        let curves = shown.iter().flat_map(|&i| self.curve(i)).map(|p| p.1);
+        let x = frequencies("frequency f", self.c.points.iter().map(|p| p.point.frequency));
+        let y = self.axis(&shown, curves);
+        let all = self.c.conditions.len();
+        let some = format!("{} of {all} conditions, the largest misfits", shown.len());
+        let head = [Some(self.label()), Some(some).filter(|_| shown.len() < all)].into_iter().flatten().collect();
+        let strip = |(_, text): &Entry| [AMPLITUDES, PHASES].contains(&text.as_str()) || text.starts_with("within");
+        let legend = self.legend().into_iter().filter(|entry| !strip(entry)).collect();
+        let lines = shown.iter().map(|&i| words::heading(self.c, i)).collect();
+        let stack = Stack { legend, head, parts: Stack::conditions(lines, (&x, &Axis { label: self.label(), ..y })) };
+        stack.draw((title, alt), |canvas, panel, index| self.main(canvas, panel, shown[index]))
+    }
+
     fn main(&self, canvas: &mut Canvas, panel: &Panel, condition: usize) {
         let curve = self.curve(condition);
         canvas.series("model", |canvas| {
@@ -241,7 +258,10 @@ impl Figure<Comparison> for Overlay {
             count(data.shown.len(), "panel")
         );
         let svg = data.draw(self.title(), &alt)?;
+        // The first picture of a page of a comparison alone.
+        let narrow = if self.phase { None } else { Some(data.narrow(self.title(), &alt)?) };
         let mut drawing = Drawing::of(self, (data.caption(), alt), (svg, data.csv()), data.notes());
+        drawing.narrow = narrow;
         if alone {
             drawing.reading[2] = ALONE.into();
         }

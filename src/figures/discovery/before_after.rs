@@ -9,6 +9,7 @@ use crate::figures::canvas::{Canvas, Point, Stroke, document};
 use crate::figures::comparison::grid::{LEFT, Rows, heading};
 use crate::figures::comparison::multiples::frequencies;
 use crate::figures::comparison::overlay::{BAR, Data, MEASURED};
+use crate::figures::comparison::stack::{Part, Stack};
 use crate::figures::comparison::words;
 use crate::figures::legend::{Entry, Key};
 use crate::figures::marks::Mark;
@@ -31,6 +32,8 @@ const AFTER: &str = "model, corrected";
 const FALL: &str = "error on the way";
 const HERE: &str = "error at this strength";
 const NOISE: &str = "noise alone";
+/// Heading of the fall.
+const FALLS: &str = "The error falls";
 
 /// The figure.
 pub struct BeforeAfter;
@@ -64,22 +67,25 @@ impl<'a> Shown<'a> {
         Self { base, data, phase, conditions: words::worst(&base.comparison, panels), fall }
     }
 
+    /// Axes of the panels.
+    fn axes(&self) -> (Axis, Axis) {
+        let points = self.base.comparison.points.iter().filter(|p| self.conditions.contains(&p.condition));
+        let x = frequencies("frequency f", points.map(|p| p.point.frequency));
+        let curves = self.data.iter().flat_map(|d| self.conditions.iter().flat_map(|&i| d.curve(i))).map(|p| p.1);
+        (x, Axis { label: self.data[0].label(), ..self.data[0].axis(&self.conditions, curves) })
+    }
+
     /// The panels, and the one of the fall.
     fn panels(&self, top: f64) -> (Vec<Panel>, Option<Panel>) {
         let all = self.conditions.len() + usize::from(self.fall.is_some());
         let gaps =
             GAP * (self.conditions.len().saturating_sub(1)) as f64 + if self.fall.is_some() { APART } else { 0.0 };
         let width = (WIDTH - LEFT - RIGHT - gaps) / all as f64;
-        let points = self.base.comparison.points.iter().filter(|p| self.conditions.contains(&p.condition));
-        let x = frequencies("frequency f", points.map(|p| p.point.frequency));
-        let curves = self.data.iter().flat_map(|d| self.conditions.iter().flat_map(|&i| d.curve(i))).map(|p| p.1);
-        let y = Axis { label: self.data[0].label(), ..self.data[0].axis(&self.conditions, curves) };
+        let (x, y) = self.axes();
         let left = |k: usize| LEFT + (width + GAP) * k as f64;
         let main = |k: usize| Panel { left: left(k), top, width, height: HEIGHT, x: x.clone(), y: y.clone() };
         let whole = self.fall.map(|fall| {
-            let chi2 = fall.parts.iter().flat_map(|part| &part.states).map(|state| state.chi2_per_point);
-            let y = Axis::logarithmic("χ² per reading", chi2.chain([1.0]), 0.05);
-            let x = Axis::linear("strength [%]", -4.0, 104.0).at(&[0.0, 50.0, 100.0]);
+            let (x, y) = axes_of(fall);
             Panel { left: WIDTH - RIGHT - width, top, width, height: HEIGHT, x, y }
         });
         ((0..self.conditions.len()).map(main).collect(), whole)
@@ -96,18 +102,43 @@ impl<'a> Shown<'a> {
                 panel.named(true, index == 0).frame(canvas, true, index == 0);
                 let lines = words::heading(&self.base.comparison, condition);
                 heading(canvas, panel, (&lines.0, &lines.1));
-                for (data, (name, stroke)) in self.data.iter().zip(strokes()) {
-                    let curve = data.curve(condition);
-                    canvas.series(name, |canvas| {
-                        data.runs(&curve).iter().for_each(|run| panel.curve(canvas, run, stroke));
-                    });
-                }
-                self.data[0].readings(canvas, panel, condition);
+                self.fill(canvas, panel, condition);
             }
             if let (Some(panel), Some(fall)) = (&whole, self.fall) {
+                canvas.register(panel);
+                panel.frame(canvas, true, true);
+                panel.heading(canvas, FALLS);
                 draw_fall(canvas, panel, fall);
             }
         })
+    }
+
+    /// The same panels one below the other.
+    fn narrow(&self, title: &str, alt: &str) -> Result<String, FigureError> {
+        let (x, y) = self.axes();
+        let lines = self.conditions.iter().map(|&i| words::heading(&self.base.comparison, i)).collect();
+        let mut parts = Stack::conditions(lines, (&x, &y));
+        parts.extend(self.fall.map(|fall| {
+            let (x, y) = axes_of(fall);
+            Part { lines: (FALLS.into(), y.label.clone()), x, y, foot: true }
+        }));
+        let stack = Stack { legend: self.legend(), head: vec![y.label.clone()], parts };
+        stack.draw((title, alt), |canvas, panel, index| match (self.conditions.get(index), self.fall) {
+            (Some(&condition), _) => self.fill(canvas, panel, condition),
+            (None, Some(fall)) => draw_fall(canvas, panel, fall),
+            (None, None) => {}
+        })
+    }
+
+    /// Curves and readings of a condition.
+    fn fill(&self, canvas: &mut Canvas, panel: &Panel, condition: usize) {
+        for (data, (name, stroke)) in self.data.iter().zip(strokes()) {
+            let curve = data.curve(condition);
+            canvas.series(name, |canvas| {
+                data.runs(&curve).iter().for_each(|run| panel.curve(canvas, run, stroke));
+            });
+        }
+        self.data[0].readings(canvas, panel, condition);
     }
 
     fn legend(&self) -> Vec<Entry> {
@@ -179,10 +210,14 @@ fn strokes() -> [(&'static str, Stroke); 2] {
     [(BEFORE, Stroke::dashed(SLIP, 2.0, DASHES[1])), (AFTER, Stroke::solid(STATIC, 2.6))]
 }
 
+/// Axes of the fall.
+fn axes_of(fall: &Fall) -> (Axis, Axis) {
+    let chi2 = fall.parts.iter().flat_map(|part| &part.states).map(|state| state.chi2_per_point);
+    let x = Axis::linear("strength [%]", -4.0, 104.0).at(&[0.0, 50.0, 100.0]);
+    (x, Axis::logarithmic("χ² per reading", chi2.chain([1.0]), 0.05))
+}
+
 fn draw_fall(canvas: &mut Canvas, panel: &Panel, fall: &Fall) {
-    canvas.register(panel);
-    panel.frame(canvas, true, true);
-    panel.heading(canvas, "The error falls");
     let noise = Stroke::dashed(INK, 1.4, DASH_SLIP);
     canvas.series(NOISE, |canvas| {
         canvas.within(panel, |canvas| canvas.line((panel.left, panel.py(1.0)), (panel.right(), panel.py(1.0)), noise));
@@ -240,8 +275,9 @@ impl Figure<Discovery> for BeforeAfter {
             ),
         };
         let svg = shown.draw(self.title(), &alt)?;
+        let narrow = Some(shown.narrow(self.title(), &alt)?);
         let notes = vec![("χ² per reading".to_string(), chi2.join(" → "))];
-        Ok(Drawing::of(self, (caption, alt), (svg, shown.csv()), notes))
+        Ok(Drawing { narrow, ..Drawing::of(self, (caption, alt), (svg, shown.csv()), notes) })
     }
 }
 
