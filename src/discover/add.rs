@@ -48,7 +48,8 @@ pub fn fit_addition(scenario: &Scenario, table: &Table, effect: &'static dyn Eff
     let keys = movable(scenario, "");
     let base = calibrate(&model, &keys, &table.points, Tolerance::default(), seed);
     let model = base.base.clone();
-    let options = SearchOptions { seed, ..SearchOptions::default() };
+    // What somebody has decided on is fitted whatever a steady state costs.
+    let options = SearchOptions { seed, budget: u64::MAX, ..SearchOptions::default() };
     let search = Search::new(scenario, table, (&options, &Arc::default()), &keys, model.clone());
     let from = Hypothesis { additions: Vec::new(), model, fit: base.fit, estimate: None, bic: f64::INFINITY };
     let best = search.add(&from, addition, &mut Known::default()).unwrap_or(from);

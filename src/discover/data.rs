@@ -186,7 +186,7 @@ impl<'a> Data<'a> {
 }
 
 /// Largest part of the budget that one fit may cost.
-const SHARE: u64 = 10;
+const SHARE: u64 = 4;
 /// Steady states that a densely measured series takes, about.
 const DENSE: usize = 100;
 

@@ -184,7 +184,7 @@ impl<'a> Search<'a> {
     /// only what a continuum of sliders gives depends on what was solved before.
     fn response(&self, problem: &mut Problem<'_>, values: &[f64]) -> Response {
         let key: Vec<u64> = values.iter().map(|value| value.to_bits()).collect();
-        if let Some(known) = self.known.borrow().get(&key).filter(|_| !self.model.has_continuum()) {
+        if let Some(known) = self.known.borrow().get(&key).filter(|_| !self.model.has_sliders()) {
             return known.clone();
         }
         let predictions = problem.evaluate(values, false).predictions;
