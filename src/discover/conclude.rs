@@ -95,7 +95,7 @@ impl Search<'_> {
                 self.options.budget
             ));
         }
-        if let Some(words) = noise.words(self.table.amplitude_noise) {
+        if let Some(words) = noise.words(self.table.noise_sources()) {
             notes.push(format!(
                 "{words}; the search went on with standard deviations so many times as large, and its chi2 is in these"
             ));

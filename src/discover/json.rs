@@ -114,7 +114,7 @@ pub fn json(discovery: &Discovery) -> DiscoveryJson {
         outliers: d.outliers.clone(),
         next_measurement: d.next_measurement.as_ref().map(|next| next_json(next, &end.comparison.table.signals)),
         noise_factor: end.comparison.whiteness.scatter().0 * d.noise.together(points_of.len(), phases),
-        noise_contradicted: d.contradicts_its_noise(),
+        noise_contradicted: d.noise.contradicts(end.comparison.table.noise_sources()),
         noise_factors: d.noise,
         correlations: d.correlations.clone(),
         regions: end.comparison.regions.clone(),

@@ -77,14 +77,14 @@ impl<'a> Parent<'a> {
     }
 
     /// A starting point: the model, which has one more addition and leaves this, or as much of the addition as the sum of squares
-    /// wants.
+    /// wants; and the sum of squares of what the addition changes beyond what the parameters could.
     fn start(
         &self,
         data: &Data<'_>,
         from: &Hypothesis,
         addition: Addition,
-        (model, evaluation): (Model, &Evaluation),
-    ) -> Start {
+        (model, evaluation): (&Model, &Evaluation),
+    ) -> (Start, f64) {
         let values = |model: &Model| {
             let none: [&Point; 0] = [];
             Problem::new(model.clone(), none, data.beside(model, from, addition), Tolerance::COARSE).values()
@@ -92,17 +92,18 @@ impl<'a> Parent<'a> {
         let rest = self.rest();
         let change = self.without(&(&evaluation.residuals - &self.evaluation.residuals));
         let drawn = self.without(&evaluation.residuals);
-        let share = (-rest.dot(&change) / change.norm_squared()).max(0.0);
-        if share.is_finite() {
+        let size = change.norm_squared();
+        if size > 0.0 {
+            let share = (-rest.dot(&change) / size).max(0.0);
             let scaled = &rest + &change * share;
             let threshold = TAIL * typical_of(&rest);
             let better = robust_chi2(&scaled, threshold) < robust_chi2(&drawn, threshold);
-            let strengthened = better.then(|| strengthened(&self.model, &model, addition, share)).flatten();
+            let strengthened = better.then(|| strengthened(&self.model, model, addition, share)).flatten();
             if let Some(model) = strengthened {
-                return Start { values: values(&model), model, residuals: scaled };
+                return (Start { values: values(&model), model, residuals: scaled }, size);
             }
         }
-        Start { values: values(&model), model, residuals: drawn }
+        (Start { values: values(model), model: model.clone(), residuals: drawn }, size)
     }
 
     /// A change of the residuals less what the parameters could undo.
@@ -141,16 +142,19 @@ pub fn look(data: &Data<'_>, parents: &[Parent<'_>], from: &Hypothesis, addition
         let parent = &parents[number % parents.len()];
         let model = shares.of(data, &parent.model, addition);
         let evaluation = parent.evaluated(data, &model);
-        found.strongest.push(model.clone());
-        let size = parent.without(&(&evaluation.residuals - &parent.evaluation.residuals)).norm_squared();
-        if size > found.visibility {
-            (found.visibility, found.strongest) = (size, vec![model.clone()]);
-        }
+        let (start, size) = parent.start(data, from, addition, (&model, &evaluation));
+        found.starts.push(start);
         // An effect may be a part of what was taken for the rig.
         let kept = if addition.is_effect() { parent.kept(&model, from, &evaluation) } else { None };
-        let kept = kept.map(|model| (parent.evaluated(data, &model), model));
-        found.starts.push(parent.start(data, from, addition, (model, &evaluation)));
-        found.starts.extend(kept.map(|(evaluation, model)| parent.start(data, from, addition, (model, &evaluation))));
+        found.starts.extend(kept.map(|model| {
+            let evaluation = parent.evaluated(data, &model);
+            parent.start(data, from, addition, (&model, &evaluation)).0
+        }));
+        if size > found.visibility {
+            (found.visibility, found.strongest) = (size, vec![model]);
+        } else {
+            found.strongest.push(model);
+        }
     }
     if found.visibility > 0.0 {
         found.strongest.drain(1..);

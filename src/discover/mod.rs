@@ -36,7 +36,7 @@ pub use words::{identified, open_ends, sentence};
 
 use crate::compare::{Comparison, Outlier};
 use crate::fit::{Correlation, Interval};
-use crate::measurement::{Noise, NoiseSource};
+use crate::measurement::Noise;
 use std::sync::OnceLock;
 
 /// What the data say.
@@ -161,13 +161,6 @@ impl Discovery {
             self.fall.get_or_init(|| fall);
         }
         self.fall.get().and_then(Option::as_ref)
-    }
-
-    /// Whether the readings contradict the standard deviations that they came with; those that were estimated from the readings
-    /// claim nothing that could be.
-    pub fn contradicts_its_noise(&self) -> bool {
-        let source = self.explanation().comparison.table.amplitude_noise;
-        self.noise != Noise::STATED && source != NoiseSource::Estimated
     }
 
     /// The last rung: the explanation, or the calibrated base.

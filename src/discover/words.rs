@@ -52,9 +52,9 @@ pub fn sentence(d: &Discovery) -> String {
 
 /// What the data are explained within: their noise, or their scatter where that contradicts it; and what stands out.
 fn noise(d: &Discovery) -> String {
-    let source = d.explanation().comparison.table.amplitude_noise;
-    let noise: String = match d.noise.words(source) {
-        Some(words) if d.contradicts_its_noise() => format!("their scatter ({words})"),
+    let sources = d.explanation().comparison.table.noise_sources();
+    let noise: String = match d.noise.words(sources) {
+        Some(words) if d.noise.contradicts(sources) => format!("their scatter ({words})"),
         _ => "their noise".into(),
     };
     match d.outliers.len() {

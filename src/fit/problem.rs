@@ -290,8 +290,8 @@ impl Problem<'_> {
 }
 
 /// Steady states of a single slider that one of a model costs, as measured: of a joint 0.1 ms instead of 0.03 ms, where dry friction
-/// may stop the body 0.3 ms, under a damping without a bounded slope some milliseconds, of bristles that remember one; a continuum of sliders has its own solution
-/// by itself, and none beside another law of the contact.
+/// may stop the body 0.3 ms, under a damping without a bounded slope some milliseconds, of bristles that remember one; a
+/// continuum of sliders has its own solution by itself, and none beside another law of the contact.
 pub fn cost(model: &Model) -> u64 {
     match (model.has_sliders(), model.effects.len()) {
         (true, _) if model.remembers() => 30,

@@ -131,6 +131,11 @@ pub struct Table {
 }
 
 impl Table {
+    /// Where the deviations of amplitudes and phases come from.
+    pub fn noise_sources(&self) -> (NoiseSource, Option<NoiseSource>) {
+        (self.amplitude_noise, self.phase_noise)
+    }
+
     /// The table with other standard deviations.
     pub fn rescaled(&self, noise: Noise) -> Self {
         let mut table = self.clone();

@@ -33,18 +33,26 @@ impl Noise {
         ((amplitudes * self.amplitude.powi(2) + phases * self.phase.powi(2)) / (amplitudes + phases)).sqrt()
     }
 
-    /// What the readings say of the deviations that they came with, which are from there.
-    pub fn words(&self, source: NoiseSource) -> Option<String> {
+    /// What the readings say of the deviations that they came with: of amplitudes and phases, which are from there.
+    pub fn words(&self, (amplitudes, phases): (NoiseSource, Option<NoiseSource>)) -> Option<String> {
+        let than = |source| if source == NoiseSource::Estimated { "along their series" } else { "stated" };
+        let (of_amplitudes, of_phases) = (than(amplitudes), than(phases.unwrap_or(amplitudes)));
+        let full =
+            |name: &str, factor: f64, than: &str| format!("the {name} scatter {factor:.2} times as much as {than}");
         let Self { amplitude, phase } = *self;
-        let than = if source == NoiseSource::Estimated { "along their series" } else { "stated" };
-        match (amplitude != 1.0, phase != 1.0) {
-            (false, false) => None,
-            (true, false) => Some(format!("the amplitudes scatter {amplitude:.2} times as much as {than}")),
-            (false, true) => Some(format!("the phases scatter {phase:.2} times as much as {than}")),
-            (true, true) => Some(format!(
-                "the amplitudes scatter {amplitude:.2} times as much as {than}, the phases {phase:.2} times"
-            )),
-        }
+        let first = (amplitude != 1.0).then(|| full("amplitudes", amplitude, of_amplitudes));
+        let second = (phase != 1.0).then(|| match first {
+            Some(_) if of_amplitudes == of_phases => format!("the phases {phase:.2} times"),
+            _ => full("phases", phase, of_phases),
+        });
+        let said: Vec<String> = first.into_iter().chain(second).collect();
+        (!said.is_empty()).then(|| said.join(", "))
+    }
+
+    /// Whether they contradict them; deviations that were estimated from the readings claim nothing that could be.
+    pub fn contradicts(&self, (amplitudes, phases): (NoiseSource, Option<NoiseSource>)) -> bool {
+        let claimed = |source| source != NoiseSource::Estimated;
+        (self.amplitude != 1.0 && claimed(amplitudes)) || (self.phase != 1.0 && phases.is_some_and(claimed))
     }
 }
 
@@ -153,5 +161,48 @@ fn contradiction(what: &str, stated: f64, seen: Option<Spread>, notes: &mut Vec<
         notes.push(format!(
             "the {what} scatters by {seen} about smooth curves, but {stated} is stated; check the column"
         ));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use NoiseSource::{Estimated, Stated};
+
+    #[test]
+    fn amplitudes_and_phases_are_each_held_against_what_they_came_with() {
+        let noise = |amplitude, phase| Noise { amplitude, phase };
+        for (noise, sources, contradicts, words) in [
+            (Noise::STATED, (Stated, Some(Stated)), false, None),
+            (
+                noise(2.0, 1.0),
+                (Stated, Some(Estimated)),
+                true,
+                Some("the amplitudes scatter 2.00 times as much as stated"),
+            ),
+            (
+                noise(1.0, 0.9),
+                (Stated, Some(Estimated)),
+                false,
+                Some("the phases scatter 0.90 times as much as along their series"),
+            ),
+            (
+                noise(0.9, 3.0),
+                (Estimated, Some(Stated)),
+                true,
+                Some(
+                    "the amplitudes scatter 0.90 times as much as along their series, the phases scatter 3.00 times as much as \
+                     stated",
+                ),
+            ),
+            (
+                noise(2.0, 3.0),
+                (Stated, Some(Stated)),
+                true,
+                Some("the amplitudes scatter 2.00 times as much as stated, the phases 3.00 times"),
+            ),
+        ] {
+            assert_eq!((noise.contradicts(sources), noise.words(sources).as_deref()), (contradicts, words));
+        }
     }
 }
