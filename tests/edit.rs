@@ -83,7 +83,7 @@ impl Files {
         file.apply(changes).unwrap_or_else(|error| panic!("{error}"))
     }
     fn added(&self) -> String {
-        let add = Some("rate-strengthening".into());
+        let add = vec!["rate-strengthening".into()];
         self.apply(&Changes { values: values(), add, free: free(&NEW), ..Changes::default() })
     }
     fn removed(&self) -> String {
@@ -235,6 +235,40 @@ fn what_a_parent_states_is_overridden_here() {
     ] {
         let (added, _) = round(&[("rig.toml", &parent)], &format!("{own}{child}"));
         assert!(added.contains(new), "{added}");
+    }
+}
+
+/// Two effects put in together are written as one after the other.
+#[test]
+fn two_effects_together_are_one_after_the_other() {
+    let own = "\n[[effect]] # one\nname = \"sensor-delay\"\ntau = \"0.3 ms\"\n";
+    let inline = |list: &str| [&format!("effect = {list}\n"), RIG, CONTACT, SWEEP, FIT].concat();
+    let delay = "{ name = \"sensor-delay\", tau = \"0.3 ms\" }";
+    let lag = estimate("effect.actuator-lag.tau", 1e-4, "s");
+    let both: Vec<&str> = NEW.into_iter().chain(["effect.actuator-lag.tau"]).collect();
+    for text in [
+        [RIG, CONTACT, SWEEP, FIT].concat(),
+        [RIG, CONTACT, own, SWEEP, FIT].concat(),
+        [RIG, CONTACT, SWEEP, FIT, own].concat(),
+        inline(&format!("[{delay}] # effects")),
+        inline(&format!("[\n  {delay}, # one\n]")),
+        inline("[]"),
+    ] {
+        let files = Files::new(&[("mine.toml", &text)]);
+        let values: Vec<Estimate> = values().into_iter().chain([lag.clone()]).collect();
+        let add = vec!["rate-strengthening".into(), "actuator-lag".into()];
+        let together = files.apply(&Changes { values: values.clone(), add, free: free(&both), ..Changes::default() });
+        std::fs::write(files.path(), files.added()).unwrap();
+        let add = vec!["actuator-lag".into()];
+        let apart = files.apply(&Changes { values, add, free: free(&both), ..Changes::default() });
+        // An element of its own line has none to comment on before it stands.
+        let bare = |text: &str| {
+            text.lines().map(|line| line.split("  # 95 %").next()).map(|l| l.map(String::from)).collect::<Vec<_>>()
+        };
+        assert_eq!(bare(&together), bare(&apart));
+        std::fs::write(files.path(), &together).unwrap();
+        let scenario = stickslip::scenario::load(files.path()).unwrap_or_else(|error| panic!("{error}"));
+        assert!(scenario.effects.len() >= 2 && scenario.free == free(&both), "{together}");
     }
 }
 

@@ -49,6 +49,36 @@ fn what_the_generator_hid_is_found_from_the_table_alone() {
     }
 }
 
+/// `discover -o` writes what was found: nothing is missing in it any more, and it compares as the discovery ended.
+#[test]
+fn what_was_found_is_written_as_a_scenario_that_explains_the_table() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [before, after] = ["before", "after"].map(|name| folder.path().join(name).with_extension("toml"));
+    new(&table("volts"), &before);
+    let run = || {
+        let mut command = assert_cmd::Command::cargo_bin("stickslip").expect("built");
+        command.args(["discover", "--quiet"]).arg(&before).arg("-o");
+        command
+    };
+    run().arg(&after).assert().success();
+    let expected = found(&before);
+    let d = found(&after);
+    assert_eq!(d.verdict, Verdict::NothingMissing);
+    let (there, here) = (&expected.explanation().comparison, &d.steps[0].comparison);
+    let effects: Vec<&str> = here.scenario.effects.iter().map(|setting| setting.name()).collect();
+    assert_eq!(effects, ["friction-joint"]);
+    let chi2 = [there, here].map(|c| c.overall.chi2_per_point);
+    assert!((chi2[0] - chi2[1]).abs() < 1e-3 * chi2[0], "{chi2:?}");
+    let text = std::fs::read_to_string(&after).expect("a scenario");
+    // Measured data are no scenario to write to.
+    let measured = std::fs::read(table("volts")).expect("a table");
+    run().arg(table("volts")).assert().code(2);
+    assert_eq!(std::fs::read(table("volts")).expect("a table"), measured);
+    // The same again gives the same bytes.
+    run().arg(&after).assert().success();
+    assert_eq!(std::fs::read_to_string(&after).expect("a scenario"), text);
+}
+
 /// The linear resonance that comes nearest at the smallest drive is that of an acceleration; with the joint it is the
 /// displacement that was read.
 #[test]

@@ -1,33 +1,56 @@
 //! `stickslip add`: one effect fitted and written into a scenario, or taken out of it.
 
+use super::changed_scenario::{Edit, Rewriting};
 use super::compare::{interval_words, parameter, with_measurements};
-use super::destination::{self, Job};
 use super::plot;
-use super::{Global, changed_scenario, say};
+use super::{Global, say};
 use crate::compare::{Compared, Comparison, Metrics, words as condition};
 use crate::discover::{Change, fit_addition, fit_removal};
 use crate::effects::{self, Effect, REGISTRY};
 use crate::error::{Error, Result};
 use crate::scenario::Scenario;
 use crate::scenario::diagnostic::{nearest, quote, whole_file};
-use crate::scenario::edit::Editable;
 use crate::scenario::parameters::base_keys;
-use crate::{files, terminal};
+use crate::terminal;
 use imara_diff::{Algorithm, BasicLineDiffPrinter, Diff, InternedInput, UnifiedDiffConfig};
 use std::path::Path;
 
 /// Conditions and regions shown on the terminal.
 const SHOWN: usize = 5;
 
+/// What is asked of `stickslip add`.
+#[derive(Debug, Clone, Copy)]
+pub struct Job<'a> {
+    /// Name of the effect.
+    pub effect: &'a str,
+    /// The scenario.
+    pub path: &'a Path,
+    /// Another file to write to.
+    pub output: Option<&'a Path>,
+    /// Whether to show the difference and write nothing.
+    pub dry_run: bool,
+    /// Whether the effect is to be taken out.
+    pub remove: bool,
+    /// Seed of the search.
+    pub seed: u32,
+    /// Whether plots in characters are wanted.
+    pub plot: plot::Plot,
+}
+
 /// Fits the effect to the scenario's measurements and writes the changed scenario; everything that can be wrong with the
 /// input is found before the fit.
 pub fn execute(job: &Job<'_>, global: &Global) -> Result<()> {
     let (scenario, table) = with_measurements(job.path)?;
     let effect = known(job.effect, &scenario)?;
-    let file = Editable::open(job.path)?;
-    check_applicable(job, &scenario, &file)?;
-    let target = destination::find(job, &file, &table.file)?;
-    changed_scenario::trial(job, effect, &scenario, &file, &target)?;
+    check_applicable(job, &scenario)?;
+    let file = Rewriting::begin(job.path, job.output, &table.file)?;
+    let mut edit = Edit::new(&scenario, &file);
+    if job.remove {
+        edit.remove = Some(effect);
+    } else {
+        edit.add.push(effect);
+    }
+    edit.trial()?;
     if !global.quiet {
         let points = table.points.len();
         terminal::tell(&format!(
@@ -39,7 +62,7 @@ pub fn execute(job: &Job<'_>, global: &Global) -> Result<()> {
     } else {
         fit_addition(&scenario, &table, effect, job.seed)
     };
-    let text = changed_scenario::fitted(job, effect, &scenario, &change, &file, &target)?;
+    let text = edit.fitted(&change.after)?;
     for line in words(job, &change) {
         say(global, &line)?;
     }
@@ -51,12 +74,11 @@ pub fn execute(job: &Job<'_>, global: &Global) -> Result<()> {
         plot::fall(&steps).iter().try_for_each(|line| say(global, line))?;
     }
     if job.dry_run {
-        return terminal::print(&difference(file.text(), &text, job.path, &target.path));
+        return terminal::print(&difference(file.before(), &text, job.path, file.to()));
     }
-    target.unchanged(job.path, file.text())?;
-    files::update(&target.path, format!("{}{text}", target.mark).as_bytes())?;
-    say(global, &format!("wrote {}", target.path.display()))?;
-    say(global, &format!("next: stickslip discover {}", target.path.display()))?;
+    file.write(&text)?;
+    say(global, &format!("wrote {}", file.to().display()))?;
+    say(global, &format!("next: stickslip discover {}", file.to().display()))?;
     Ok(())
 }
 
@@ -78,13 +100,9 @@ fn known(name: &str, scenario: &Scenario) -> Result<&'static dyn Effect> {
 }
 
 /// Whether the effect can be put in or taken out here.
-fn check_applicable(job: &Job<'_>, scenario: &Scenario, file: &Editable) -> Result<()> {
+fn check_applicable(job: &Job<'_>, scenario: &Scenario) -> Result<()> {
     let refuse = |title: String, help: &str| Err(Error::Input(whole_file(&title, help)));
     let (name, path) = (job.effect, job.path.display());
-    if let Some(other) = file.effects_elsewhere() {
-        let title = format!("the effects of {path} are stated in {}, which it extends", other.display());
-        return refuse(title, "use this command on that file, or copy its [[effect]] tables into this one first");
-    }
     let setting = scenario.effects.iter().find(|setting| setting.name() == name);
     let present = setting.is_some_and(|setting| job.remove || !setting.is_candidate(&scenario.free));
     if present && !job.remove {

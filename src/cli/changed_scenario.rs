@@ -1,10 +1,11 @@
-//! The text that `stickslip add` writes: fitted numbers rounded to what is known of them, and proof that it says so.
+//! The scenario that `stickslip add` and `stickslip discover` write: fitted numbers rounded to what is known of them, and proof that it says so.
 
-use super::destination::{Job, Target};
-use crate::compare;
-use crate::discover::{Addition, Change};
+use super::destination::{self, Target};
+use crate::compare::{self, Comparison};
+use crate::discover::Addition;
 use crate::effects::{Effect, ParameterInfo, typical};
 use crate::error::{Error, Result};
+use crate::files;
 use crate::fit::{Identified, Interval, Parameter};
 use crate::measurement::Point;
 use crate::model::Model;
@@ -12,56 +13,139 @@ use crate::scenario::diagnostic::whole_file;
 use crate::scenario::edit::{Changes, Editable, Estimate};
 use crate::scenario::{self, Contact, Scenario};
 use crate::solver::cycle::Tolerance;
+use std::path::Path;
 
 /// Rounding one parameter moves the predictions by at most half of this, in standard deviations, taken together.
 const ROUNDING: f64 = 0.2;
 
-/// Makes the change with values from the catalogue: whatever is wrong with the input shows before the fit.
-pub fn trial(
-    job: &Job<'_>,
-    effect: &'static dyn Effect,
-    scenario: &Scenario,
-    file: &Editable,
-    target: &Target,
-) -> Result<()> {
-    let one = |(key, (info, value)): (String, (&ParameterInfo, f64))| Estimate {
-        key,
-        value,
-        unit: info.unit_for(scenario.rig.coordinate()),
-        low: None,
-        high: None,
-        detectable_change: f64::INFINITY,
-        contradicted: false,
-    };
-    let key = |info: &ParameterInfo| format!("effect.{}.{}", effect.name(), info.key);
-    let infos = effect.parameters().iter();
-    let values = infos.zip(typical(effect)).map(|pair| one((key(pair.0), pair))).filter(|_| !job.remove).collect();
-    write(job, effect, scenario, values, file, target).map(|_| ())
+/// A scenario file and where its changed text goes.
+pub struct Rewriting<'a> {
+    path: &'a Path,
+    file: Editable,
+    target: Target,
 }
 
-/// The text with the fitted values.
-pub fn fitted(
-    job: &Job<'_>,
-    effect: &'static dyn Effect,
-    scenario: &Scenario,
-    change: &Change,
-    file: &Editable,
-    target: &Target,
-) -> Result<String> {
-    let c = &change.after;
-    let noise = c.overall.chi2_per_point.sqrt().max(1.0);
-    let detectable_change = |column: usize| ROUNDING * noise / c.fit.evaluation.jacobian.column(column).norm();
-    let pairs = c.fit.parameters.iter().zip(&c.intervals).enumerate();
-    let one = |(column, (parameter, interval)): (usize, (&Parameter, &Interval))| Estimate {
-        contradicted: c.whiteness.structured,
-        ..estimate(parameter, interval, detectable_change(column))
-    };
-    let added = c.model.effects.iter().filter(|(own, _)| !job.remove && own.name() == effect.name());
-    let numbers = added.flat_map(|(_, values)| effect.parameters().iter().zip(values));
-    let coordinate = scenario.rig.coordinate();
-    let held = numbers.filter(|(info, _)| info.held).map(|(info, &value)| held(effect, &info.on(coordinate), value));
-    let values = pairs.map(one).chain(held).collect();
-    write(job, effect, scenario, values, file, target)
+impl<'a> Rewriting<'a> {
+    /// Complains where that would destroy something, or the effects are stated in another file.
+    pub fn begin(path: &'a Path, output: Option<&Path>, table: &Path) -> Result<Self> {
+        let file = Editable::open(path)?;
+        if let Some(other) = file.effects_elsewhere() {
+            let title =
+                format!("the effects of {} are stated in {}, which it extends", path.display(), other.display());
+            let help = "use this command on that file, or copy its [[effect]] tables into this one first";
+            return Err(Error::Input(whole_file(&title, help)));
+        }
+        let target = destination::find(path, output, &file, table)?;
+        Ok(Self { path, file, target })
+    }
+
+    /// The text as it is.
+    pub fn before(&self) -> &str {
+        self.file.text()
+    }
+
+    /// Where the changed text goes.
+    pub fn to(&self) -> &Path {
+        &self.target.path
+    }
+
+    /// Writes the changed text, unless the file has changed meanwhile.
+    pub fn write(&self, text: &str) -> Result<()> {
+        self.target.unchanged(self.path, self.file.text())?;
+        files::update(&self.target.path, format!("{}{text}", self.target.mark).as_bytes())
+    }
+}
+
+/// What becomes of the model of a scenario.
+pub struct Edit<'a> {
+    /// The scenario as it is.
+    pub scenario: &'a Scenario,
+    /// Its file.
+    pub file: &'a Rewriting<'a>,
+    /// Effects that are put in, and moved by fits from then on.
+    pub add: Vec<&'static dyn Effect>,
+    /// An effect that is taken out.
+    pub remove: Option<&'static dyn Effect>,
+    /// Numbers of rig, contact or instrument that fits move from then on.
+    pub numbers: Vec<String>,
+}
+
+impl<'a> Edit<'a> {
+    /// No change yet.
+    pub fn new(scenario: &'a Scenario, file: &'a Rewriting<'a>) -> Self {
+        Self { scenario, file, add: Vec::new(), remove: None, numbers: Vec::new() }
+    }
+
+    /// Makes the change with values from the catalogue: whatever is wrong with the input shows before the fit.
+    pub fn trial(&self) -> Result<()> {
+        let coordinate = self.scenario.rig.coordinate();
+        let of = |effect: &&'static dyn Effect| {
+            let one = |(info, value): (&ParameterInfo, f64)| Estimate {
+                key: format!("effect.{}.{}", effect.name(), info.key),
+                value,
+                unit: info.unit_for(coordinate),
+                low: None,
+                high: None,
+                detectable_change: f64::INFINITY,
+                contradicted: false,
+            };
+            effect.parameters().iter().zip(typical(*effect)).map(one).collect::<Vec<_>>()
+        };
+        self.text(self.add.iter().flat_map(of).collect()).map(|_| ())
+    }
+
+    /// The text with the values of a fit of the changed model.
+    pub fn fitted(&self, c: &Comparison) -> Result<String> {
+        let noise = c.overall.chi2_per_point.sqrt().max(1.0);
+        let detectable_change = |column: usize| ROUNDING * noise / c.fit.evaluation.jacobian.column(column).norm();
+        let pairs = c.fit.parameters.iter().zip(&c.intervals).enumerate();
+        let one = |(column, (parameter, interval)): (usize, (&Parameter, &Interval))| Estimate {
+            contradicted: c.whiteness.structured,
+            ..estimate(parameter, interval, detectable_change(column))
+        };
+        let coordinate = self.scenario.rig.coordinate();
+        let new = c.model.effects.iter().filter(|(own, _)| self.add.iter().any(|effect| effect.name() == own.name()));
+        let unmoved = new.flat_map(|(effect, values)| {
+            let numbers = effect.parameters().iter().zip(values).filter(|(info, _)| info.held);
+            numbers.map(move |(info, &value)| held(*effect, &info.on(coordinate), value))
+        });
+        self.text(pairs.map(one).chain(unmoved).collect())
+    }
+
+    /// The changed text, once it is known to be a scenario that differs from the one at hand in nothing else.
+    fn text(&self, values: Vec<Estimate>) -> Result<String> {
+        let keys = |effect: &&'static dyn Effect| Addition::Effect(*effect).keys();
+        let new: Vec<String> = self.add.iter().flat_map(keys).chain(self.numbers.iter().cloned()).collect();
+        let gone: Vec<String> = self.remove.iter().flat_map(keys).collect();
+        let stays = |key: &&String| !new.contains(key) && !gone.contains(key);
+        let mut free: Vec<String> = self.scenario.free.iter().filter(stays).cloned().collect();
+        free.extend(new);
+        // A formula is there already, without strength.
+        let add = self.add.iter().filter(|effect| effect.formula().is_none());
+        let changes = Changes {
+            values,
+            add: add.map(|effect| effect.name().to_string()).collect(),
+            remove: self.remove.map(|effect| effect.name().to_string()),
+            free: free.clone(),
+            extends: self.file.target.extends.clone(),
+            table: self.file.target.table.clone(),
+        };
+        let text = self.file.file.apply(&changes)?;
+        let after = scenario::load_text(self.file.to(), &text).map_err(|error| match error {
+            Error::Input(why) => {
+                let title = format!("the scenario as it would stand in {} is not valid", self.file.to().display());
+                let said = whole_file(&title, "nothing was written; see above for what is wrong");
+                Error::Input(format!("{why}\n\n{said}"))
+            }
+            other => other,
+        })?;
+        if !means(self.scenario, &after, &changes) || after.free != free {
+            let path = self.file.path.display();
+            let title = format!("{path} is written in a way that cannot be changed here; nothing was written");
+            return Err(Error::Input(whole_file(&title, "write one key per line below [table] headers")));
+        }
+        Ok(text)
+    }
 }
 
 /// A parameter that no fit moves.
@@ -99,53 +183,12 @@ fn estimate(parameter: &Parameter, interval: &Interval, detectable_change: f64) 
     }
 }
 
-/// The changed text, once it is known to be a scenario that differs from the one at hand in nothing else.
-fn write(
-    job: &Job<'_>,
-    effect: &'static dyn Effect,
-    before: &Scenario,
-    values: Vec<Estimate>,
-    file: &Editable,
-    target: &Target,
-) -> Result<String> {
-    let keys = Addition::Effect(effect).keys();
-    let mut free: Vec<String> = before.free.iter().filter(|key| !keys.contains(key)).cloned().collect();
-    if !job.remove {
-        free.extend(keys);
-    }
-    let name = effect.name().to_string();
-    let (add, remove) = if job.remove { (None, Some(name)) } else { (Some(name), None) };
-    // A formula is there already, without strength.
-    let add = add.filter(|_| effect.formula().is_none());
-    let changes = Changes {
-        values,
-        add,
-        remove,
-        free: free.clone(),
-        extends: target.extends.clone(),
-        table: target.table.clone(),
-    };
-    let text = file.apply(&changes)?;
-    let after = scenario::load_text(&target.path, &text).map_err(|error| match error {
-        Error::Input(why) => {
-            let title = format!("the scenario as it would stand in {} is not valid", target.path.display());
-            Error::Input(format!("{why}\n\n{}", whole_file(&title, "nothing was written; see above for what is wrong")))
-        }
-        other => other,
-    })?;
-    if !means(before, &after, &changes) || after.free != free {
-        let title =
-            format!("{} is written in a way that cannot be changed here; nothing was written", job.path.display());
-        return Err(Error::Input(whole_file(&title, "write one key per line below [table] headers")));
-    }
-    Ok(text)
-}
-
 /// Whether one scenario is the other with these changes, and nothing else.
 fn means(before: &Scenario, after: &Scenario, changes: &Changes) -> bool {
     let mut meant = before.clone();
     meant.effects.retain(|setting| changes.remove.as_deref() != Some(setting.name()));
-    meant.effects.extend(after.effects.last().filter(|_| changes.add.is_some()).cloned());
+    let before_them = after.effects.len().saturating_sub(changes.add.len());
+    meant.effects.extend(after.effects[before_them..].iter().cloned());
     let laws =
         |scenario: &Scenario| scenario.effects.iter().map(|s| (s.name(), s.effect.equation())).collect::<Vec<_>>();
     let keys = meant.parameter_keys();

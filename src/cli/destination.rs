@@ -1,29 +1,9 @@
-//! Where `stickslip add` writes, and the paths that a scenario needs there.
+//! Where `stickslip add` and `stickslip discover` write a scenario, and the paths that it needs there.
 
 use crate::error::{Error, Result};
-use crate::scenario;
 use crate::scenario::diagnostic::whole_file;
 use crate::scenario::edit::Editable;
 use std::path::{Component, Path, PathBuf};
-
-/// What is asked of `stickslip add`.
-#[derive(Debug, Clone, Copy)]
-pub struct Job<'a> {
-    /// Name of the effect.
-    pub effect: &'a str,
-    /// The scenario.
-    pub path: &'a Path,
-    /// Another file to write to.
-    pub output: Option<&'a Path>,
-    /// Whether to show the difference and write nothing.
-    pub dry_run: bool,
-    /// Whether the effect is to be taken out.
-    pub remove: bool,
-    /// Seed of the search.
-    pub seed: u32,
-    /// Whether plots in characters are wanted.
-    pub plot: super::plot::Plot,
-}
 
 /// A place to write a scenario to.
 #[derive(Debug)]
@@ -39,12 +19,12 @@ pub struct Target {
 }
 
 /// The file to write; an error where it would destroy something or could not find what it needs.
-pub fn find(job: &Job<'_>, file: &Editable, table: &Path) -> Result<Target> {
-    let bytes = std::fs::read(job.path).map_err(Error::io("read", job.path))?;
+pub fn find(scenario: &Path, output: Option<&Path>, file: &Editable, table: &Path) -> Result<Target> {
+    let bytes = std::fs::read(scenario).map_err(Error::io("read", scenario))?;
     let mark = if bytes.starts_with("\u{feff}".as_bytes()) { "\u{feff}" } else { "" };
-    let path = job.output.unwrap_or(job.path).to_path_buf();
+    let path = output.unwrap_or(scenario).to_path_buf();
     let mut target = Target { path, mark, extends: None, table: None };
-    if same(&target.path, job.path) {
+    if same(&target.path, scenario) {
         return Ok(target);
     }
     let refuse = |title: String, help: &str| Err(Error::Input(whole_file(&title, help)));
@@ -57,7 +37,7 @@ pub fn find(job: &Job<'_>, file: &Editable, table: &Path) -> Result<Target> {
         return refuse(format!("there is no folder {}", folder.display()), "make it first, or give -o another file");
     }
     if target.path.exists() {
-        let title = match scenario::load(&target.path) {
+        let title = match crate::scenario::load(&target.path) {
             // As an earlier run of the same command left it.
             Ok(other) if other.measurement.as_ref().is_some_and(|m| same(&m.file, table)) => None,
             Ok(_) => Some(format!("{shown} exists, is a scenario of other measurements and is not overwritten")),
@@ -68,8 +48,8 @@ pub fn find(job: &Job<'_>, file: &Editable, table: &Path) -> Result<Target> {
         }
     }
     let [extends, table] = file.named();
-    target.extends = extends.and_then(|(name, at)| elsewhere(&name, &at, folder, job.path));
-    target.table = table.and_then(|(name, at)| elsewhere(&name, &at, folder, job.path));
+    target.extends = extends.and_then(|(name, at)| elsewhere(&name, &at, folder, scenario));
+    target.table = table.and_then(|(name, at)| elsewhere(&name, &at, folder, scenario));
     Ok(target)
 }
 

@@ -1,6 +1,7 @@
 //! `stickslip discover`: which effect is missing.
 
 use super::bounds::Limits;
+use super::changed_scenario::{Edit, Rewriting};
 use super::compare::{
     interval_words, parameter, stands_out, uncalibrated, verdict, with_measurements, without_outliers,
 };
@@ -10,12 +11,13 @@ use super::gates::{self, GateLimits, Verdicts};
 use super::plot::{self, Plot};
 use super::{Global, Json, Stamped, page, progress, say, simulate};
 use crate::compare;
-use crate::discover::{self, Basis, Candidate, Discovery, SearchOptions, Verdict};
+use crate::discover::{self, Addition, Basis, Candidate, Discovery, SearchOptions, Verdict};
 use crate::error::Result;
 use crate::fit::Correlation;
 use crate::free_form::{self, FreeForm};
 use crate::gate::{self, Judged};
 use crate::measurement::Table;
+use crate::scenario::Scenario;
 use crate::units::Frequencies;
 use std::path::{Path, PathBuf};
 
@@ -42,6 +44,8 @@ pub struct Job<'a> {
     pub json: Option<&'a Json>,
     /// Folder of the page and the figures, if they are wanted.
     pub out: Option<(&'a Path, &'a FigureOutput)>,
+    /// Where the scenario goes as it is explained.
+    pub output: Option<&'a Path>,
     /// Whether the free form is told whatever the verdict.
     pub free_form: bool,
     /// Whether plots in characters are wanted.
@@ -60,7 +64,7 @@ struct Told<'a> {
 /// Searches for what is missing in a scenario's model, and holds the result to its gates; the JSON goes to `json` where
 /// given.
 pub fn execute(
-    &Job { path, json, out, free_form, plot }: &Job<'_>,
+    &Job { path, json, out, output, free_form, plot }: &Job<'_>,
     (options, bounds): (&SearchOptions, &Limits),
     (limits, verdict): (&GateLimits, &Verdicts),
     global: &Global,
@@ -73,6 +77,7 @@ pub fn execute(
     }
     let inputs = || [path, table.file.as_path()];
     let out = out.map(|(out, drawn)| Folder::open(out, drawn, inputs())).transpose()?;
+    let file = output.map(|output| Rewriting::begin(path, Some(output), &table.file)).transpose()?;
     let options = SearchOptions { bounds: bounds.of(&scenario, &table)?, ..options.clone() };
     let discovery = progress::of_search(global, options.budget, |solved| {
         discover::discover_counted(&scenario, &table, &options, solved)
@@ -86,6 +91,9 @@ pub fn execute(
         let told = Told { discovery: &discover::json(&discovery), free_form };
         json.write(&Stamped::new(&told, &judged), discover::SCHEMA)?;
     }
+    if let Some(file) = &file {
+        file.write(&explained(&discovery, &scenario, file)?)?;
+    }
     let page = out.map(|out| written((&discovery, free_form.as_ref()), &judged, path, &out)).transpose()?;
     if !json.is_some_and(Json::to_standard_output) {
         for line in words(&discovery) {
@@ -95,11 +103,25 @@ pub fn execute(
         if plot.wanted() {
             plots(&discovery).iter().try_for_each(|line| say(global, line))?;
         }
+        file.iter().try_for_each(|file| say(global, &format!("wrote {}", file.to().display())))?;
         page.iter().try_for_each(|page| say(global, &format!("wrote {}", page.display())))?;
         gates::told(&judged, global)?;
         gates::claims_elsewhere(&scenario.gate, global)?;
     }
     gates::passed(&judged)
+}
+
+/// The scenario with what explains its measurements.
+fn explained(d: &Discovery, scenario: &Scenario, file: &Rewriting<'_>) -> Result<String> {
+    let end = d.explanation();
+    let mut edit = Edit::new(scenario, file);
+    for addition in &end.hypothesis.additions {
+        match *addition {
+            Addition::Effect(effect) => edit.add.push(effect),
+            Addition::Recalibration(key) => edit.numbers.push(key.into()),
+        }
+    }
+    edit.fitted(&end.comparison)
 }
 
 /// The page of a discovery, with the comparison that it began with.
@@ -214,9 +236,13 @@ fn digits(table: &Table) -> Frequencies {
 fn step(d: &Discovery) -> Option<String> {
     let end = d.explanation();
     let file = end.comparison.scenario.path.display();
-    let effect = end.hypothesis.effects().into_iter().next().filter(|_| d.verdict == Verdict::EffectMissing);
+    let effects = end.hypothesis.effects();
+    let effect = effects.first().filter(|_| d.verdict == Verdict::EffectMissing);
     let number = end.hypothesis.recalibrated().into_iter().next().filter(|_| d.verdict != Verdict::Unexplained);
     match (number, effect) {
+        _ if end.hypothesis.additions.len() > 1 => {
+            Some("next: -o FILE with this command writes the scenario with all of these, fitted".into())
+        }
         (Some(key), _) => Some(format!("next: name \"{key}\" in [fit] free of {file}")),
         (None, Some(name)) => Some(format!("next: stickslip add {name} {file} --dry-run")),
         (None, None) => None,

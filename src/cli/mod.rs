@@ -124,6 +124,9 @@ enum Command {
         /// Write a page of it (report.html) and its figures below this folder
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
+        /// Write the scenario as explained here: effects put in, fitted numbers, comments kept
+        #[arg(long, short, value_name = "FILE")]
+        output: Option<PathBuf>,
         #[command(flatten)]
         drawn: figure_output::FigureOutput,
         #[command(flatten)]
@@ -278,6 +281,7 @@ pub fn run(cli: Cli) -> Result<()> {
             scenario,
             json,
             out,
+            output,
             drawn,
             plot,
             max_effects,
@@ -292,12 +296,13 @@ pub fn run(cli: Cli) -> Result<()> {
             let options = trial::searched((&search, &candidates), max_effects, seed)?;
             let json = json.map(Json::from);
             let out = out.as_deref().map(|out| (out, &drawn));
-            let job = discover::Job { path: &scenario, json: json.as_ref(), out, free_form, plot };
+            let output = output.as_deref();
+            let job = discover::Job { path: &scenario, json: json.as_ref(), out, output, free_form, plot };
             discover::execute(&job, (&options, &limits), (&gates, &verdict), &global)
         }
         Command::Add { effect, scenario, output, dry_run, remove, seed, plot } => {
             let output = output.as_deref();
-            let job = destination::Job { effect: &effect, path: &scenario, output, dry_run, remove, seed, plot };
+            let job = add::Job { effect: &effect, path: &scenario, output, dry_run, remove, seed, plot };
             add::execute(&job, &global)
         }
         Command::Accept(arguments) => accept::execute(&arguments, &global),

@@ -11,6 +11,8 @@ use super::splice::Splice;
 use super::written::{Entry, Node, Value, end, find, inside, list, name, parse, quoted, texts};
 use crate::error::{Error, Result};
 
+use super::literal::Written;
+
 pub use super::literal::Estimate;
 
 /// A scenario file that is to be changed.
@@ -26,8 +28,8 @@ pub struct Editable {
 pub struct Changes {
     /// Parameters of rig, contact, instrument and of effects: their new values.
     pub values: Vec<Estimate>,
-    /// Name of an effect to put in; its parameters are among the values.
-    pub add: Option<String>,
+    /// Names of effects to put in; their parameters are among the values.
+    pub add: Vec<String>,
     /// Name of an effect to take out.
     pub remove: Option<String>,
     /// The whole list `[fit] free`.
@@ -95,9 +97,9 @@ impl Editable {
                 fitted(&format!("effect.{name}")).into_iter().for_each(|one| set(&mut splice, item, one));
             }
         }
-        if let Some(name) = &changes.add {
-            self.put_in(&mut splice, name, &fitted(&format!("effect.{name}")));
-        }
+        let new: Vec<(&str, Vec<&Estimate>)> =
+            changes.add.iter().map(|name| (name.as_str(), fitted(&format!("effect.{name}")))).collect();
+        self.put_in(&mut splice, &new);
         if let Some(name) = &changes.remove {
             self.take_out(&mut splice, name)?;
         }
@@ -169,27 +171,37 @@ impl Editable {
         }
     }
 
-    fn put_in(&self, splice: &mut Splice<'_>, name: &str, values: &[&Estimate]) {
-        let written: Vec<_> = values.iter().map(|one| (key(one), one.written(None))).collect();
+    /// Puts in effects with their parameters, in the style in which the others are written.
+    fn put_in(&self, splice: &mut Splice<'_>, effects: &[(&str, Vec<&Estimate>)]) {
+        if effects.is_empty() {
+            return;
+        }
+        let written = |values: &[&Estimate]| -> Vec<_> {
+            values.iter().map(|one| (key(one).to_string(), one.written(None))).collect()
+        };
         let items = list(&self.own, "effect");
-        let node = find(&self.own, &["effect"]);
-        let mut lines = vec!["[[effect]]".to_string(), format!("name = {}", quoted(name))];
-        lines.extend(written.iter().map(|(key, one)| format!("{key} = {}  # 95 %: {}", one.literal, one.interval)));
-        match (node, items.last()) {
-            (Some(_), Some(last)) if splice.at(&last.place.span).starts_with('[') => {
-                splice.section(Some(end(last)), &lines)
+        let below = items.last().filter(|last| splice.at(&last.place.span).starts_with('['));
+        let Some(node) = find(&self.own, &["effect"]).filter(|_| below.is_none()) else {
+            let mut lines = Vec::new();
+            for (name, values) in effects {
+                let said = |(key, one): (String, Written)| format!("{key} = {}  # 95 %: {}", one.literal, one.interval);
+                lines.extend(["".into(), "[[effect]]".into(), format!("name = {}", quoted(name))]);
+                lines.extend(written(values).into_iter().map(said));
             }
-            (Some(node), last) => {
-                let keys: String = written.iter().map(|(key, one)| format!(", {key} = {}", one.literal)).collect();
-                let spans: Vec<_> = items.iter().map(|item| item.place.span.clone()).collect();
-                splice.push(&node.place.span, &spans, &[format!("{{ name = {}{keys} }}", quoted(name))]);
-                // Where each element has a line of its own, there is none yet to comment on.
-                let at = last.map_or(node.place.span.end, |last| last.place.span.end);
-                if splice.at(&(at..node.place.span.end)).find('\n').is_none() {
-                    written.iter().for_each(|(key, one)| splice.note(node.place.span.end, key, Some(&one.interval)));
-                }
+            return splice.section(below.map(end), &lines[1..]);
+        };
+        let spans: Vec<_> = items.iter().map(|item| item.place.span.clone()).collect();
+        let inline = |(name, values): &(&str, Vec<&Estimate>)| {
+            let keys: String = written(values).iter().map(|(key, one)| format!(", {key} = {}", one.literal)).collect();
+            format!("{{ name = {}{keys} }}", quoted(name))
+        };
+        splice.push(&node.place.span, &spans, &effects.iter().map(inline).collect::<Vec<_>>());
+        // Where each element has a line of its own, there is none yet to comment on.
+        let at = items.last().map_or(node.place.span.end, |last| last.place.span.end);
+        if splice.at(&(at..node.place.span.end)).find('\n').is_none() {
+            for (key, one) in effects.iter().flat_map(|(_, values)| written(values)) {
+                splice.note(node.place.span.end, &key, Some(&one.interval));
             }
-            (None, _) => splice.section(None, &lines),
         }
     }
 

@@ -363,6 +363,10 @@ mod tests {
         assert_eq!(shown([79209.6, 78959.4, 79460.5], "N/m"), "79210 N/m 78960 N/m 79460 N/m");
         assert_eq!(shown([0.999_712, 0.9981, 1.0013], "1"), "0.9997 0.9981 1.0013");
         assert_eq!(shown([2.27904e-3, 1.92521e-3, 2.71552e-3], "s"), "2.28 ms 1.93 ms 2.72 ms");
+        assert_eq!(
+            shown([0.960_470_155, 0.960_469_903, 0.960_470_402], "Hz"),
+            "960.47016 mHz 960.4699 mHz 960.4704 mHz"
+        );
         assert_eq!(shown([-5.2, -9.1, -1.3], "N"), "-5.2 N -9.1 N -1.3 N");
         // As wide as the value, one end at infinity, no width.
         assert_eq!(shown([1.0, 1e-9, 12345.6], "N"), "1 N 1 nN 12.3 kN");

@@ -8,30 +8,34 @@ pub fn printed(unit: &str) -> String {
 /// A value in SI with a prefix and digits for people: `2.5e-6 m` becomes `2.5 µm`, `1e-4 m/s` becomes `0.1 mm/s`.
 /// Six significant digits; the text can be parsed again.
 pub fn format(value: f64, si_unit: &str) -> String {
+    with_digits(value, si_unit, 6)
+}
+
+fn with_digits(value: f64, si_unit: &str, figures: usize) -> String {
     const SCALES: &[(&str, f64)] =
         &[("G", 1e9), ("M", 1e6), ("k", 1e3), ("", 1.0), ("m", 1e-3), ("µ", 1e-6), ("n", 1e-9)];
     let size = value.abs();
     if si_unit == "1" {
-        return digits(value);
+        return digits(figures, value);
     }
     if !value.is_finite() || size == 0.0 {
-        return format!("{} {si_unit}", digits(value));
+        return format!("{} {si_unit}", digits(figures, value));
     }
     // Speeds of this experiment are read in mm/s, down to a thousandth of it.
     if si_unit == "m/s" && (0.9999e-6..1.0).contains(&size) {
-        return format!("{} mm/s", digits(value * 1e3));
+        return format!("{} mm/s", digits(figures, value * 1e3));
     }
     if !matches!(
         si_unit,
         "m" | "s" | "N" | "N m" | "Hz" | "W" | "rad" | "m/s" | "V" | "m/s^2" | "rad/s" | "rad/s^2" | "Pa"
     ) {
-        return format!("{} {si_unit}", digits(value));
+        return format!("{} {si_unit}", digits(figures, value));
     }
     // Nobody writes krad or km/s^2.
     let largest = if matches!(si_unit, "rad" | "rad/s" | "rad/s^2" | "m/s" | "m/s^2") { 1.0 } else { f64::INFINITY };
     let mut scales = SCALES.iter().filter(|(_, scale)| *scale <= largest);
     let (prefix, scale) = scales.find(|(_, scale)| size >= scale * 0.999_999_5).unwrap_or(&("n", 1e-9));
-    format!("{} {prefix}{si_unit}", digits(value / scale))
+    format!("{} {prefix}{si_unit}", digits(figures, value / scale))
 }
 
 /// Significant digits of the estimate and the ends of an interval: up to the second digit of the shorter half; three where the
@@ -42,19 +46,19 @@ pub fn interval_digits([value, low, high]: [f64; 3]) -> [usize; 3] {
         return [3; 3];
     }
     let order = |x: f64| format!("{x:e}").split_once('e').and_then(|(_, power)| power.parse::<i32>().ok()).unwrap_or(0);
-    [value, low, high].map(|x| (order(x) - order(width) + 2).clamp(2, 8) as usize)
+    [value, low, high].map(|x| (order(x) - order(width) + 2).clamp(2, 12) as usize)
 }
 
 /// Estimate and ends of an interval as [`format()`] shows them, with digits that suit it.
 pub fn format_interval(values: [f64; 3], si_unit: &str) -> [String; 3] {
     let digits = interval_digits(values);
     let rounded = |i: usize| format!("{:.*e}", digits[i] - 1, values[i]).parse().unwrap_or(values[i]);
-    [0, 1, 2].map(|i| format(rounded(i), si_unit))
+    [0, 1, 2].map(|i| with_digits(rounded(i), si_unit, digits[i].max(6)))
 }
 
-/// Six significant digits without trailing zeros; powers of ten only where the plain form is long.
-fn digits(value: f64) -> String {
-    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value) + 0.0;
+/// So many significant digits without trailing zeros; powers of ten only where the plain form is long.
+fn digits(figures: usize, value: f64) -> String {
+    let rounded: f64 = format!("{value:.*e}", figures - 1).parse().unwrap_or(value) + 0.0;
     if rounded != 0.0 && !(1e-4..1e6).contains(&rounded.abs()) { format!("{rounded:e}") } else { format!("{rounded}") }
 }
 

@@ -3,10 +3,10 @@
 
     python3 tests/reference/against_add.py DIR [--binary PATH] [--jobs 1] [--only NAME ...]
 
-For each DIR/<name>/table.csv (or DIR/<name>/scenario.toml, where there is one) the best that `discover` lists is compared with every
-effect that `add` takes, and with every second effect beside the best of them, by Schwarz's criterion: squares over those of the
-noise - where `discover` leaves structure, over the mean square of what is left - and ln(readings) for each free parameter. Prints
-a line where `add` is better by more than 0.5, and the counts. Needs Python 3.9 or later and nothing else.
+For each DIR/<name>/table.csv (or DIR/<name>/scenario.toml, where there is one) the scenario that `discover -o` writes is compared with
+every effect that `add` takes, and with every second effect beside the best of them, by Schwarz's criterion of what `compare` says of
+each: squares over those of the noise - where `discover` leaves structure, over the mean square of what is left - and ln(readings) for
+each free parameter. Prints a line where `add` is better by more than 0.5, and the counts. Needs Python 3.9 or later and nothing else.
 """
 
 import argparse
@@ -62,24 +62,26 @@ def examine(binary, folder, name, effects, timeout):
             if failure:
                 return name, failure
         start = compared(binary, scenario, timeout)
-        output, failure = score.call([binary, "discover", scenario, "--json", "-"], timeout)
-        if failure or not start:
+        explained = os.path.join(scratch, "explained.toml")
+        output, failure = score.call([binary, "discover", scenario, "-o", explained, "--json", "-"], timeout)
+        end = None if failure else compared(binary, explained, timeout)
+        if not (start and end):
             return name, failure or "compare: no comparison"
         told = json.loads(output)
-        if told["noise_factors"] != {"amplitude": 1.0, "phase": 1.0}:
-            return name, "deviations rescaled: squares in another unit"
-        end, best = told["steps"][-1], told["candidates"][0]
-        listed = [(fit["chi2_per_point"], len(fit["parameters"]), start[2]) for fit in (end, best)]
+        structured, verdict, effects_found = told["steps"][-1]["structured"], told["verdict"], told["effects"]
+        # What is listed above the explanation, since it is too little better to decide for it.
+        last = set(told["steps"][-1]["parameters"])
+        ahead = max((c["delta_bic"] for c in told["candidates"] if set(c["parameters"]) == last), default=0.0)
         once = added(binary, scenario, scratch, effects, timeout)
         twice = []
         if once:
             _, first, file = min(once, key=lambda found: criterion(found[0], 1.0))
             twice = [(fit, f"{first}+{second}", f) for fit, second, f in added(binary, file, scratch, effects, timeout)]
         by_hand = [(start, "nothing", "")] + once + twice
-        unit = max(1.0, min(fit[0] for fit in listed)) if end["structured"] else 1.0
-        reached = min(criterion(fit, unit) for fit in listed)
+        unit = max(1.0, end[0]) if structured else 1.0
+        reached = criterion(end, unit) - ahead
         fit, by, _ = min(by_hand, key=lambda found: criterion(found[0], unit))
-        return name, told["verdict"], "+".join(told["effects"]) or "-", reached, end["structured"], criterion(fit, unit), by, end["chi2_per_point"]
+        return name, verdict, "+".join(effects_found) or "-", reached, structured, criterion(fit, unit), by, end[0]
 
 
 def main():
