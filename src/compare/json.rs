@@ -23,6 +23,8 @@ pub struct ComparisonJson {
     points: usize,
     readings: usize,
     chi2_per_point: f64,
+    /// Schwarz's criterion: squares in those of the noise, what is far off by its logarithm, and ln(readings) for each parameter.
+    bic: f64,
     rms_error_percent: f64,
     rms_phase_deg: Option<f64>,
     noise_percent: f64,
@@ -230,6 +232,7 @@ pub fn json(comparison: &Comparison) -> ComparisonJson {
         points: c.overall.points,
         readings: c.overall.readings,
         chi2_per_point: c.overall.chi2_per_point,
+        bic: c.fit.schwarz(1.0, c.overall.readings),
         rms_error_percent: c.overall.rms_error_percent,
         rms_phase_deg: c.overall.rms_phase_deg,
         noise_percent: c.overall.noise_percent,

@@ -24,16 +24,18 @@ MOST = 0.5
 
 
 def compared(binary, scenario, timeout):
-    """(chi2 per reading, parameters, readings), or None where nothing comes out."""
+    """(chi2 per reading, parameters, readings, Schwarz's criterion), or None where nothing comes out."""
     output, failure = score.call([binary, "compare", scenario, "--json", "-"], timeout)
     if failure:
         return None
     told = json.loads(output)
-    return told["chi2_per_point"], len(told["parameters"]), told["readings"]
+    return told["chi2_per_point"], len(told["parameters"]), told["readings"], told["bic"]
 
 
 def criterion(fit, unit):
-    chi2, parameters, readings = fit
+    chi2, parameters, readings, bic = fit
+    if unit == 1.0:
+        return bic
     return chi2 / unit * readings + parameters * math.log(readings)
 
 
