@@ -230,6 +230,20 @@ fn residual_modes_are_added_to_the_reading() {
     }
 }
 
+/// A constant share of the force over the stiffness, whatever the motion.
+#[test]
+fn crosstalk_is_added_to_the_reading() {
+    let (re, im) = (1.5, -4.0);
+    let model = with(&bare(), "crosstalk", &[re, im]);
+    for ratio in [0.7, 1.0, 1.2] {
+        let operation = at(OF.3, ratio * OF.1);
+        let (one, other) = (complex(&solved(&model, &operation)), complex(&solved(&bare(), &operation)));
+        let deflection = OF.3 / sizes().0;
+        let apart = (one.0 - other.0 - re * deflection).hypot(one.1 - other.1 - im * deflection);
+        assert!(apart < 1e-12 * deflection, "{ratio}: {one:?} {other:?} {deflection:e}");
+    }
+}
+
 #[test]
 fn derivatives_are_those_of_differences() {
     let (k, _, motion) = sizes();
@@ -242,6 +256,7 @@ fn derivatives_are_those_of_differences() {
         ("power-damping", vec![0.3 * OF.3, 0.6, 0.5 * speed]),
         ("pivot-friction", vec![0.4 * OF.3]),
         ("residual-modes", vec![2e-4, -0.3]),
+        ("crosstalk", vec![0.8, -1.7]),
     ];
     for (name, parameters) in cases {
         // Beside a spring that is not linear.

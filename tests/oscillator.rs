@@ -151,6 +151,7 @@ fn zero_strength_is_the_linear_mode() {
         ("power-damping", vec![0.0, 1.5, 1.0]),
         ("pivot-friction", vec![0.0]),
         ("residual-modes", vec![0.0, 0.0]),
+        ("crosstalk", vec![0.0, 0.0]),
         ("structural-damping", vec![0.0]),
         ("sensor-delay", vec![0.0]),
         ("actuator-lag", vec![0.0]),

@@ -47,7 +47,7 @@ fn difference(model: &Model, at: &Operation, plan: &Plan) -> f64 {
 #[test]
 fn every_effect_agrees_to_1e_5_where_it_matters() {
     let lines: Vec<&str> = include_str!("data/effects.csv").lines().skip(1).collect();
-    assert!(lines.last().unwrap().starts_with("residual-modes"), "the table ends elsewhere");
+    assert!(lines.last().unwrap().starts_with("crosstalk"), "the table ends elsewhere");
     lines.par_iter().for_each(|line| {
         let c: Vec<&str> = line.split(',').collect();
         let v: Vec<f64> = c[2..].iter().map(|v| v.parse().unwrap()).collect();

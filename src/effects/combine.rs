@@ -1,6 +1,6 @@
 //! Which effects go together. The rules follow from what effects contribute, not from their names.
 
-use super::{Branch, Effect, typical};
+use super::{Beside, Branch, Effect, typical};
 use crate::dual::{Dual, MAX_PARAMETERS};
 use crate::parameter::FIRST_EFFECT_PARAMETER;
 
@@ -112,10 +112,12 @@ pub fn fits_rig(effect: &dyn Effect, contact: bool) -> Result<(), String> {
 /// Whether the published procedure can carry an effect: only changes of the drive, of the linear damping and of the reading.
 pub fn in_paper_formulation(effect: &dyn Effect) -> bool {
     let (p, d) = sample(effect);
+    let one = Dual::constant(1.0);
+    let unit = Beside { omega: 1.0, stiffness: one, inertia: one, order: 0 };
     !enters_contact(effect)
         && effect.torque(&p, 0.0, 0.0).is_none()
         && !slips(effect, &d)
-        && effect.residual(&d, 1.0).is_none()
+        && effect.beside(&d, &unit).is_none()
 }
 
 /// Whether an effect holds the body to the ground by friction.

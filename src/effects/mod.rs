@@ -10,6 +10,7 @@ mod berg_friction;
 mod clearance;
 mod combine;
 mod contact_renewal;
+mod crosstalk;
 mod cubic_stiffness;
 pub mod formula;
 mod friction_joint;
@@ -263,10 +264,23 @@ pub trait Effect: Sync {
     fn reading(&self, _p: &[Dual], _omega: f64) -> Option<Dual> {
         None
     }
-    /// Motion per torque of the drive \[rad/(N m), m/N\] that is read beside that of the mode at `omega` \[rad/s\].
-    fn residual(&self, _p: &[Dual], _omega: f64) -> Option<Dual> {
+    /// Motion per torque of the drive \[rad/(N m), m/N\], complex, that is read beside that of the mode.
+    fn beside(&self, _p: &[Dual], _of: &Beside) -> Option<(Dual, Dual)> {
         None
     }
+}
+
+/// The mode that something is read beside.
+#[derive(Debug, Clone, Copy)]
+pub struct Beside {
+    /// Frequency of the drive \[rad/s\].
+    pub omega: f64,
+    /// Stiffness \[N m/rad, N/m\].
+    pub stiffness: Dual,
+    /// Inertia \[kg m^2, kg\].
+    pub inertia: Dual,
+    /// Which derivative of the motion is read.
+    pub order: u8,
 }
 
 /// All effects, in the order of the catalogue.
@@ -298,6 +312,7 @@ pub static REGISTRY: &[&dyn Effect] = &[
     &roller_compliance::RollerCompliance,
     &sensor_delay::SensorDelay,
     &residual_modes::ResidualModes,
+    &crosstalk::Crosstalk,
 ];
 
 /// The effect of that name.

@@ -1,6 +1,6 @@
 //! What the modes outside the measured band add to the reading.
 
-use super::{Effect, Group, Measure, ParameterInfo, Zero};
+use super::{Beside, Effect, Group, Measure, ParameterInfo, Zero};
 use crate::dual::Dual;
 use crate::parameter::ANY;
 
@@ -64,8 +64,8 @@ impl Effect for ResidualModes {
         LIST
     }
 
-    fn residual(&self, p: &[Dual], omega: f64) -> Option<Dual> {
-        Some(p[0] + p[1] * (1.0 / (omega * omega)))
+    fn beside(&self, p: &[Dual], of: &Beside) -> Option<(Dual, Dual)> {
+        Some((p[0] + p[1] * (1.0 / (of.omega * of.omega)), Dual::constant(0.0)))
     }
 }
 
@@ -76,7 +76,9 @@ mod tests {
     #[test]
     fn the_share_of_the_masses_falls_with_the_square_of_the_frequency() {
         let p = [2e-4, 50.0].map(Dual::constant);
-        let share = |omega: f64| ResidualModes.residual(&p, omega).map_or(f64::NAN, |share| share.value);
+        let one = Dual::constant(1.0);
+        let of = |omega| Beside { omega, stiffness: one, inertia: one, order: 0 };
+        let share = |omega: f64| ResidualModes.beside(&p, &of(omega)).map_or(f64::NAN, |share| share.0.value);
         assert!((share(100.0) - 5.2e-3).abs() < 1e-15 && (share(1000.0) - 2.5e-4).abs() < 1e-15);
     }
 }

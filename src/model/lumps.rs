@@ -2,7 +2,7 @@
 
 use super::{Model, Operation};
 use crate::dual::{Dual, Scalar};
-use crate::effects::Support;
+use crate::effects::{Beside, Support};
 use crate::parameter::{FIRST_CONTACT_PARAMETER, FIRST_EFFECT_PARAMETER, RIG_PARAMETERS};
 use crate::scenario::{Dissipation, Elasticity, Excitation, Oscillator, Rig};
 use crate::statistics::wrap;
@@ -124,18 +124,20 @@ impl Lumps {
             dry_friction: None,
         };
         let mut first = FIRST_EFFECT_PARAMETER;
-        let mut residual: Option<Dual> = None;
+        let none = Dual::constant(0.0);
+        let of = Beside { omega, stiffness, inertia, order: model.signals.reading.order };
+        let mut beside: Option<(Dual, Dual)> = None;
         for (effect, parameters) in &model.effects {
             let p: Vec<Dual> = parameters.iter().enumerate().map(|(i, &v)| Dual::parameter(v, first + i)).collect();
             first += p.len();
             lumps.add(*effect, &p);
-            residual = [residual, effect.residual(&p, omega)].into_iter().flatten().reduce(|a, b| a + b);
+            beside = [beside, effect.beside(&p, &of)].into_iter().flatten().reduce(|a, b| (a.0 + b.0, a.1 + b.1));
         }
         // In proportion to the drive as all effects leave it.
-        if let Some(residual) = residual {
-            let none = Dual::constant(0.0);
+        if let Some((re, im)) = beside {
             let (x, y) = lumps.read_beside.take().map_or((none, none), |beside| *beside);
-            lumps.read_beside = Some(Box::new((x + residual * lumps.torque_re, y + residual * lumps.torque_im)));
+            let (u, v) = (lumps.torque_re, lumps.torque_im);
+            lumps.read_beside = Some(Box::new((x + re * u - im * v, y + re * v + im * u)));
         }
         lumps
     }

@@ -365,7 +365,7 @@ mod tests {
         assert_eq!(shown([2.27904e-3, 1.92521e-3, 2.71552e-3], "s"), "2.28 ms 1.93 ms 2.72 ms");
         assert_eq!(
             shown([0.960_470_155, 0.960_469_903, 0.960_470_402], "Hz"),
-            "960.47016 mHz 960.4699 mHz 960.4704 mHz"
+            "960.47015 mHz 960.4699 mHz 960.4704 mHz"
         );
         assert_eq!(shown([-5.2, -9.1, -1.3], "N"), "-5.2 N -9.1 N -1.3 N");
         // As wide as the value, one end at infinity, no width.

@@ -43,6 +43,7 @@ NEW = [
     ("asymmetric-stiffness", dict(K_2=1.5e5)),
     ("asymmetric-stiffness", dict(K_2=-1e5)),
     ("residual-modes", dict(R_c=2e-4, R_m=-30.0)),
+    ("crosstalk", dict(b_r=-0.4, b_i=0.7)),
 ]
 
 OSCILLATOR = dict(mass=2.0, f0=80.0, Q=30.0)
@@ -60,6 +61,7 @@ NEW_ALONE = [
     ("pivot-friction", dict(F_c=0.9)),
     ("pivot-friction", dict(F_c=1.2)),
     ("residual-modes", dict(R_c=3e-7, R_m=-0.4)),
+    ("crosstalk", dict(b_r=1.5, b_i=-4.0)),
 ]
 
 
@@ -75,11 +77,14 @@ FRICTION = {"stribeck": (1, "delta_mu", "v_s"), "rate-strengthening": (2, "beta"
             "grosch": (3, "delta_mu", "v_m", "h"), "viscous-film": (4, "b")}
 SPRINGS = {"asymmetric-stiffness": "K_2", "cubic-stiffness": "K_3", "quintic-stiffness": "K_5"}
 KNOWN = [*FRICTION, *SPRINGS, "none", "quadratic-damping", "structural-damping", "normal-coupling", "maxwell-branch",
-         "actuator-lag", "sensor-delay", "load-stiffening", "spring-pot", "berg-friction", "residual-modes"]
+         "actuator-lag", "sensor-delay", "load-stiffening", "spring-pot", "berg-friction", "residual-modes",
+         "crosstalk"]
 
 
-def read(amplitude, effect, p, omega, drive):
+def read(amplitude, effect, p, omega, drive, stiffness):
     """What the instrument shows of a motion Im[A exp(i w t)]: amplitude and phase."""
+    if effect == "crosstalk":
+        amplitude += complex(p["b_r"], p["b_i"]) * drive / stiffness
     if effect == "residual-modes":
         amplitude += (p["R_c"] + p["R_m"] / omega**2) * drive
     if effect == "sensor-delay":
@@ -132,7 +137,7 @@ def beside(effect, p, speed, load, u0, frequency):
     re, im, mean, change = integrate(LIBRARY.contact, numbers, STEPS, CYCLES_OF_BERG if berg[0] else CYCLES)
     if change > 1e-6:
         raise ArithmeticError(f"{effect} {p} at {speed} {load} {u0} {frequency}: not settled, {change:.1e}")
-    return *read(complex(re, im), effect, p, w, drive), mean
+    return *read(complex(re, im), effect, p, w, drive, stiffness), mean
 
 
 def alone(effect, p, force, frequency):
@@ -153,7 +158,7 @@ def alone(effect, p, force, frequency):
         return 0.0, 0.0, 0.0  # it sticks
     if change > 1e-7:
         raise ArithmeticError(f"{effect} {p} at {force} {frequency}: not settled, {change:.1e}")
-    return *read(complex(re, im), effect, p, w, force), mean
+    return *read(complex(re, im), effect, p, w, force, stiffness), mean
 
 
 def integrate(run, numbers, steps, cycles):
