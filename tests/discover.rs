@@ -240,6 +240,17 @@ fn a_few_readings_that_favour_a_rival_by_chance_do_not_decide() {
     assert_no_worse_than_added(&d, &["sensor-delay", "actuator-lag", "maxwell-branch", "structural-damping"]);
 }
 
+/// The one starting point of an effect that comes to the end of the race may end in a minimum aside.
+#[test]
+fn what_came_to_the_end_of_the_race_is_fitted_by_itself_too() {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/compliance/scenario.toml");
+    let d = found_at(&path, &SearchOptions::default());
+    assert_eq!(
+        (d.verdict, d.explanation().hypothesis.effects()),
+        (Verdict::EffectMissing, vec!["roller-compliance".to_string()])
+    );
+}
+
 /// Where profiles may solve nothing, every end is that of the curvature, and it is said; where they may solve enough, none is.
 #[test]
 fn intervals_without_a_budget_are_of_the_curvature_and_told_as_that() {
