@@ -93,7 +93,7 @@ impl Default for SearchOptions {
             max_effects: 3,
             seed: 0,
             starts: 12,
-            entrants: 16,
+            entrants: 8,
             first_points: 64,
             first_evaluations: 4,
             kept: 0.25,

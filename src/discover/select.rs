@@ -167,9 +167,11 @@ impl<'a> Search<'a> {
                 full.push(least.clone());
             }
             if self.structured(&least) && self.goes_on() {
-                // What came to the end of the race, too: from one starting point of many.
+                // Beside the base what came to the end of the race, too: from one starting point of many.
+                let at_first = chosen.additions.is_empty();
+                let others = if at_first { self.pool.clone() } else { self.not_fitted_beside(&chosen, known) };
                 let bar = Some((&least, self.unit(&least)));
-                full.extend(self.race(&[&chosen], &self.pool, Field::Each(bar), known));
+                full.extend(self.race(&[&chosen], &others, Field::Each(bar), known));
             }
             // What explains less where readings are far off is no step towards an explanation.
             let scale = TAIL * typical_of(&chosen.fit.evaluation.residuals);
@@ -214,6 +216,13 @@ impl<'a> Search<'a> {
         self.data.count(found.solved);
         let moved = Hypothesis { model: found.base, fit: found.fit, ..hypothesis.clone() };
         if moved.fits_better_than(hypothesis) { moved } else { hypothesis.clone() }
+    }
+
+    /// Candidates of which no fit to all points is known beside a hypothesis.
+    fn not_fitted_beside(&self, from: &Hypothesis, known: &Known) -> Vec<Addition> {
+        let fitted = known.beside(&from.additions);
+        let is_fitted = |a: &Addition| fitted.iter().any(|h| h.additions.last() == Some(a));
+        self.pool.iter().copied().filter(|a| !is_fitted(a)).collect()
     }
 
     /// The race of all candidates beside all parents; the hypotheses that came to its end, fitted to all points.

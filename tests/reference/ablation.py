@@ -17,7 +17,7 @@ import score
 
 # Each option far enough from its default to tell, where it is of use, what would be lost.
 CHANGES = (
-    "", "starts=3", "entrants=1", "entrants=8", "first_points=16", "first_points=32", "first_evaluations=1", "kept=0.1", "survivors=1", "beam=1",
+    "", "starts=3", "entrants=1", "first_points=16", "first_points=32", "first_evaluations=1", "kept=0.1", "survivors=1", "beam=1",
     "max_effects=1", "budget=50000",
 )
 
