@@ -74,6 +74,9 @@ fn what_was_found_is_written_as_a_scenario_that_explains_the_table() {
     let measured = std::fs::read(table("volts")).expect("a table");
     run().arg(table("volts")).assert().code(2);
     assert_eq!(std::fs::read(table("volts")).expect("a table"), measured);
+    // Nor is the place of another result.
+    run().arg("both").args(["--json", "both"]).current_dir(&folder).assert().code(2);
+    assert!(!folder.path().join("both").exists());
     // The same again gives the same bytes.
     run().arg(&after).assert().success();
     assert_eq!(std::fs::read_to_string(&after).expect("a scenario"), text);

@@ -73,6 +73,7 @@ pub fn execute(
     limits.apply(&mut scenario.gate);
     verdict.apply(&mut scenario.gate);
     if let Some(json) = json {
+        output.map_or(Ok(()), |output| json.differs_from("-o", output))?;
         json.free(discover::SCHEMA, out.map(|(out, _)| out))?;
     }
     let inputs = || [path, table.file.as_path()];

@@ -4,6 +4,7 @@ use super::folder::Folder;
 use crate::compare::COMPARATOR;
 use crate::error::{Error, Result};
 use crate::gate::Judged;
+use crate::scenario::diagnostic::whole_file;
 use crate::{files, results, terminal};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -52,6 +53,15 @@ impl Json {
         }
         results.map_or(Ok(()), |results| Folder::apart(results, "--json", &self.0))?;
         files::free(&self.0, |text| ours(text, schema))
+    }
+
+    /// Complains where another file of the same command is to be written to the same place.
+    pub fn differs_from(&self, option: &str, other: &Path) -> Result<()> {
+        if self.0 != other {
+            return Ok(());
+        }
+        let title = format!("--json and {option} both name {}", other.display());
+        Err(Error::Input(whole_file(&title, "give them different files")))
     }
 
     /// Writes a value of a `schema`.
