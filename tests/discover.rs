@@ -228,27 +228,26 @@ fn assert_no_worse_than_added(d: &Discovery, names: &[&str]) {
     }
 }
 
+/// The discovery of a scenario of `tests/data`, in which this effect alone is missing.
+fn missing(folder: &str, effect: &str) -> Discovery {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(folder).join("scenario.toml");
+    let d = found_at(&path, &SearchOptions::default());
+    let found = (d.verdict, d.explanation().hypothesis.effects());
+    assert_eq!(found, (Verdict::EffectMissing, vec![effect.to_string()]));
+    d
+}
+
 /// On the first points that a race looks at, a rival has the better of the planted delay by chance: that must not decide.
 #[test]
 fn a_few_readings_that_favour_a_rival_by_chance_do_not_decide() {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/delay/scenario.toml");
-    let d = found_at(&path, &SearchOptions::default());
-    assert_eq!(
-        (d.verdict, d.explanation().hypothesis.effects()),
-        (Verdict::EffectMissing, vec!["sensor-delay".to_string()])
-    );
+    let d = missing("delay", "sensor-delay");
     assert_no_worse_than_added(&d, &["sensor-delay", "actuator-lag", "maxwell-branch", "structural-damping"]);
 }
 
 /// The one starting point of an effect that comes to the end of the race may end in a minimum aside.
 #[test]
 fn what_came_to_the_end_of_the_race_is_fitted_by_itself_too() {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/compliance/scenario.toml");
-    let d = found_at(&path, &SearchOptions::default());
-    assert_eq!(
-        (d.verdict, d.explanation().hypothesis.effects()),
-        (Verdict::EffectMissing, vec!["roller-compliance".to_string()])
-    );
+    missing("compliance", "roller-compliance");
 }
 
 /// Where profiles may solve nothing, every end is that of the curvature, and it is said; where they may solve enough, none is.

@@ -69,7 +69,8 @@ pub fn execute(
     (limits, verdict): (&GateLimits, &Verdicts),
     global: &Global,
 ) -> Result<()> {
-    let (mut scenario, table) = with_measurements(path)?;
+    let (stated, table) = with_measurements(path)?;
+    let mut scenario = stated.clone();
     limits.apply(&mut scenario.gate);
     verdict.apply(&mut scenario.gate);
     if let Some(json) = json {
@@ -79,6 +80,7 @@ pub fn execute(
     let inputs = || [path, table.file.as_path()];
     let out = out.map(|(out, drawn)| Folder::open(out, drawn, inputs())).transpose()?;
     let file = output.map(|output| Rewriting::begin(path, Some(output), &table.file)).transpose()?;
+    file.as_ref().map_or(Ok(()), |file| Edit::new(&stated, file).trial())?;
     let options = SearchOptions { bounds: bounds.of(&scenario, &table)?, ..options.clone() };
     let discovery = progress::of_search(global, options.budget, |solved| {
         discover::discover_counted(&scenario, &table, &options, solved)
@@ -92,22 +94,24 @@ pub fn execute(
         let told = Told { discovery: &discover::json(&discovery), free_form };
         json.write(&Stamped::new(&told, &judged), discover::SCHEMA)?;
     }
-    if let Some(file) = &file {
-        file.write(&explained(&discovery, &scenario, file)?)?;
-    }
     let page = out.map(|out| written((&discovery, free_form.as_ref()), &judged, path, &out)).transpose()?;
     if !json.is_some_and(Json::to_standard_output) {
-        for line in words(&discovery) {
+        for line in words(&discovery, output) {
             say(global, &line)?;
         }
         free_form.iter().flat_map(|found| free_form::lines(found, asked)).try_for_each(|line| say(global, &line))?;
         if plot.wanted() {
             plots(&discovery).iter().try_for_each(|line| say(global, line))?;
         }
-        file.iter().try_for_each(|file| say(global, &format!("wrote {}", file.to().display())))?;
         page.iter().try_for_each(|page| say(global, &format!("wrote {}", page.display())))?;
         gates::told(&judged, global)?;
         gates::claims_elsewhere(&scenario.gate, global)?;
+    }
+    if let Some(file) = &file {
+        file.write(&explained(&discovery, &stated, file)?)?;
+        if !json.is_some_and(Json::to_standard_output) {
+            say(global, &format!("wrote {}", file.to().display()))?;
+        }
     }
     gates::passed(&judged)
 }
@@ -152,8 +156,8 @@ fn plots(d: &Discovery) -> Vec<String> {
     lines
 }
 
-/// The discovery in lines of text.
-pub(super) fn words(d: &Discovery) -> Vec<String> {
+/// The discovery in lines of text; it is written into that scenario, if into any.
+pub(super) fn words(d: &Discovery, output: Option<&Path>) -> Vec<String> {
     let end = d.explanation();
     let scenario = &end.comparison.scenario;
     let mut lines = vec![format!("{}: {}", scenario.title, discover::sentence(d))];
@@ -214,7 +218,7 @@ pub(super) fn words(d: &Discovery) -> Vec<String> {
             next.meaning()
         ));
     }
-    lines.extend(step(d));
+    lines.extend(step(d, output));
     lines
 }
 
@@ -234,20 +238,20 @@ fn digits(table: &Table) -> Frequencies {
 }
 
 /// The command or the change that comes next.
-fn step(d: &Discovery) -> Option<String> {
+fn step(d: &Discovery, output: Option<&Path>) -> Option<String> {
     let end = d.explanation();
-    let file = end.comparison.scenario.path.display();
-    let effects = end.hypothesis.effects();
-    let effect = effects.first().filter(|_| d.verdict == Verdict::EffectMissing);
-    let number = end.hypothesis.recalibrated().into_iter().next().filter(|_| d.verdict != Verdict::Unexplained);
-    match (number, effect) {
-        _ if end.hypothesis.additions.len() > 1 => {
-            Some("next: -o FILE with this command writes the scenario with all of these, fitted".into())
-        }
-        (Some(key), _) => Some(format!("next: name \"{key}\" in [fit] free of {file}")),
-        (None, Some(name)) => Some(format!("next: stickslip add {name} {file} --dry-run")),
-        (None, None) => None,
+    if d.verdict == Verdict::Unexplained || end.hypothesis.additions.is_empty() {
+        return None;
     }
+    if let Some(output) = output {
+        return Some(format!("next: stickslip compare {}", output.display()));
+    }
+    let file = end.comparison.scenario.path.display();
+    Some(match end.hypothesis.additions[..] {
+        [Addition::Recalibration(key)] => format!("next: name \"{key}\" in [fit] free of {file}"),
+        [Addition::Effect(effect)] => format!("next: stickslip add {} {file} --dry-run", effect.name()),
+        _ => format!("next: stickslip discover {file} -o FILE writes the scenario with all of these, fitted"),
+    })
 }
 
 fn ranked(c: &Candidate, points: usize) -> String {

@@ -38,7 +38,7 @@ pub fn execute(path: &Path, (out, drawn): (&Path, &FigureOutput), global: &Globa
             compare::words(&comparison).iter().try_for_each(|line| say(global, line))?;
             let discovery = discover::discover(scenario, table, &discover::SearchOptions::default());
             figures.extend(simulate::discovery(&discovery, results)?);
-            super::discover::words(&discovery).iter().try_for_each(|line| say(global, line))?;
+            super::discover::words(&discovery, None).iter().try_for_each(|line| say(global, line))?;
             if let Some(found) = free_form::beside(&discovery, false) {
                 figures.extend(simulate::free_form(&found, &scenario.id, results)?);
                 free_form::lines(&found, true).iter().try_for_each(|line| say(global, line))?;
