@@ -46,7 +46,8 @@ fn pairs(step: &Step) -> impl Iterator<Item = (&Parameter, &Interval)> {
 
 fn draw(step: &Step, title: &str, alt: &str) -> Result<String, FigureError> {
     let rows = Rows::of(pairs(step).map(|(p, _)| p.key.clone()), TOP, 40.0);
-    let width = WIDTH - rows.left - NUMBERS - 16.0;
+    let room = pairs(step).map(|(p, i)| 20.0 + text_width(&numbers(p, i), 13.0, false)).fold(NUMBERS, f64::max);
+    let width = WIDTH - rows.left - room - 16.0;
     let closed = pairs(step).flat_map(|(p, i)| {
         let (low, high) = open_ends(p, i);
         [(low, i.low), (high, i.high)].map(|(open, end)| if open { 0.0 } else { deviation(end, i).abs() })
