@@ -53,14 +53,14 @@ mod tests {
 
     #[test]
     fn a_list_is_read_and_refused_with_what_would_do() {
-        let film = find("viscous-film").expect("registered");
+        let power = find("power-damping").expect("registered");
         let none: [&str; 0] = [];
-        let includes = |list: &[&str]| Candidates::of(list).expect("known").include(film);
+        let includes = |list: &[&str]| Candidates::of(list).expect("known").include(power);
         assert_eq!(Candidates::of(&none), Ok(Candidates::Usual));
         assert!(
-            !includes(&[]) && includes(&["all"]) && includes(&["stribeck", " viscous-film"]) && !includes(&["lugre"])
+            !includes(&[]) && includes(&["all"]) && includes(&["stribeck", " power-damping"]) && !includes(&["lugre"])
         );
-        let refused = Candidates::of(&["lugre", "viscous-fim"]).expect_err("no such effect");
-        assert_eq!(refused, "there is no effect `viscous-fim`, did you mean `viscous-film`");
+        let refused = Candidates::of(&["lugre", "power-dampin"]).expect_err("no such effect");
+        assert_eq!(refused, "there is no effect `power-dampin`, did you mean `power-damping`");
     }
 }

@@ -20,7 +20,7 @@ pub struct SearchOptions {
     /// Starting points that are looked at for each parameter of a candidate, over the ranges of all. Cost of the looks in
     /// proportion.
     pub starts: usize,
-    /// Starting points of one candidate that are fitted at most. Cost of the first round in proportion.
+    /// Starting points of one candidate that are fitted at most, fewer of sliders. Cost of the first round in proportion.
     pub entrants: usize,
     /// Points of the table on which a race begins, spread over all series; every round takes twice as many.
     pub first_points: usize,
@@ -32,7 +32,7 @@ pub struct SearchOptions {
     pub survivors: usize,
     /// Hypotheses to which a further addition is looked for. Looks in proportion.
     pub beam: usize,
-    /// Steady states that may be solved, each counted by what it costs: a joint's as three. When they are spent the best so far is
+    /// Steady states that may be solved, each counted by what it costs. When they are spent the best so far is
     /// reported as that.
     pub budget: u64,
     /// Effects that are asked for.
@@ -99,7 +99,7 @@ impl Default for SearchOptions {
             kept: 0.25,
             survivors: 6,
             beam: 4,
-            budget: 1_000_000,
+            budget: 1_300_000,
             candidates: Candidates::default(),
             bounds: Bounds::default(),
         }

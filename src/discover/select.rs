@@ -9,7 +9,7 @@ use super::options::{MARGIN, MISTAKE, SearchOptions};
 use super::race::{Competitor, Race, Round};
 use super::runner::{Bar, COSTLY, Runner};
 use crate::compare::{self, Calibration};
-use crate::fit::{TAIL, robust_chi2, robust_square, typical_of};
+use crate::fit::{TAIL, cost, robust_chi2, robust_square, typical_of};
 use crate::measurement::{Noise, Table};
 use crate::model::Model;
 use crate::scenario::Scenario;
@@ -320,8 +320,11 @@ impl<'a> Search<'a> {
             // of what candidates are worth.
             let typical = runners.iter().map(Competitor::typical).fold(f64::INFINITY, f64::min);
             runners.sort_by(|a, b| a.badness(typical).total_cmp(&b.badness(typical)));
-            runners.truncate(((runners.len() as f64 * kept).ceil() as usize).min(o.entrants));
-            // Every candidate has a starting point.
+            // Of a continuum of sliders fewer by what it costs, but one.
+            let model = extended(&parents[*number].model, &[*addition]);
+            let share = if model.has_sliders() { cost(&model) } else { 1 };
+            let most = (o.entrants as u64 / share).max(1) as usize;
+            runners.truncate(((runners.len() as f64 * kept).ceil() as usize).min(most));
             entries.extend(runners.first().map(|r| Entry { hypothesis: r.hypothesis(false), visibility, strongest }));
             field.extend(runners);
         }

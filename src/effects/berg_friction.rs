@@ -43,9 +43,6 @@ impl Effect for BergFriction {
     fn zero(&self) -> &'static [Zero] {
         &[Zero { parameter: 0, value: 0.0 }]
     }
-    fn searched(&self) -> bool {
-        false
-    }
     fn parameters(&self) -> &'static [ParameterInfo] {
         const LIST: &[ParameterInfo] = &[
             ParameterInfo::searched(("F_max", "Fₘ", "N"), ZERO_OR_MORE, (1e-3, 1e-1), "largest force of the friction")

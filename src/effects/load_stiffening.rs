@@ -38,9 +38,6 @@ impl Effect for LoadStiffening {
     fn zero(&self) -> &'static [Zero] {
         &[Zero { parameter: 0, value: 0.0 }]
     }
-    fn searched(&self) -> bool {
-        false
-    }
     fn parameters(&self) -> &'static [ParameterInfo] {
         const LIST: &[ParameterInfo] = &[
             ParameterInfo::searched(("m", "m", "1"), (0.0, 3.0), (0.03, 1.0), "exponent of the load"),

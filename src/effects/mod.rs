@@ -37,7 +37,7 @@ mod typical;
 mod viscous_film;
 
 pub use crate::parameter::{Measure, ParameterInfo, Scales};
-pub use combine::{compatible, enters_contact, fits_rig, in_paper_formulation, slides};
+pub use combine::{compatible, enters_contact, fits_rig, in_paper_formulation, is_law, remembers, slides};
 pub use typical::{middle, typical};
 
 use crate::dual::Dual;

@@ -43,9 +43,6 @@ impl Effect for SpringPot {
     fn zero(&self) -> &'static [Zero] {
         &[Zero { parameter: 0, value: 0.0 }]
     }
-    fn searched(&self) -> bool {
-        false
-    }
     fn parameters(&self) -> &'static [ParameterInfo] {
         const LIST: &[ParameterInfo] = &[
             ParameterInfo::searched(("c_a", "cₐ", "N/m"), ZERO_OR_MORE, (1e3, 1e6), "modulus at the frequency 1/t₀")

@@ -35,9 +35,6 @@ impl Effect for ViscousFilm {
     fn zero(&self) -> &'static [Zero] {
         &[Zero { parameter: 0, value: 0.0 }]
     }
-    fn searched(&self) -> bool {
-        false
-    }
     fn parameters(&self) -> &'static [ParameterInfo] {
         const LIST: &[ParameterInfo] = &[ParameterInfo::searched(
             ("b", "b", "s/m"),

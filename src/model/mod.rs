@@ -12,7 +12,7 @@ mod scales;
 pub mod system;
 
 use crate::dual::Dual;
-use crate::effects::{Effect, REGISTRY, fits_rig, slides};
+use crate::effects::{Effect, REGISTRY, fits_rig, is_law, remembers, slides};
 use crate::parameter::{FIRST_CONTACT_PARAMETER, FIRST_INSTRUMENT_PARAMETER, ParameterInfo, Scales};
 use crate::scenario::parameters::CONTACT;
 use crate::scenario::{Contact, Instrument, Rig, Scenario, Signals};
@@ -93,6 +93,16 @@ impl Model {
         self.effects.iter().any(|(effect, p)| slides(*effect, p) && effect.continuum(p).is_none())
     }
 
+    /// Whether its bristles follow a hysteresis of their own.
+    pub fn has_hysteresis(&self) -> bool {
+        self.effects.iter().any(|(effect, p)| remembers(*effect, p))
+    }
+
+    /// Whether a force that is not linear acts beside the elements that share the contact.
+    pub fn has_law_beside_sliders(&self) -> bool {
+        self.effects.iter().any(|(effect, p)| !slides(*effect, p) && is_law(*effect, p))
+    }
+
     /// Whether an effect is a joint that slips bit by bit.
     pub fn has_joint(&self) -> bool {
         let joint = |p: &[f64]| p.iter().map(|&x| Dual::constant(x)).collect::<Vec<_>>();
@@ -103,6 +113,12 @@ impl Model {
     pub fn has_dry_friction(&self) -> bool {
         let dual = |p: &[f64]| p.iter().map(|&x| Dual::constant(x)).collect::<Vec<_>>();
         self.effects.iter().any(|(effect, p)| effect.dry_friction(&dual(p)).is_some())
+    }
+
+    /// Whether a force has a slope that jumps, or one of a joint.
+    pub fn has_corners(&self) -> bool {
+        let corners = |(effect, p): &(&dyn Effect, Vec<f64>)| !effect.is_smooth() || effect.torque_is_rough(p);
+        self.has_joint() || self.effects.iter().any(corners)
     }
 
     /// Whether a damping has a slope without bound at rest.

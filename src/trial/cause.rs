@@ -131,7 +131,7 @@ pub fn shown(cause: &str) -> &str {
 fn names(kind: Option<Kind>) -> Vec<String> {
     let mut all = vec![(Kind::None, "none".to_string())];
     // The paper's rig has a contact.
-    let fitting = REGISTRY.iter().filter(|effect| effect.searched() && fits_rig(**effect, true).is_ok());
+    let fitting = REGISTRY.iter().filter(|effect| fits_rig(**effect, true).is_ok());
     all.extend(fitting.map(|e| (Kind::Effect, e.name().to_string())));
     all.extend(RECALIBRATIONS.iter().map(|key| (Kind::Recalibration, (*key).to_string())));
     all.extend(PAIRS.iter().map(|pair| (Kind::Pair, pair.join("+"))));
@@ -161,7 +161,14 @@ pub fn causes<S: AsRef<str>>(list: &[S]) -> Result<Vec<Cause>> {
             }
         }
     }
-    wanted.iter().map(|name| Cause::find(name).ok_or_else(|| unknown(name))).collect()
+    let found: Vec<Cause> =
+        wanted.iter().map(|name| Cause::find(name).ok_or_else(|| unknown(name))).collect::<Result<_>>()?;
+    let unfit = found.iter().find_map(|cause| {
+        let Cause::Effects(effects) = cause else { return None };
+        effects.iter().find_map(|effect| fits_rig(*effect, true).err())
+    });
+    let refused = |why: String| Error::Input(whole_file(&why, "trials are planted on a rig with a [contact]"));
+    unfit.map_or(Ok(found), |why| Err(refused(why)))
 }
 
 /// The same, where `NAME:N` wants at most N draws of these: the causes, and those numbers by name.

@@ -7,7 +7,8 @@
    z_i is where slider i holds: it stays while |u - z_i| <= y_i and is dragged along otherwise. s(u) is a spring from outside
    the program's catalogue, law 0 to 4: none; a stop b max(0, u - s) on one side; b (s sinh(u/s) - u); b s tanh(u/s); one whose
    stiffness is a sawtooth of |u|, from -b/2 up to b/2 over every s. Law 5 is no spring but a damping with a hump,
-   b exp(-((|u| - s)/(s/3))^2) u'.
+   b exp(-((|u| - s)/(s/3))^2) u'. Laws 6 to 9 are of the catalogue: b max(0, |u| - s) to either side; b u^5; b u^2; and the
+   damping b |u'|^s sign(u').
 
    Method: the linear damped oscillator is propagated exactly by its matrix exponential; the drive and everything
    nonlinear enter through the classical fourth-order Runge-Kutta rule in the variables that the exponential leaves
@@ -52,20 +53,27 @@ static double spring(const mode *o, double u)
         double x = fabs(u) / o->s, part = x - floor(x);
         return copysign(0.5 * o->b * o->s * (part * part - part), u);
     }
+    case 6: return fabs(u) > o->s ? copysign(o->b * (fabs(u) - o->s), u) : 0.0;
+    case 7: return o->b * u * u * u * u * u;
+    case 8: return o->b * u * u;
     default: return 0.0;
     }
 }
 
-static double hump(const mode *o, double u)
+static double loss(const mode *o, double u, double v)
 {
-    double x = o->law == 5 ? 3.0 * (fabs(u) / o->s - 1.0) : 0.0;
-    return o->law == 5 ? o->b * exp(-x * x) : 0.0;
+    double x = 3.0 * (fabs(u) / o->s - 1.0);
+    switch (o->law) {
+    case 5: return o->b * exp(-x * x) * v;
+    case 9: return copysign(o->b * pow(fabs(v), o->s), v);
+    default: return 0.0;
+    }
 }
 
 /* drive minus everything that is not the linear oscillator */
 static double rest(const mode *o, double u, double v, double drive)
 {
-    return drive - o->kappa * u * u * u - o->d * fabs(v) * v - joint(o, u) - spring(o, u) - hump(o, u) * v;
+    return drive - o->kappa * u * u * u - o->d * fabs(v) * v - joint(o, u) - spring(o, u) - loss(o, u, v);
 }
 
 /* exp(A h) of A = [[0, 1], [-1, -1/Q]], Q > 1/2, row by row */

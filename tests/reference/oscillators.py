@@ -3,6 +3,7 @@
 
     python3 tests/reference/oscillators.py --out DIR --seed 1 --count 64
     python3 tests/reference/oscillators.py --out DIR --seed 1 --count 80 --kind random
+    python3 tests/reference/oscillators.py --out DIR --seed 1 --count 70 --kind further
     python3 tests/reference/oscillators.py --check
 
 The rig is one mode (SI units; an angle and a torque take the place of displacement and force in some tables):
@@ -15,6 +16,12 @@ The rig is one mode (SI units; an angle and a torque take the place of displacem
     quadratic-damping  D_2 |x'| x'
     friction-joint     slip elements in parallel from the mass to ground whose monotonic force is
                        F_s [1 - (1 - x/x_m)^n],  x_m = n F_s/k_t;  n = 1 is one Jenkins element
+    clearance          k_g sign(x) max(0, |x| - g)
+    quintic-stiffness  K_5 x^5                      softening or hardening
+    asymmetric-stiffness  K_2 x^2                   either sign
+    power-damping      D |x'|^p sign(x')
+    pivot-friction     one Jenkins element of 20 000 K, which slips at once
+    residual-modes     reading + (R_c + R_m/w^2) f
     (outside)          what the program's catalogue does not hold; see OUTSIDE
     base drive         f = -M y''; the table states the amplitude of y'' and x is relative to the base.
                        Phases are relative to y'', so the force's sign adds pi.
@@ -47,6 +54,7 @@ import laws
 GRAVITY = 9.80665  # m/s^2
 EFFECTS = ["none", "cubic-stiffness", "quadratic-damping", "friction-joint"]
 PAIRS = [(EFFECTS[1], EFFECTS[2]), (EFFECTS[1], EFFECTS[3]), (EFFECTS[2], EFFECTS[3])]
+FURTHER = ["clearance", "quintic-stiffness", "asymmetric-stiffness", "power-damping", "pivot-friction", "residual-modes"]
 OUTSIDE = {
     "one-sided-stop": "a spring in reach beyond a gap on one side: b max(0, u - s)",
     "exponential-spring": "a spring that stiffens exponentially: b (s sinh(u/s) - u)",
@@ -58,7 +66,10 @@ KIN = {  # laws of the catalogue that may say nearly the same: not called false,
     "one-sided-stop": ["clearance", "drift"], "exponential-spring": ["quintic-stiffness", "clearance", "drift"],
     "saturating-spring": ["drift"], "tuned-mass": [], "reading-compression": ["drift"],
 }
-LAWS = {"one-sided-stop": 1, "exponential-spring": 2, "saturating-spring": 3}
+LAWS = {
+    "one-sided-stop": 1, "exponential-spring": 2, "saturating-spring": 3, "clearance": 6, "quintic-stiffness": 7,
+    "asymmetric-stiffness": 8, "power-damping": 9,
+}
 PERIODIC = 1e-7  # change of the state over one period, relative to its amplitude, that passes for periodic
 
 
@@ -98,7 +109,7 @@ class Mode:
         elements += [(0.0, 1e9)] * (-len(elements) % 4)  # the C code takes four at a time
         self.elements = elements
         self.k, self.y = array([k for k, _ in elements]), array([y for _, y in elements])
-        self.steps = 768 if spring[0] == 1 else 384 if elements or spring[0] else 128
+        self.steps = 768 if spring[0] in (1, 6, 9) else 384 if elements or spring[0] else 128
 
     def at_rest(self):
         return [0.0] * (2 + len(self.elements))
@@ -114,6 +125,11 @@ class Mode:
             raise Rejected("escaped")
         return list(buffer)[: len(state)], complex(out[0], -out[1]), out[2]
 
+    def barrier(self):
+        """Displacement beyond which a spring of LAWS no longer pulls back."""
+        law, b, _ = self.spring
+        return (-b) ** -0.25 if law == 7 and b < 0.0 else 1.0 / abs(b) if law == 8 else math.inf
+
     def harmonic(self, a):
         """First harmonic of the effect at amplitude a near W = 1: stiffness and loss (k', k''). Only places the grid."""
         stiffness, loss = 0.75 * self.kappa * a * a, 8.0 / (3.0 * math.pi) * self.d * a
@@ -124,6 +140,8 @@ class Mode:
                 psi = math.acos(1.0 - 2.0 * y / a)
                 stiffness += k / math.pi * (psi - 0.5 * math.sin(2.0 * psi))
                 loss += 4.0 * k * y * (a - y) / (math.pi * a * a)
+        if self.spring[0] == 9:
+            loss += self.spring[1] * power_share(self.spring[2]) * a ** (self.spring[2] - 1.0)
         return stiffness + spring_harmonic(self.spring, a), loss
 
     def peak(self, p):
@@ -139,6 +157,11 @@ class Mode:
         if 1.0 + stiffness < 0.3:
             raise Rejected("softens too far")
         return low, math.sqrt(1.0 + stiffness), 0.5 * (1.0 / self.Q + loss)
+
+
+def power_share(p):
+    """First harmonic of |sin|^p sign(sin)."""
+    return 2.0 / math.sqrt(math.pi) * math.gamma(0.5 * p + 1.0) / math.gamma(0.5 * p + 1.5)
 
 
 def spring_harmonic(spring, a):
@@ -158,6 +181,12 @@ def spring_harmonic(spring, a):
         count = 256
         mean = sum(math.tanh(a / s * c) * c for c in (math.cos(0.5 * math.pi * (i + 0.5) / count) for i in range(count))) / count
         return b * s * 2.0 * mean / a
+    if law == 6:
+        return b * laws.gap_share(s / a) if a > 0.0 else 0.0
+    if law == 7:
+        return 0.625 * b * a**4
+    if law == 8:  # by its offset and second harmonic
+        return -5.0 / 6.0 * (b * a) ** 2
     return 0.0
 
 
@@ -192,7 +221,7 @@ def steady(mode, W, p, state, steps=None, transient=True):
     for attempt in range(200):
         first = mode.run(state, W, p, 1, steps)[0]
         after, amplitude, top = mode.run(first, W, p, 1, steps)
-        if mode.kappa < 0.0 and top > 0.85 / math.sqrt(-mode.kappa):
+        if mode.kappa < 0.0 and top > 0.85 / math.sqrt(-mode.kappa) or top > 0.85 * mode.barrier():
             raise Rejected("beyond the barrier")
         residual = max(abs(b - a) for a, b in zip(first, after)) / top
         if residual < max(1e-8 / mode.Q, 2e-13) and multiplier < 1.0:
@@ -405,6 +434,8 @@ def draw_random_mode(rng, effects, outside, conditions):
     Q = significant(log_uniform(rng, 3.0, 1e4), 4)
     if outside:
         return draw_outside(rng, outside, scale, Q)
+    if effects and effects[0] in FURTHER:
+        return draw_further(rng, effects[0], scale, Q)
     pair = len(effects) == 2
     scale *= 1.5 if pair else 1.0
     kappa = d = ratio = k_t = 0.0
@@ -426,6 +457,37 @@ def draw_random_mode(rng, effects, outside, conditions):
         softening = rng.random() < 0.5
         kappa = min(strength * 0.5 * loss / 0.75, 0.2 if softening else 0.5) * (-1.0 if softening else 1.0)
     return Mode(Q, kappa=kappa, d=d, elements=elements, several=several), loss, joint
+
+
+def draw_further(rng, effect, scale, Q):
+    """One effect of FURTHER alone, as strong as the noise asks for; several states only where Q lets the free runs end."""
+    if effect == "residual-modes":
+        r_c, r_m = (rng.choice((-1.0, 1.0)) * min(log_uniform(rng, 0.02, 0.3) * scale, 0.5) for _ in range(2))
+        both = rng.random() < 0.5
+        return Mode(Q), 1.0 / Q, {"r_c": r_c, "r_m": r_m if both else 0.0}
+    if effect == "pivot-friction":
+        friction = min(log_uniform(rng, 0.05, 1.0) * scale, 2.0) / Q
+        mode = Mode(Q, elements=[(2e4, 5e-5 * friction)])  # as stiff as that many steps bear
+        mode.steps = 1536
+        return mode, 1.0 / Q + mode.harmonic(1.0)[1], {"f_c": friction}
+    law = LAWS[effect]
+    if effect == "power-damping":
+        p, ratio = significant(rng.choice((rng.uniform(0.3, 0.7), rng.uniform(1.4, 1.7), rng.uniform(2.4, 4.0))), 3), 0.0
+        ratio = min(log_uniform(rng, 0.2, 4.0) * scale, 8.0)
+        return Mode(Q, spring=(law, ratio / Q / power_share(p), p), several=False), (1.0 + ratio) / Q, {"p": p}
+    Q = significant(log_uniform(rng, 3.0, 1e3), 4)
+    strength = min(log_uniform(rng, 0.7, 8.0) * scale, 10.0)
+    sign = rng.choice((-1.0, 1.0))
+    if effect == "clearance":
+        s = rng.uniform(0.2, 0.85)
+        b = strength * 0.5 / Q / spring_harmonic((law, 1.0, s), 1.0)
+    elif effect == "quintic-stiffness":
+        s, b = 1.0, sign * min(strength * 0.5 / Q / 0.625, 0.2 if sign < 0.0 else 1.0)
+    else:
+        s, b = 1.0, sign * min(math.sqrt(strength * 0.5 / Q * 1.2), 0.45)
+    if b > 20.0:
+        raise Rejected("too stiff")
+    return Mode(Q, spring=(law, b, s), several=strength > 1.5), 1.0 / Q, {"b": b, "s": s}
 
 
 def draw_outside(rng, outside, scale, Q):
@@ -594,7 +656,7 @@ def draw_table(rng, effects, outside=None, conditions=None):
             points.append((W, row))
         series.append([index, "up", points])
 
-    if conditions is not None and planted and outside != "reading-compression":
+    if conditions is not None and planted and outside != "reading-compression" and "residual-modes" not in effects:
         along = [point for _, _, points in series for point in points]
         guess = predicted(mode, along)
         if guess is not None and not 3.5 < linear_miss(along, guess, mode.Q, noise, with_phase, noise_phase)[0] < 1.5 * most:
@@ -629,6 +691,8 @@ def draw_table(rng, effects, outside=None, conditions=None):
         worst = max(worst, residual)
     if outside == "reading-compression":
         amplitudes = [a / math.sqrt(1.0 + (abs(a) / joint["a_s"]) ** 2) for a in amplitudes]
+    if "residual-modes" in effects:
+        amplitudes = [a + (joint["r_c"] + joint["r_m"] / W**2) * p for a, (W, p) in zip(amplitudes, points)]
     miss, miss_rms = linear_miss(points, amplitudes, mode.Q, noise, with_phase, noise_phase)
     if not planted:
         if miss > 0.01:
@@ -657,6 +721,13 @@ def draw_table(rng, effects, outside=None, conditions=None):
     if "friction-joint" in effects:
         truth["k_t"], truth["n"] = joint["k_t"] * K, joint["n"]
         truth["F_s"] = joint["k_t"] * joint["x_m"] / joint["n"] * force
+    law, b, s = mode.spring
+    truth.update({
+        "clearance": lambda: {"k_g": b * K, "g": s * X}, "quintic-stiffness": lambda: {"K_5": b * K / X**4},
+        "asymmetric-stiffness": lambda: {"K_2": b * K / X}, "power-damping": lambda: {"p": s},
+        "pivot-friction": lambda: {"F_c": joint["f_c"] * force},
+        "residual-modes": lambda: {"R_c": joint["r_c"] / K, "R_m": joint["r_m"] * w0**2 / K},
+    }.get(effect, dict)())
     per_drive = -1.0 / mass if kind == "base" else 1.0  # stated drive per force
     per_motion = 1.0
     largest = max(abs(a) * X * (W * w0) ** "xva".index(reading) for a, (W, _) in zip(amplitudes, points))
@@ -806,6 +877,14 @@ def random_order(seed, count):
     return found[:count]
 
 
+def further_order(seed, count):
+    """[(effects, outside)]: every block of seven holds a table with nothing and one with each effect of FURTHER, in an order drawn."""
+    order, found = random.Random(f"{seed}/further/order"), []
+    while len(found) < count:
+        found += [([] if e == "none" else [e], None) for e in order.sample(["none", *FURTHER], 7)]
+    return found[:count]
+
+
 def make(task):
     """One table from its seed alone, so that tables may be made side by side: what `generate` writes and says."""
     seed, index, kind, effects, outside = task
@@ -813,7 +892,7 @@ def make(task):
     if kind == "single":
         rng, conditions = random.Random(f"{seed}/{index}"), None
     else:
-        rng = random.Random(f"{seed}/random/{index}")
+        rng = random.Random(f"{seed}/{kind}/{index}")
         conditions = draw_conditions(rng)
     while True:
         try:
@@ -828,9 +907,9 @@ def generate(folder, seed, count, only=None, kind="single", jobs=1):
     """Table i does not depend on `count` or `jobs`."""
     answers, began = {}, time.time()
     os.makedirs(folder, exist_ok=True)
-    prefix = {"single": "osc", "random": "rnd"}[kind]
+    prefix, order = {"single": ("osc", single_order), "random": ("rnd", random_order), "further": ("fur", further_order)}[kind]
     tasks = []
-    for index, (effects, outside) in enumerate({"single": single_order, "random": random_order}[kind](seed, count)):
+    for index, (effects, outside) in enumerate(order(seed, count)):
         name = f"{prefix}-{seed}-{index + 1:03d}"
         if not only or name in only:
             tasks.append((name, (seed, index, kind, effects, outside)))
@@ -839,7 +918,7 @@ def generate(folder, seed, count, only=None, kind="single", jobs=1):
     for (name, (_, _, _, effects, outside)), (rows, style, truth, rejected, seconds) in zip(tasks, made):
         os.makedirs(os.path.join(folder, name), exist_ok=True)
         write_table(os.path.join(folder, name, "table.csv"), rows, style)
-        answers[name] = {"effects": effects, **({"outside": outside} if kind == "random" else {}), "truth": truth}
+        answers[name] = {"effects": effects, **({"outside": outside} if kind != "single" else {}), "truth": truth}
         what = outside or "+".join(effects) or "none"
         if outside:
             answers[name]["kin"] = KIN[outside]
@@ -1070,7 +1149,7 @@ def main():
     parser.add_argument("--out", metavar="DIR", help="folder for NAME/table.csv and answers.json")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=64)
-    parser.add_argument("--kind", choices=("single", "random"), default="single", help="what is drawn [default: single]")
+    parser.add_argument("--kind", choices=("single", "random", "further"), default="single", help="what is drawn [default: single]")
     parser.add_argument("--jobs", type=int, default=1, help="tables at a time")
     parser.add_argument("--only", metavar="NAME", nargs="+", help="generate these tables only")
     parser.add_argument("--check", action="store_true", help="compare with closed forms and exit")

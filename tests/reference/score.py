@@ -122,6 +122,9 @@ def intervals(truth, found, scenario, planted):
         for effect, key, factor in (
             ("cubic-stiffness", "K_3", alpha / beta**3), ("quadratic-damping", "D_2", alpha / beta**2),
             ("friction-joint", "k_t", alpha / beta), ("friction-joint", "F_s", alpha), ("friction-joint", "n", 1.0),
+            ("clearance", "k_g", alpha / beta), ("clearance", "g", beta), ("quintic-stiffness", "K_5", alpha / beta**5),
+            ("asymmetric-stiffness", "K_2", alpha / beta**2), ("power-damping", "p", 1.0), ("pivot-friction", "F_c", alpha),
+            ("residual-modes", "R_c", beta / alpha), ("residual-modes", "R_m", beta / alpha),
         ):
             if effect in planted:
                 true[f"effect.{effect}.{key}"] = truth[key] * factor

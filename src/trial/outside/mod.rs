@@ -3,11 +3,9 @@
 
 mod backlash;
 mod cubic_spring;
-mod fractional;
 mod rig;
 mod run_out;
 
-pub use fractional::{Diffusive, diffusive};
 pub use rig::reading;
 
 use crate::model::Model;
@@ -25,36 +23,14 @@ pub struct RunOut {
 }
 
 /// In what a rig departs from the base.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Departure {
-    /// Share of the stated contact stiffness that the bristles keep as a spring.
-    pub spring_share: f64,
-    /// Stiffness added to the bristles \[N/m\].
-    pub added_stiffness: f64,
-    /// Damping added to the bristles \[N s/m\].
-    pub added_damping: f64,
-    /// Viscoelastic branches beside the bristles: (stiffness \[N/m\], rate \[1/s\]).
-    pub branches: Vec<(f64, f64)>,
     /// Cubic stiffness of the bristles \[N/m^3\].
     pub cubic: f64,
     /// Width of the gap in either pinching spring \[m\].
     pub gap: f64,
     /// Run-out of the roller.
     pub run_out: Option<RunOut>,
-}
-
-impl Default for Departure {
-    fn default() -> Self {
-        Self {
-            spring_share: 1.0,
-            added_stiffness: 0.0,
-            added_damping: 0.0,
-            branches: Vec::new(),
-            cubic: 0.0,
-            gap: 0.0,
-            run_out: None,
-        }
-    }
 }
 
 /// A cause outside the catalogue.
@@ -70,8 +46,7 @@ pub trait Outside: Sync {
 }
 
 /// All of them.
-pub static OUTSIDE: &[&dyn Outside] =
-    &[&fractional::SpringPot, &run_out::RollerRunOut, &backlash::Backlash, &cubic_spring::CubicSpring];
+pub static OUTSIDE: &[&dyn Outside] = &[&run_out::RollerRunOut, &backlash::Backlash, &cubic_spring::CubicSpring];
 
 /// The cause of that name.
 pub fn find(name: &str) -> Option<&'static dyn Outside> {

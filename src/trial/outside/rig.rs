@@ -73,10 +73,9 @@ struct Rig<'a> {
     z: f64,
     w: f64,
     a: f64,
-    /// Stretch of the bristles and its rate, forces of the branches and their rates.
+    /// Stretch of the bristles and its rate.
     x: f64,
     d: f64,
-    q: Vec<(f64, f64)>,
 }
 
 impl<'a> Rig<'a> {
@@ -103,8 +102,8 @@ impl<'a> Rig<'a> {
             inertia: r.inertia,
             k: k / r.inertia,
             c: c / r.inertia,
-            kc: departure.spring_share * model.contact.stiffness + departure.added_stiffness,
-            cc: model.contact.damping + departure.added_damping,
+            kc: model.contact.stiffness,
+            cc: model.contact.damping,
             free,
             time: 0.0,
             z: 0.0,
@@ -112,7 +111,6 @@ impl<'a> Rig<'a> {
             a: 0.0,
             x: 0.0,
             d: 0.0,
-            q: vec![(0.0, 0.0); departure.branches.len()],
         };
         let limit = rig.limit_at(0.0);
         let most = rig.stretch(limit);
@@ -156,14 +154,8 @@ impl<'a> Rig<'a> {
         let half = 0.5 * self.h;
         let x = self.x + half * (self.d + d);
         let cubic = self.departure.cubic;
-        let mut force = (self.kc + cubic * x * x) * x + self.cc * d;
-        let mut slope = (self.kc + 3.0 * cubic * x * x) * half + self.cc;
-        for ((k, rate), (q, q_rate)) in self.departure.branches.iter().zip(&self.q) {
-            let relax = 1.0 / (1.0 + half * rate);
-            force += relax * (q + half * (q_rate + k * d));
-            slope += relax * half * k;
-        }
-        (force, slope)
+        let force = (self.kc + cubic * x * x) * x + self.cc * d;
+        (force, (self.kc + 3.0 * cubic * x * x) * half + self.cc)
     }
 
     /// Root of an increasing function given with its slope.
@@ -222,10 +214,6 @@ impl<'a> Rig<'a> {
         (self.z, self.w, self.a) = (z + 0.25 * h * h * a, w + 0.5 * h * a, a);
         if self.arm > 0.0 {
             self.x += 0.5 * h * (self.d + d);
-            for ((k, rate), (q, q_rate)) in self.departure.branches.iter().zip(&mut self.q) {
-                *q = (*q + 0.5 * h * (*q_rate + k * d)) / (1.0 + 0.5 * h * rate);
-                *q_rate = k * d - rate * *q;
-            }
             self.d = d;
         }
         sticks
