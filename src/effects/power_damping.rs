@@ -54,7 +54,7 @@ impl Effect for PowerDamping {
             )
             .in_units_of(Measure::Force)
             .alone(1e-3, 1e2),
-            ParameterInfo::searched(("p", "p", "1"), (0.0, 4.0), (1.0, 4.0), "power of the velocity"),
+            ParameterInfo::searched(("p", "p", "1"), (0.0, 4.0), (0.2, 4.0), "power of the velocity"),
             ParameterInfo::searched(("v_0", "v₀", "rad/s"), POSITIVE, (1e-3, 1e-1), "velocity at which D is stated")
                 .in_units_of(Measure::Rate)
                 .held(),

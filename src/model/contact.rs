@@ -17,7 +17,7 @@ use super::relaxations::Relaxations;
 use super::system::{Forcing, HybridSystem, Mode};
 use super::{Model, Operation};
 use crate::dual::{Dual, Scalar};
-use crate::effects::{Branch, Effect, Law};
+use crate::effects::{Effect, Law, remembers};
 use crate::parameter::FIRST_EFFECT_PARAMETER;
 
 /// Largest number of law parameters evaluated inside a cycle per effect.
@@ -190,7 +190,7 @@ impl Problem {
         let has_psi = laws.iter().any(|(e, p)| e.interface_rate(p, 0.0, 0.0).is_some());
         let psi = take(has_psi, 1);
         let own_bristles = laws.iter().any(|(e, p)| e.bristle_force(p, 0.0, 0.0).is_some());
-        let hysteretic = laws.iter().any(|(e, p)| e.hysteresis(p, Branch::default(), 0.0).is_some());
+        let hysteretic = laws.iter().any(|(e, p)| remembers(*e, p));
         let spring_pot = lumps.spring_pot.as_deref().map(|(re, im)| (re.value, im.value));
         let spring_pot = spring_pot.filter(|(re, im)| re.hypot(*im) > 0.0);
         let inverse = 1.0 / lumps.inertia.value;

@@ -1086,13 +1086,18 @@ def check_outside(report, grid, difference):
     Q = 5e4
     for what, spring in (
         ("one-sided stop", (1, 6.0 / Q, 0.4)), ("exponential spring", (2, 0.2 / Q, 0.2)), ("saturating spring", (3, 1.0 / Q, 0.05)),
+        ("stops to both sides", (6, 1.0 / Q, 0.4)), ("quintic spring", (7, 0.3 / Q, 1.0)),
+        ("asymmetric spring", (8, math.sqrt(0.3 / Q), 1.0)), ("damping of the power 2.5", (9, 0.5 / Q, 2.5)),
+        ("damping of the power 0.5", (9, 0.5 / Q, 0.5)),
     ):
         mode = Mode(Q, spring=spring, several=False)
         points = [(W, 1.0 / Q) for W in grid(Q, 6.0)]
         points = [(W, p) for W, p in points if W < 1.0 or what != "exponential spring"]
         found = sweep(mode, points)[0]
         report(f"{what}: one harmonic as Q grows", difference(found, [one_harmonic(mode, p, W) for W, p in points]), 1e-4)
-    for what, spring, W in (("one-sided stop", (1, 0.6, 0.4), 1.1), ("exponential spring", (2, 0.02, 0.2), 1.1), ("saturating spring", (3, 0.3, 0.05), 1.1)):
+    for what, spring, W in (("one-sided stop", (1, 0.6, 0.4), 1.1), ("exponential spring", (2, 0.02, 0.2), 1.1), ("saturating spring", (3, 0.3, 0.05), 1.1),
+                            ("stops to both sides", (6, 0.3, 0.4), 1.1), ("quintic spring", (7, 0.02, 1.0), 1.1), ("asymmetric spring", (8, 0.1, 1.0), 1.1),
+                            ("damping of the power 0.5", (9, 0.02, 0.5), 1.1)):
         mode, p = Mode(20.0, spring=spring), 0.05
         points = [(1.0 + 0.01 * i, p) for i in range(-10, 11)]
         coarse, fine = sweep(mode, points)[0], sweep(mode, points, 2 * mode.steps)[0]
