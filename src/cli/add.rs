@@ -5,9 +5,11 @@ use super::compare::{interval_words, parameter, with_measurements};
 use super::plot;
 use super::{Global, say};
 use crate::compare::{Compared, Comparison, Metrics, words as condition};
-use crate::discover::{Change, fit_addition, fit_removal};
+use crate::discover::{Change, fit_addition, fit_removal, has_size};
 use crate::effects::{self, Effect, REGISTRY};
 use crate::error::{Error, Result};
+use crate::fit::operation;
+use crate::model::Model;
 use crate::scenario::Scenario;
 use crate::scenario::diagnostic::{nearest, quote, whole_file};
 use crate::scenario::parameters::base_keys;
@@ -43,6 +45,11 @@ pub fn execute(job: &Job<'_>, global: &Global) -> Result<()> {
     let (scenario, table) = with_measurements(job.path)?;
     let effect = known(job.effect, &scenario)?;
     check_applicable(job, &scenario)?;
+    let places: Vec<_> = table.points.iter().map(operation).collect();
+    if !job.remove && !has_size(&Model::new(&scenario).scaled_at(&places), effect) {
+        let title = format!("the measurements leave {} nothing to act on", quote(effect.name()));
+        return Err(Error::Input(whole_file(&title, "it takes readings with a load on the contact")));
+    }
     let file = Rewriting::begin(job.path, job.output, &table.file)?;
     let mut edit = Edit::new(&scenario, &file);
     if job.remove {

@@ -68,8 +68,15 @@ pub fn additions(model: &Model, free: &[String], with_phase: bool, candidates: &
     let mut all: Vec<Addition> = keys.filter(movable).map(Addition::Recalibration).collect();
     let absent = |effect: &&'static dyn Effect| !model.effects.iter().any(|(e, _)| e.name() == effect.name());
     let asked = |effect: &&'static dyn Effect| candidates.include(*effect);
-    all.extend(model.catalogue().filter(asked).filter(absent).map(Addition::Effect));
+    let sized = |effect: &&'static dyn Effect| has_size(model, *effect);
+    all.extend(model.catalogue().filter(asked).filter(absent).filter(sized).map(Addition::Effect));
     all
+}
+
+/// Whether the measurements give an effect a size to be looked for at: without any load on the contact some have none.
+pub fn has_size(model: &Model, effect: &dyn Effect) -> bool {
+    let most = |number| effect.search_range(number, &model.scales).1;
+    (0..effect.parameters().len()).map(most).all(|most| most > 0.0 && most.is_finite())
 }
 
 /// A model with additions, as it is before a fit: effects at values in the middle of their ranges.

@@ -26,7 +26,7 @@ pub use add::{Change, fit_addition, fit_removal};
 pub use candidates::Candidates;
 pub use fall::{Fall, Part, STRENGTHS, State};
 pub use held_out::{HeldOut, held_out};
-pub use hypothesis::{Addition, Basis, Estimate, Hypothesis, additions, compatible, extended};
+pub use hypothesis::{Addition, Basis, Estimate, Hypothesis, additions, compatible, extended, has_size};
 pub use json::{DiscoveryJson, SCHEMA, json};
 pub use next::{Bounds, NextMeasurement, farthest};
 pub use options::{MARGIN, SearchOptions};

@@ -449,3 +449,22 @@ fn a_scenario_may_have_the_name_of_a_result() {
     succeeds(dir, &["report", "report.html.toml", "report.json.toml", "history.toml", "--history", "runs"]);
     assert!(dir.join("output/report.html").is_file() && dir.join("output/report.html-2/curves.csv").is_file());
 }
+
+/// A contact without a load at any reading leaves its effects without a size: nothing is searched for, and nothing panics.
+#[test]
+fn readings_without_any_load_are_searched_and_an_effect_without_a_size_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let dir = folder.path();
+    let rows: String =
+        (0..24).map(|i| format!("0,0,2.5e-6,{},{:e}\n", 60.0 + f64::from(i), 1e-6 + 1e-8 * f64::from(i))).collect();
+    std::fs::write(dir.join("table.csv"), format!("speed_m_s,load_n,drive_m,frequency_hz,amplitude_rad\n{rows}"))
+        .unwrap();
+    std::fs::write(
+        dir.join("s.toml"),
+        format!("{RIG}[measurement]\nfile = \"table.csv\"\n[fit]\nfree = [\"contact.stiffness\"]\n"),
+    )
+    .unwrap();
+    succeeds(dir, &["discover", "s.toml"]);
+    let refused = output(dir, &["add", "frictional-heating", "s.toml"]);
+    fails(&refused, 2, "the measurements leave `frictional-heating` nothing to act on");
+}
