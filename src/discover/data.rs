@@ -130,10 +130,11 @@ impl<'a> Data<'a> {
         self.counter.fetch_add(solved, Relaxed);
     }
 
-    /// Whether a fit costs no more than its share of the budget: what does is not begun. The same whatever was done before.
-    pub fn affords(&self, model: &Model, effort: Effort) -> bool {
+    /// Whether a fit costs no more than its share of the budget, one of so many: what does is not begun, so that no round costs more
+    /// than the budget. The same whatever was done before.
+    pub fn affords(&self, model: &Model, effort: Effort, among: usize) -> bool {
         let points = effort.points.min(self.points.len()).min(DENSE * self.series);
-        (points * effort.evaluations) as u64 * cost(model) < self.budget / SHARE
+        (points * effort.evaluations) as u64 * cost(model) < self.budget / SHARE.max(among as u64)
     }
 
     /// Parameters that move where these are added: those of an effect with the signs that the model has, all others about the
@@ -185,7 +186,7 @@ impl<'a> Data<'a> {
     }
 }
 
-/// Largest part of the budget that one fit may cost.
+/// Largest part of the budget that one fit may cost, one over this, however few there are.
 const SHARE: u64 = 4;
 /// Steady states that a densely measured series takes, about.
 const DENSE: usize = 100;

@@ -10,6 +10,8 @@ pub struct Round {
     pub points: usize,
     /// Evaluations of one fit.
     pub evaluations: usize,
+    /// Competitors that work.
+    pub among: usize,
 }
 
 /// Something that gets better with work.
@@ -56,6 +58,7 @@ impl Race {
             if !goes_on() {
                 break;
             }
+            round.among = field.len();
             field.par_iter_mut().for_each(|competitor| competitor.advance(round));
             // What is left after the last halving on all points goes to its end elsewhere.
             if round.points >= self.points && self.share(field.len()) <= self.survivors {
@@ -70,7 +73,7 @@ impl Race {
             field = left;
             // All points where the round after would leave fewer out than it has.
             let points = if 4 * round.points > self.points { self.points } else { 2 * round.points };
-            round = Round { points, evaluations: 2 * round.evaluations };
+            round = Round { points, evaluations: 2 * round.evaluations, ..round };
         }
         self.rank(&mut field);
         dropped.splice(0..0, field.split_off(self.survivors.min(field.len())));
@@ -142,7 +145,8 @@ mod tests {
         }
     }
 
-    const RULES: Race = Race { first: Round { points: 64, evaluations: 4 }, points: 312, kept: 0.25, survivors: 3 };
+    const RULES: Race =
+        Race { first: Round { points: 64, evaluations: 4, among: 1 }, points: 312, kept: 0.25, survivors: 3 };
 
     fn field(total: &AtomicUsize) -> Vec<Fake<'_>> {
         let of = |i: usize| Fake {
@@ -211,5 +215,37 @@ mod tests {
         let ended = RULES.run(field(&total), || false);
         assert_eq!(total.load(Relaxed), 0);
         assert_eq!(ended.survivors[0].of, 199);
+    }
+
+    /// Tells of every round how many it was told to share the budget with.
+    struct Sharing<'a>(usize, &'a std::sync::Mutex<Vec<usize>>);
+
+    impl Competitor for Sharing<'_> {
+        fn of(&self) -> usize {
+            self.0
+        }
+        fn advance(&mut self, round: Round) {
+            self.1.lock().expect("no panic").push(round.among);
+        }
+        fn typical(&self) -> f64 {
+            1.0
+        }
+        fn is_beaten(&self, _: &Self) -> bool {
+            false
+        }
+        fn badness(&self, _: f64) -> f64 {
+            10.0 * self.0 as f64
+        }
+    }
+
+    #[test]
+    fn all_of_a_round_share_the_budget() {
+        let told = std::sync::Mutex::default();
+        RULES.run((0..40).map(|of| Sharing(of, &told)).collect(), || true);
+        let told = told.into_inner().expect("no panic");
+        let first = told[0];
+        assert_eq!((first, told.iter().filter(|among| **among == first).count()), (40, 40));
+        let rounds: std::collections::BTreeSet<usize> = told.iter().copied().collect();
+        assert!(rounds.len() > 1 && rounds.iter().all(|among| told.iter().filter(|t| *t == among).count() == *among));
     }
 }

@@ -240,7 +240,7 @@ impl<'a> Search<'a> {
             Field::Best(_) => (o.kept, o.survivors),
             Field::Each(_) => (1.0, field.len()),
         };
-        let first = Round { points: o.first_points.min(all), evaluations: o.first_evaluations };
+        let first = Round { points: o.first_points.min(all), evaluations: o.first_evaluations, among: field.len() };
         let ended = Race { first, points: all, kept, survivors }.run(field, || self.goes_on());
         for runner in ended.dropped.iter().chain(&ended.survivors) {
             entries[runner.of].keep(runner.hypothesis(false));
@@ -249,7 +249,8 @@ impl<'a> Search<'a> {
         let effort = Effort { points: all, evaluations: CONTINUED };
         let mut fitted: Vec<(usize, Hypothesis)> =
             ended.survivors.iter().map(|runner| (runner.of, runner.hypothesis(full(runner)))).collect();
-        fitted.retain(|(_, h)| h.is_full(all) || self.data.affords(&h.model, effort));
+        let among = fitted.len();
+        fitted.retain(|(_, h)| h.is_full(all) || self.data.affords(&h.model, effort, among));
         fitted.par_iter_mut().filter(|(_, h)| !h.is_full(all)).for_each(|(_, h)| {
             *h = self.data.fitted(h.clone(), CONTINUED);
         });
@@ -379,7 +380,8 @@ impl<'a> Search<'a> {
         let unit = self.unit(best);
         let best = self.bic(unit, best);
         let effort = Effort { points: self.data.points.len(), evaluations: CONTINUED };
-        all.retain(|h| h.fit.is_exhausted() && self.data.affords(&h.model, effort));
+        let among = all.len();
+        all.retain(|h| h.fit.is_exhausted() && self.data.affords(&h.model, effort, among));
         // In step, so that the budget is asked of the same count for any number of threads.
         while !all.is_empty() && self.goes_on() {
             let continued = all.into_par_iter().filter_map(|h| {
