@@ -74,6 +74,13 @@ fn every_command_of_the_page_says_what_the_page_shows() {
                 assert!(shown.contains(phrase), "the page does not show `{phrase}`:\n{shown}");
                 assert!(!there || said.contains(phrase), "the program does not say `{phrase}`:\n{said}");
             }
+            // A verdict is one only as a whole: `missing: A + B` is not `missing: A`.
+            for verdict in shown.lines().filter(|line| line.contains(": missing: ")) {
+                assert!(
+                    !there || said.lines().any(|line| line == verdict),
+                    "the program does not say `{verdict}`:\n{said}"
+                );
+            }
         }
     }
     assert!(fence.is_none() && run >= 6, "{run} commands");

@@ -18,23 +18,89 @@ const DECADES: usize = 6;
 const REFINEMENTS: usize = 30;
 const ROOT: f64 = 1e-6;
 const RESONANT: f64 = 1e-7;
+/// Largest amplitude over that of a linear resonance: up to here the end of a branch is seen that a larger drive would reach.
+const BEYOND: f64 = 2.0;
 /// A damping ratio that stands for none.
 const UNDAMPED: f64 = 1e-9;
+/// Step of differences by the logarithm of an amplitude: far below the width of a resonance, far above rounding.
+const APART: f64 = 1e-4;
+/// Newton steps from the end of a branch to where one harmonic has it.
+const NEWTON_STEPS: usize = 4;
 /// Steps towards mean and second harmonic of a motion.
 const COMPANION_STEPS: usize = 12;
 
-/// Amplitudes of one harmonic near which a stable state is looked for.
-pub fn nearly(mode: &dyn SingleMode) -> Vec<f64> {
+/// Amplitudes of one harmonic.
+pub struct Nearly {
+    /// Near which a stable state is looked for, in ascending order.
+    pub states: Vec<f64>,
+    /// At which the balance comes nearest without being reached: a branch of states ends at another drive.
+    pub ends: Vec<f64>,
+}
+
+/// Amplitudes near which a stable state, or the end of a branch of them, is looked for.
+pub fn nearly(mode: &dyn SingleMode) -> Nearly {
     let [.., stiffness] = mode.linear();
     // Of three the middle one is unstable, as is every other one between folds. Beyond where the restoring force ends there is
     // no oscillation.
-    let mut roots = first_harmonic_roots(mode);
-    let mut number = 0;
-    roots.retain(|root| {
-        number += 1;
-        number % 2 == 1 && stiffness + describing(mode, *root).0 > 0.0
-    });
-    roots
+    let (roots, mut ends) = first_harmonic_roots(mode);
+    let oscillates = |amplitude: &f64| stiffness + describing(mode, *amplitude).0 > 0.0;
+    ends.retain(oscillates);
+    Nearly { states: roots.into_iter().step_by(2).filter(oscillates).collect(), ends }
+}
+
+/// How the end of a branch near this amplitude moves: derivatives of the logarithm of its amplitude and of its phase \[rad\], in one harmonic. By
+/// M, C, K, the drive (real, imaginary), the joint's numbers (left out: zero) and dry friction, then by the parameters of the laws.
+pub(super) fn end_by_numbers(mode: &dyn SingleMode, amplitude: f64) -> Vec<(f64, f64)> {
+    let ([mass, damping, stiffness], omega, (re, im)) = (mode.linear(), mode.omega(), mode.drive());
+    let at = |log: f64| amplitude * log.exp();
+    let both = |log: f64| {
+        let (k, c) = describing(mode, at(log));
+        [stiffness + k - mass * omega * omega, damping * omega + c]
+    };
+    let by_log = |log: f64| {
+        let (above, below) = (both(log + APART), both(log - APART));
+        std::array::from_fn::<f64, 2, _>(|i| (above[i] - below[i]) / (2.0 * APART))
+    };
+    // The excess ln(a |Z|) has the slope s = 1 + Z.Z'/Z.Z, which is zero at the end of a branch.
+    let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+    let slope = |log: f64| 1.0 + dot(both(log), by_log(log)) / dot(both(log), both(log));
+    let curvature = |log: f64| (slope(log + APART) - slope(log - APART)) / (2.0 * APART);
+    let mut end = 0.0;
+    for _ in 0..NEWTON_STEPS {
+        end -= slope(end) / curvature(end);
+    }
+    let (z, by_log, curvature) = (both(end), by_log(end), curvature(end));
+    let square = dot(z, z);
+    let columns = |log: f64| -> Vec<[f64; 2]> {
+        let own = [[-omega * omega, 0.0], [0.0, omega], [1.0, 0.0], [0.0; 2], [0.0; 2], [0.0; 2], [0.0; 2], [0.0; 2]];
+        own.into_iter().chain([[0.0, 4.0 / (PI * at(log))]]).chain(describing_by_laws(mode, at(log))).collect()
+    };
+    let (here, above, below) = (columns(end), columns(end + APART), columns(end - APART));
+    let of_drive = [(3, -im / (re * re + im * im)), (4, re / (re * re + im * im))];
+    (0..here.len())
+        .map(|p| {
+            let turned: [f64; 2] = std::array::from_fn(|i| (above[p][i] - below[p][i]) / (2.0 * APART));
+            let change = (dot(here[p], by_log) + dot(z, turned)) * square - 2.0 * dot(z, by_log) * dot(z, here[p]);
+            let log = -change / (square * square * curvature);
+            let moved: [f64; 2] = std::array::from_fn(|i| here[p][i] + by_log[i] * log);
+            let phase = (z[1] * moved[0] - z[0] * moved[1]) / square;
+            (log, phase + of_drive.iter().filter(|(own, _)| *own == p).map(|(_, by)| by).sum::<f64>())
+        })
+        .collect()
+}
+
+/// Derivatives of (stiffness, quadrature) of [`describing`] by the parameters of the laws.
+fn describing_by_laws(mode: &dyn SingleMode, amplitude: f64) -> Vec<[f64; 2]> {
+    let (omega, with) = (mode.omega(), companions(mode, amplitude));
+    let mut sums = [vec![0.0; mode.columns()], vec![0.0; mode.columns()]];
+    for &(sine, cosine) in &GRID_PHASES[0] {
+        let (x, v) = accompanied((sine, cosine), amplitude, &with);
+        let scale = -2.0 / (GRID_INSTANTS as f64 * amplitude);
+        for (sum, part) in sums.iter_mut().zip([sine, cosine]) {
+            mode.add_columns(x, omega * v, scale * part, sum);
+        }
+    }
+    std::iter::zip(&sums[0], &sums[1]).map(|(k, c)| [*k, *c]).collect()
 }
 
 /// Mean, and cosine and sine of the second harmonic, with which a law that is not the same to both sides lets the body swing
@@ -115,14 +181,15 @@ pub fn describing(mode: &dyn SingleMode, amplitude: f64) -> (f64, f64) {
     (k, c)
 }
 
-/// Amplitudes at which the first harmonic is in balance, in ascending order.
-fn first_harmonic_roots(mode: &dyn SingleMode) -> Vec<f64> {
+/// Amplitudes at which the first harmonic is in balance, in ascending order, and those at which it comes nearest to it between
+/// two places farther from it.
+fn first_harmonic_roots(mode: &dyn SingleMode) -> (Vec<f64>, Vec<f64>) {
     let ([mass, damping, stiffness], omega, (re, im)) = (mode.linear(), mode.omega(), mode.drive());
     let drive = re.hypot(im);
     let static_part = stiffness - mass * omega * omega;
     let resistance = (damping * omega).max(UNDAMPED * omega * (mass * stiffness).sqrt());
-    // Nothing moves more than a mode in resonance that only the linear damping holds; a little beyond, to see it turn back.
-    let mut most = 1.2 * drive / resistance;
+    // Nothing moves more than a mode in resonance that only the linear damping holds; beyond, to see what more drive would reach.
+    let mut most = BEYOND * drive / resistance;
     let detuning = |log: f64| static_part + describing(mode, log.exp()).0;
     let both = |log: f64| {
         let x = log.exp();
@@ -133,7 +200,7 @@ fn first_harmonic_roots(mode: &dyn SingleMode) -> Vec<f64> {
     // From where no force of an effect can matter: far below the linear motion.
     let mut least = 1e-2 * (drive / static_part.hypot(resistance)).min(drive / stiffness).min(most);
     if !(least > 0.0 && most.is_finite()) {
-        return Vec::new();
+        return Default::default();
     }
     // A force that is much stronger than the mode's own at any amplitude, or that drives it, moves the ends.
     for _ in 0..DECADES {
@@ -156,12 +223,16 @@ fn first_harmonic_roots(mode: &dyn SingleMode) -> Vec<f64> {
     }
     grid.sort_by(|a, b| a.0.total_cmp(&b.0));
     // Where the excess turns back before it reaches zero, two roots may lie between three places.
-    let mut inserted = Vec::new();
+    let (mut inserted, mut ends) = (Vec::new(), Vec::new());
     for three in grid.windows(3) {
         let [a, b, c] = [three[0], three[1], three[2]];
         let towards = |s: f64| s * b.1 > 0.0 && s * b.1 <= s * a.1 && s * b.1 <= s * c.1;
         let Some(sign) = [1.0, -1.0].into_iter().find(|s| towards(*s)) else { continue };
-        inserted.push(nearest_to_zero(&excess, sign, [a.0, b.0, c.0], b));
+        let nearest = nearest_to_zero(&excess, sign, [a.0, b.0, c.0], b);
+        if sign * nearest.1 > 0.0 {
+            ends.push(nearest.0.exp());
+        }
+        inserted.push(nearest);
     }
     grid.extend(inserted);
     grid.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -172,7 +243,7 @@ fn first_harmonic_roots(mode: &dyn SingleMode) -> Vec<f64> {
             roots.push(regula_falsi(excess, [a, b], [fa, fb], (ROOT, 0.0), REFINEMENTS).exp());
         }
     }
-    roots
+    (roots, ends)
 }
 
 /// The place between the outer two at which the excess, of one sign at all three, comes nearest to zero (golden section).

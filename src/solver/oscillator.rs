@@ -5,6 +5,8 @@
 //! stable states between the folds of a resonance are found at any frequency, whatever was solved before. Newton's method on
 //! all harmonics starts from them. Unknowns are the mean and the cosine and sine of every harmonic.
 
+pub mod fold;
+
 use super::describing::{companions, describing, is_odd, nearly};
 use super::joint::{Instant, pulls};
 use super::tolerance::Tolerance;
@@ -137,12 +139,13 @@ pub struct Found {
     pub by_law: Vec<(f64, f64)>,
 }
 
-/// All stable periodic states, the smallest amplitude first; without any, the unstable ones.
-pub fn states(mode: &dyn SingleMode, tolerance: &Tolerance) -> Vec<Periodic> {
+/// All stable periodic states, the smallest amplitude first; without any, the unstable ones. And amplitudes near which a branch
+/// of states may end at another drive ([`fold::end`]).
+pub fn states(mode: &dyn SingleMode, tolerance: &Tolerance) -> (Vec<Periodic>, Vec<f64>) {
     let mut found: Vec<Periodic> = Vec::new();
-    let near = nearly(mode);
+    let mut near = nearly(mode);
     for around in AROUND {
-        for root in &near {
+        for root in &near.states {
             let Some(periodic) = solve(mode, around * root, tolerance) else { continue };
             let (re, im) = periodic.response();
             let same = |other: &Periodic| {
@@ -163,7 +166,11 @@ pub fn states(mode: &dyn SingleMode, tolerance: &Tolerance) -> Vec<Periodic> {
     }
     let size = |p: &Periodic| p.response().0.hypot(p.response().1);
     found.sort_by(|a, b| size(a).total_cmp(&size(b)));
-    found
+    if found.len() < near.states.len() {
+        // One harmonic sees a state, all of them none: it is close to an end.
+        near.ends.extend(near.states);
+    }
+    (found, near.ends)
 }
 
 /// The basis functions at many instants of one period: cosine and sine of the harmonics, the mean first where there is one.
@@ -255,10 +262,22 @@ fn solve(mode: &dyn SingleMode, amplitude: f64, tolerance: &Tolerance) -> Option
     let (a_re, a_im) = ((re * x + im * y) / square, (im * x - re * y) / square);
     let scale = amplitude / a_re.hypot(a_im);
     let odd = is_odd(mode, amplitude);
-    let first = usize::from(!odd);
-    let mut series = vec![companions(mode, amplitude)[0]; first];
+    let mut series = vec![companions(mode, amplitude)[0]; usize::from(!odd)];
     series.extend([a_im * scale, a_re * scale]);
     let mut steps = 0;
+    with_harmonics(mode, odd, series, tolerance, |laid, series| newton(mode, laid, series, tolerance, &mut steps))
+        .map(|(laid, series, (balance, left))| finished(mode, &laid, (series, steps, left), &balance))
+}
+
+/// Solves with as many harmonics as the motion needs: `solve` improves a series on the harmonics that are laid.
+fn with_harmonics<T>(
+    mode: &dyn SingleMode,
+    odd: bool,
+    mut series: Vec<f64>,
+    tolerance: &Tolerance,
+    mut solve: impl FnMut(&Laid, &mut [f64]) -> Option<T>,
+) -> Option<(Rc<Laid>, Vec<f64>, T)> {
+    let first = usize::from(!odd);
     for (level, &highest) in HARMONICS.iter().enumerate() {
         let mut instants = (INSTANTS * highest).max(24);
         if mode.joint().is_some() || mode.has_corners() {
@@ -268,13 +287,13 @@ fn solve(mode: &dyn SingleMode, amplitude: f64, tolerance: &Tolerance) -> Option
         }
         let laid = Laid::of(highest, instants + instants % 2, odd);
         series.resize(laid.harmonics.len(), 0.0);
-        let (balance, left) = newton(mode, &laid, &mut series, tolerance, &mut steps)?;
+        let solved = solve(&laid, &mut series)?;
         let size = |at: usize| series[at].hypot(series[at + 1]);
         let count = series.len();
         let tail = size(count - 2).max(size(count - 4)) / size(first);
         let last = level + 1 == HARMONICS.len();
         if tail < TAIL * tolerance.slack().sqrt() || (last && tail < LONGEST_TAIL) {
-            return Some(finished(mode, &laid, (series, steps, left), &balance));
+            return Some((laid, series, solved));
         }
     }
     None
@@ -429,6 +448,18 @@ fn finished(
     };
     let first = laid.cosine(1);
     let adjoints = [adjoint(first), adjoint(first + 1)];
+    projected(mode, laid, (series, steps, left), balance, adjoints)
+}
+
+/// The state with the derivatives that these adjoints tell.
+fn projected(
+    mode: &dyn SingleMode,
+    laid: &Laid,
+    (series, steps, left): (Vec<f64>, usize, f64),
+    balance: &Balance,
+    adjoints: [Vec<f64>; 2],
+) -> Periodic {
+    let unknowns = series.len();
     let by_joint = [0, 1].map(|which| {
         let Some(by) = &balance.by_joint else { return [0.0; 3] };
         std::array::from_fn(|p| (0..unknowns).map(|m| adjoints[which][m] * by[(m, p)]).sum())

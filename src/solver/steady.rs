@@ -342,7 +342,8 @@ fn differences(model: &Model, at: &Operation) -> Vec<(f64, f64)> {
 }
 
 /// No contact: the closed form of case I, or the stable states of a mode that is not linear. Of several, the one nearest to
-/// what was measured, else to the motion before, else the smallest.
+/// what was measured, else to the motion before, else the smallest. Where the end of a branch that is not reached is nearer to
+/// what was measured, that is taken, as far off as it is.
 fn alone(model: &Model, at: &Operation, with: &Search<'_>, warm: &mut Warm) -> Solution {
     let mode = Alone::new(model, at);
     let lumps = &mode.lumps;
@@ -352,13 +353,14 @@ fn alone(model: &Model, at: &Operation, with: &Search<'_>, warm: &mut Warm) -> S
         return closed_form(lumps, limit, with.derivatives);
     }
     let stops = mode.dry_friction() > 0.0 || mode.is_steep();
-    let states: Vec<oscillator::Found> = if stops {
-        stopping::states(&mode, with.tolerance, with.derivatives)
+    let (states, ends): (Vec<oscillator::Found>, Vec<f64>) = if stops {
+        (stopping::states(&mode, with.tolerance, with.derivatives), Vec::new())
     } else {
-        oscillator::states(&mode, with.tolerance).iter().map(|state| state.found(lumps.omega)).collect()
+        let (states, ends) = oscillator::states(&mode, with.tolerance);
+        (states.iter().map(|state| state.found(lumps.omega)).collect(), ends)
     };
-    let distance = |state: &oscillator::Found| {
-        let (re, im) = state.response;
+    let distance = |response: (f64, f64)| {
+        let (re, im) = response;
         if let Some((amplitude, phase)) = warm.measured {
             let (read, turned) = lumps.reading((re, im));
             let apart = phase.map_or(0.0, |phase| wrap(turned - phase));
@@ -366,42 +368,90 @@ fn alone(model: &Model, at: &Operation, with: &Search<'_>, warm: &mut Warm) -> S
         }
         warm.alone.map_or(0.0, |(x, y)| (re - x).hypot(im - y))
     };
-    let nearest = (0..states.len()).min_by(|&i, &j| distance(&states[i]).total_cmp(&distance(&states[j])));
+    let distances: Vec<f64> = states.iter().map(|state| distance(state.response)).collect();
+    let nearest = (0..states.len()).min_by(|&i, &j| distances[i].total_cmp(&distances[j]));
+    let mut others: Vec<(f64, f64)> = states.iter().map(|state| lumps.reading(state.response)).collect();
+    if let Some((amplitude, _)) = warm.measured {
+        let bar = nearest.map_or(f64::INFINITY, |i| distances[i]);
+        let near = |end: &&f64| (lumps.amplitude_gain.value * **end / amplitude).ln().abs() < bar;
+        let ends = ends.iter().filter(near).filter_map(|end| oscillator::fold::end(&mode, *end, with.tolerance));
+        let ends = ends.map(|end| (distance(end.found.response).hypot(end.lacks.max(0.0)), end));
+        if let Some((_, end)) = ends.filter(|(d, _)| *d < bar).min_by(|a, b| a.0.total_cmp(&b.0)) {
+            warm.alone = Some(end.found.response);
+            return end_of_branch(&mode, &end, amplitude, others, with);
+        }
+    }
     let Some(chosen) = nearest else {
         warm.alone = None;
         return failed("no periodic motion was found".into());
     };
+    others.remove(chosen);
     let found = &states[chosen];
     warm.alone = Some(found.response);
-    let motion = Motion {
+    let status = if found.rest == 1.0 { Status::Stuck } else { stability(found.multiplier) };
+    let method = if stops { Method::Shooting } else { Method::HarmonicBalance };
+    let state = motion_of(found).observe(lumps, status, method);
+    let derivatives = with.derivatives.then(|| of_mode(&mode, found));
+    Solution { state, derivatives, others }
+}
+
+fn motion_of(found: &oscillator::Found) -> Motion {
+    Motion {
         response: found.response,
         mean: found.mean,
         stick_fraction: found.rest,
         force: (0.0, 0.0),
         cycles: found.cycles,
         change: found.left,
-    };
-    let status = if found.rest == 1.0 { Status::Stuck } else { stability(found.multiplier) };
-    let method = if stops { Method::Shooting } else { Method::HarmonicBalance };
-    let state = motion.observe(lumps, status, method);
-    let derivatives = with.derivatives.then(|| of_mode(&mode, found));
-    let other = |i: usize| (i != chosen).then(|| lumps.reading(states[i].response));
-    Solution { state, derivatives, others: (0..states.len()).filter_map(other).collect() }
+    }
+}
+
+/// The end of a branch that is not reached, held against what was measured. A share by which the drive is off weighs as much as the
+/// same share of the amplitude, which is what one makes of the other in a linear mode: the amplitude is given as far from the
+/// measured one as both together are.
+fn end_of_branch(
+    mode: &Alone,
+    end: &oscillator::fold::End,
+    measured: f64,
+    others: Vec<(f64, f64)>,
+    with: &Search<'_>,
+) -> Solution {
+    let lumps = &mode.lumps;
+    let mut state = motion_of(&end.found).observe(lumps, Status::Steady, Method::HarmonicBalance);
+    let (off, lacks) = (state.amplitude - measured, measured * end.lacks.max(0.0));
+    let apart = off.hypot(lacks).copysign(off);
+    state.amplitude = measured + apart;
+    let derivatives = with.derivatives.then(|| {
+        let by_lacks =
+            by_parameters(mode, |i| (end.by[i], 0.0), &end.by_law.iter().map(|by| (*by, 0.0)).collect::<Vec<_>>());
+        let joined = |((amplitude, phase), (by_lacks, _)): ((f64, f64), (f64, f64))| {
+            let both = (off * amplitude + lacks * measured * by_lacks) / apart;
+            (if apart == 0.0 { amplitude } else { both }, phase)
+        };
+        of_mode(mode, &end.found).into_iter().zip(by_lacks).map(joined).collect()
+    });
+    Solution { state, derivatives, others }
 }
 
 /// Derivatives of (amplitude, phase) of a motion without contact by the parameters of the model.
 fn of_mode(mode: &Alone, found: &oscillator::Found) -> Vec<(f64, f64)> {
-    let (lumps, gradients) = (&mode.lumps, mode.gradients());
-    let mut response = vec![(0.0, 0.0); MAX_PARAMETERS];
-    for (p, (re, im)) in response.iter_mut().enumerate() {
-        for ((by_re, by_im), dual) in found.by.iter().zip(&gradients) {
-            *re += by_re * dual.gradient[p];
-            *im += by_im * dual.gradient[p];
+    let by = by_parameters(mode, |i| found.by[i], &found.by_law);
+    by.into_iter().enumerate().map(|(p, by)| polar_derivative(&mode.lumps, found.response, by, p)).collect()
+}
+
+/// Derivatives of two numbers by the parameters of the model, from those by the numbers of the mode and of its laws.
+fn by_parameters(mode: &Alone, by: impl Fn(usize) -> (f64, f64), by_law: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let mut all = vec![(0.0, 0.0); MAX_PARAMETERS];
+    let gradients = mode.gradients();
+    for (p, (first, second)) in all.iter_mut().enumerate() {
+        for (number, dual) in gradients.iter().enumerate() {
+            *first += by(number).0 * dual.gradient[p];
+            *second += by(number).1 * dual.gradient[p];
         }
     }
-    for (column, &(re, im)) in found.by_law.iter().enumerate() {
-        let slot = &mut response[Alone::parameter(column)];
-        *slot = (slot.0 + re, slot.1 + im);
+    for (column, &(first, second)) in by_law.iter().enumerate() {
+        let slot = &mut all[Alone::parameter(column)];
+        *slot = (slot.0 + first, slot.1 + second);
     }
-    response.into_iter().enumerate().map(|(p, by)| polar_derivative(lumps, found.response, by, p)).collect()
+    all
 }

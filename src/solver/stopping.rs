@@ -304,7 +304,7 @@ pub fn states(mode: &dyn SingleMode, tolerance: &Tolerance, derivatives: bool) -
         let scale = amplitude / re.hypot(im) / x.hypot(y);
         [scale * (im * x - re * y), omega * scale * (re * x + im * y)]
     };
-    let mut starts: Vec<[f64; 2]> = nearly(mode).into_iter().map(start).collect();
+    let mut starts: Vec<[f64; 2]> = nearly(mode).states.into_iter().map(start).collect();
     if starts.is_empty() {
         starts.push([0.0; 2]);
     }
