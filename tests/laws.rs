@@ -304,3 +304,25 @@ fn a_power_of_the_velocity_needs_no_velocity_to_be_stated() {
     assert_eq!(of(""), of("v_0 = 1\n"));
     assert_eq!(of(""), [3.0, 1.5, 1.0]);
 }
+
+/// A fit balances harmonics where what is reported is integrated from rest to rest.
+#[test]
+fn what_a_fit_makes_of_a_steep_damping_is_what_is_reported() {
+    let speed = sizes().2 * TAU * OF.1;
+    for p in [0.15, 0.3, 0.5, 0.8] {
+        for share in [0.1, 0.4, 0.7] {
+            let model = with(&bare(), "power-damping", &[share * OF.3, p, speed]);
+            for ratio in [0.95, 0.999, 1.0, 1.005, 1.05] {
+                let operation = at(OF.3, ratio * OF.1);
+                let reported = solved(&model, &operation).state;
+                for tolerance in [Tolerance::COARSE, Tolerance::FIT] {
+                    let fitted = solve_steady(&model, &operation, &tolerance, true, &mut Warm::default()).state;
+                    let apart = common::distance(&fitted, &reported);
+                    // The nearer to dry friction, the less smooth the motion.
+                    let close = if p < 0.5 { 3e-3 } else { 1e-4 };
+                    assert!(apart < close, "{p} {share} {ratio}: {apart:e}");
+                }
+            }
+        }
+    }
+}

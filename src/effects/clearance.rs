@@ -37,9 +37,6 @@ impl Effect for Clearance {
     fn zero(&self) -> &'static [Zero] {
         &[Zero { parameter: 0, value: 0.0 }]
     }
-    fn searched(&self) -> bool {
-        false
-    }
     fn parameters(&self) -> &'static [ParameterInfo] {
         const LIST: &[ParameterInfo] = &[
             ParameterInfo::searched(("k_g", "k_g", "N m/rad"), ZERO_OR_MORE, (1.0, 1e4), "stiffness of the stops")

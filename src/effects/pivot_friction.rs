@@ -37,9 +37,6 @@ impl Effect for PivotFriction {
     fn zero(&self) -> &'static [Zero] {
         &[Zero { parameter: 0, value: 0.0 }]
     }
-    fn searched(&self) -> bool {
-        false
-    }
     fn parameters(&self) -> &'static [ParameterInfo] {
         const LIST: &[ParameterInfo] = &[ParameterInfo::searched(
             ("F_c", "F_c", "N m"),

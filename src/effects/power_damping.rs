@@ -40,10 +40,6 @@ impl Effect for PowerDamping {
     fn zero(&self) -> &'static [Zero] {
         &[Zero { parameter: 0, value: 0.0 }]
     }
-    /// Below p = 1 a steady state costs hundreds of others, and a search would spend its budget there.
-    fn searched(&self) -> bool {
-        false
-    }
     fn parameters(&self) -> &'static [ParameterInfo] {
         const LIST: &[ParameterInfo] = &[
             ParameterInfo::searched(

@@ -280,8 +280,10 @@ fn with_harmonics<T>(
     let first = usize::from(!odd);
     for (level, &highest) in HARMONICS.iter().enumerate() {
         let mut instants = (INSTANTS * highest).max(24);
-        if mode.joint().is_some() || mode.has_corners() {
-            let (most, least) = INSTANTS_AT_CORNERS;
+        let (most, least) = INSTANTS_AT_CORNERS;
+        if mode.is_steep() {
+            instants = instants.max(most);
+        } else if mode.joint().is_some() || mode.has_corners() {
             let wanted = (most as f64 / tolerance.coarsening().powi(5)) as usize;
             instants = instants.max(wanted.max(least));
         }
