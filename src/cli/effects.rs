@@ -60,10 +60,6 @@ pub fn table() -> String {
             text.push_str(&wrapped(&format!("For {rigs}: {}.", names.join(", ")), ""));
         }
     }
-    let others: Vec<_> = REGISTRY.iter().filter(|e| !e.searched()).map(|e| e.name()).collect();
-    if !others.is_empty() {
-        text.push_str(&wrapped(&format!("{ASKED_ONLY}: {}.", others.join(", ")), ""));
-    }
     text + "\nA unit is that for an angle, after \"or\" that for a displacement.\n\
         A range is that on the published rig; on another it follows the size of the rig and its motion.\n\
         A fit begins within the range of its search, and may go beyond it by a factor of 3.\n\
@@ -72,9 +68,6 @@ pub fn table() -> String {
         stretch, stretch_rate), and a key for each parameter: k5 = { value = 0 }.\n\
         stickslip effects NAME   equation, meaning, source, fingerprint and an example\n"
 }
-
-/// What is said of effects that a search does not ask for by itself.
-const ASKED_ONLY: &str = "By `add` or `discover --candidates` only";
 
 /// Rigs in words, and whether an effect fits those with a contact and those without.
 const RIGS: &[(&str, (bool, bool))] = &[
@@ -101,10 +94,7 @@ pub fn page(effect: &dyn Effect) -> String {
     section("Equation", equation(effect));
     section("Meaning", wrapped(effect.meaning(), "    "));
     let rigs = RIGS.iter().find(|(_, fits)| *fits == where_it_fits(effect)).map_or("no rig", |(rigs, _)| *rigs);
-    section(
-        "For",
-        wrapped(rigs, "    ") + &if effect.searched() { String::new() } else { wrapped(ASKED_ONLY, "    ") },
-    );
+    section("For", wrapped(rigs, "    "));
     section("Parameters", parameters(effect));
     section("Returns the base at", wrapped(&zero(effect), "    "));
     section("What it does to a resonance curve", wrapped(effect.fingerprint(), "    "));

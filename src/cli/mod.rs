@@ -140,7 +140,7 @@ enum Command {
         /// Search otherwise than by default: NAME=VALUE, as docs/search.md lists them
         #[arg(long, value_name = "NAME=VALUE", value_delimiter = ',')]
         search: Vec<String>,
-        /// Effects to ask for: names, or all [default: those that `stickslip effects` does not mark]
+        /// Effects to ask for: names, or all [default: all]
         #[arg(long, value_name = "LIST", value_delimiter = ',')]
         candidates: Vec<String>,
         /// Tell on which variable what is missing depends also where the catalogue explains it

@@ -54,7 +54,7 @@ pub struct Arguments {
     /// Search otherwise than by default: NAME=VALUE, as docs/search.md lists them
     #[arg(long, value_name = "NAME=VALUE", value_delimiter = ',')]
     search: Vec<String>,
-    /// Effects to ask for: names, or all [default: those that `stickslip effects` does not mark]
+    /// Effects to ask for: names, or all [default: all]
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     candidates: Vec<String>,
 }

@@ -6,25 +6,22 @@ use crate::scenario::diagnostic::nearest;
 /// The effects that a search asks for.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum Candidates {
-    /// Those that say so of themselves ([`Effect::searched`]).
-    #[default]
-    Usual,
     /// The whole catalogue.
+    #[default]
     All,
     /// These.
     Named(Vec<&'static str>),
 }
 
 impl Candidates {
-    /// Of a list of names or `all`; the usual ones where it is empty.
+    /// Of a list of names or `all`, which an empty list is, too.
     ///
     /// # Errors
     /// In words, naming the first that is unknown.
     pub fn of<S: AsRef<str>>(list: &[S]) -> Result<Self, String> {
         let words: Vec<&str> = list.iter().map(|word| word.as_ref().trim()).collect();
         match words[..] {
-            [] => return Ok(Self::Usual),
-            ["all"] => return Ok(Self::All),
+            [] | ["all"] => return Ok(Self::All),
             _ => {}
         }
         let name = |word: &&str| {
@@ -40,7 +37,6 @@ impl Candidates {
     /// Whether an effect is among them; a formula, which a scenario states to be searched, always is.
     pub fn include(&self, effect: &dyn Effect) -> bool {
         match self {
-            Self::Usual => effect.searched(),
             Self::All => true,
             Self::Named(names) => effect.formula().is_some() || names.contains(&effect.name()),
         }
@@ -56,10 +52,8 @@ mod tests {
         let power = find("power-damping").expect("registered");
         let none: [&str; 0] = [];
         let includes = |list: &[&str]| Candidates::of(list).expect("known").include(power);
-        assert_eq!(Candidates::of(&none), Ok(Candidates::Usual));
-        assert!(
-            !includes(&[]) && includes(&["all"]) && includes(&["stribeck", " power-damping"]) && !includes(&["lugre"])
-        );
+        assert_eq!(Candidates::of(&none), Ok(Candidates::All));
+        assert!(includes(&["all"]) && includes(&["stribeck", " power-damping"]) && !includes(&["lugre"]));
         let refused = Candidates::of(&["lugre", "power-dampin"]).expect_err("no such effect");
         assert_eq!(refused, "there is no effect `power-dampin`, did you mean `power-damping`");
     }

@@ -135,10 +135,6 @@ pub trait Effect: Sync {
     fn zero(&self) -> &'static [Zero];
     /// Its parameters in order, at most four where it has a law.
     fn parameters(&self) -> &'static [ParameterInfo];
-    /// Whether a search asks for it by default.
-    fn searched(&self) -> bool {
-        true
-    }
     /// Magnitudes of parameter number `index` that a search should cover on a rig of these scales.
     fn search_range(&self, index: usize, scales: &Scales) -> (f64, f64) {
         self.parameters()[index].search_range(scales)

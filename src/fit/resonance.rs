@@ -4,6 +4,7 @@
 //! is nearly a straight line in the complex plane (the inverse of the resonance circle), and its squared magnitude a parabola;
 //! both are linear least squares, each reading weighted by its size.
 
+use crate::dual::Dual;
 use crate::measurement::Point;
 use crate::model::lumps::Lumps;
 use crate::model::{Model, Operation};
@@ -196,12 +197,12 @@ fn put(rig: &mut Oscillator, free: &[String], frequency: f64, quality: f64) {
 }
 
 /// The model with as much stiffness and damping taken from those of its numbers that are `free` as its readings resonate higher and
-/// broader than others do, both at the same places: what was added to it replaces a part of the rig. `None` for the paper's kind of
-/// rig, where no resonance is seen, and where there is not as much stiffness.
+/// broader than others do, both at the same places: what was added to it replaces a part of the rig. Of the paper's kind of rig
+/// that is [`stiffer_in_series`]. `None` where no resonance is seen, and where there is not as much stiffness.
 pub fn kept(model: &Model, free: &[String], without: &[Point], with: &[Point]) -> Option<Model> {
     let mut model = model.clone();
     let order = model.signals.reading.order;
-    let Rig::Oscillator(rig) = &mut model.rig else { return None };
+    let Rig::Oscillator(rig) = &mut model.rig else { return stiffer_in_series(model, free) };
     let (before, after) = (of_all(without, order)?, of_all(with, order)?);
     let (stiffness, damping) = (rig.stiffness(), rig.damping());
     let frequency = (stiffness / rig.mass).sqrt() / TAU;
@@ -210,6 +211,25 @@ pub fn kept(model: &Model, free: &[String], without: &[Point], with: &[Point]) -
     let less = loss + 1.0 / before.quality - 1.0 / after.quality;
     let loss = if less > 0.0 { less } else { loss };
     put(rig, free, Some(square).filter(|square| *square > 0.0)?.sqrt(), 1.0 / loss);
+    Some(model)
+}
+
+/// The model with a contact that is stiffer by what its support gives way, where its stiffness is `free`: both in series are as stiff
+/// as the contact was, and, where its damping is free, of the same loss.
+fn stiffer_in_series(mut model: Model, free: &[String]) -> Option<Model> {
+    let is_free = |key: &str| free.iter().any(|k| k == key);
+    let support = model.effects.iter().rev().find_map(|(effect, p)| {
+        let p: Vec<Dual> = p.iter().map(|value| Dual::constant(*value)).collect();
+        effect.support(&p)
+    })?;
+    let share = 1.0 - model.contact.stiffness / support.stiffness.value;
+    if !(is_free("contact.stiffness") && share > 0.0) {
+        return None;
+    }
+    model.contact.stiffness /= share;
+    if is_free("contact.damping") {
+        model.contact.damping /= share * share;
+    }
     Some(model)
 }
 
@@ -240,6 +260,32 @@ mod tests {
             }
         };
         (0..41).map(point).collect()
+    }
+
+    #[test]
+    fn contact_and_support_in_series_are_as_stiff_and_as_lossy_as_the_contact_was() {
+        let scenario = crate::scenario::load_embedded("paper/figure-2").expect("a scenario");
+        let before = Model::new(&scenario);
+        let free = ["contact.stiffness", "contact.damping"].map(String::from);
+        let supported = |stiffness: f64| {
+            let mut model = before.clone();
+            model
+                .effects
+                .push((crate::effects::find("roller-compliance").expect("registered"), vec![0.01, stiffness, 0.0]));
+            stiffer_in_series(model, &free)
+        };
+        let k = before.contact.stiffness;
+        let after = supported(1.7 * k).expect("stiff enough");
+        let in_series = |stiffness: f64, damping: f64| {
+            let (contact, support) = (Complex::new(stiffness, damping), Complex::new(1.7 * k, 0.0));
+            contact * support / (contact + support)
+        };
+        // At a frequency so low that the damping is a small loss.
+        let small = 1e-6 * k / before.contact.damping;
+        let whole = in_series(after.contact.stiffness, small * after.contact.damping);
+        assert!((whole.re / k - 1.0).abs() < 1e-9, "{whole}");
+        assert!((whole.im / (small * before.contact.damping) - 1.0).abs() < 1e-9, "{whole}");
+        assert!(supported(0.9 * k).is_none());
     }
 
     #[test]

@@ -157,7 +157,6 @@ pub fn answer(scenario: &Scenario) -> Option<Answer> {
         .catalogue()
         .collect::<Vec<_>>()
         .par_iter()
-        .filter(|effect| effect.searched())
         .filter(|effect| compatible(&base, &[Addition::Effect(**effect)]))
         .filter(|effect| !base.effects.iter().any(|(present, _)| present.name() == effect.name()))
         .map(|effect| search::search(&base, *effect, &condition, &points, (&judge, &others)))

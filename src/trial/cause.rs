@@ -131,7 +131,7 @@ pub fn shown(cause: &str) -> &str {
 fn names(kind: Option<Kind>) -> Vec<String> {
     let mut all = vec![(Kind::None, "none".to_string())];
     // The paper's rig has a contact.
-    let fitting = REGISTRY.iter().filter(|effect| effect.searched() && fits_rig(**effect, true).is_ok());
+    let fitting = REGISTRY.iter().filter(|effect| fits_rig(**effect, true).is_ok());
     all.extend(fitting.map(|e| (Kind::Effect, e.name().to_string())));
     all.extend(RECALIBRATIONS.iter().map(|key| (Kind::Recalibration, (*key).to_string())));
     all.extend(PAIRS.iter().map(|pair| (Kind::Pair, pair.join("+"))));
