@@ -15,7 +15,8 @@ pub(super) fn off_the_sweep(points: &[Compared], series: &[Series]) -> usize {
         let mut last: Option<f64> = None;
         for point in along {
             let own = point.model.amplitude;
-            let states = point.model.others.iter().map(|other| other.0).chain([own]);
+            let states = point.model.others.iter().map(|other| other.0);
+            let states = states.chain((!point.model.beyond).then_some(own));
             let far = |x: f64| last.map_or(0.0, |last: f64| (x / last).ln().abs());
             let followed = states.min_by(|a, b| far(*a).total_cmp(&far(*b))).unwrap_or(own);
             // The first reading says where the sweep begins.

@@ -335,6 +335,15 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
             count(two, "point")
         ));
     }
+    let beyond = points.iter().filter(|p| p.model.beyond).count();
+    if beyond > 0 {
+        let (lies, it) = if beyond == 1 { ("lies", "it is") } else { ("lie", "they are") };
+        notes.push(format!(
+            "{} {lies} beyond the end of the branch of states that {it} on: held against that end, by how far off it is in amplitude and \
+             in drive",
+            count(beyond, "reading")
+        ));
+    }
     Comparison {
         scenario: scenario.clone(),
         table: table.clone(),

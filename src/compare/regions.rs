@@ -261,8 +261,13 @@ mod tests {
             series: 0,
         };
         let status = if answers { Status::Steady } else { Status::Failed("none".into()) };
-        let model =
-            Prediction { amplitude: if answers { 1.3e-6 } else { f64::NAN }, phase: 0.0, status, others: Vec::new() };
+        let model = Prediction {
+            amplitude: if answers { 1.3e-6 } else { f64::NAN },
+            phase: 0.0,
+            status,
+            others: Vec::new(),
+            beyond: false,
+        };
         Compared {
             point,
             condition: 0,

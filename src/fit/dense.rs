@@ -106,7 +106,10 @@ impl<'c> Reading<'c> {
         for (index, found) in read {
             solved[index] = Some(found.unwrap_or_else(|| {
                 let status = Status::Failed("between points without a steady state".into());
-                (Prediction { amplitude: f64::NAN, phase: f64::NAN, status, others: Vec::new() }, Vec::new())
+                (
+                    Prediction { amplitude: f64::NAN, phase: f64::NAN, status, others: Vec::new(), beyond: false },
+                    Vec::new(),
+                )
             }));
         }
     }
@@ -122,7 +125,7 @@ impl<'c> Reading<'c> {
         let mut slopes: Vec<Complex<f64>> = Vec::new();
         for &i in &stencil {
             let (prediction, gradient) = solved[i].as_ref()?;
-            if prediction.status != Status::Steady || !prediction.others.is_empty() {
+            if prediction.status != Status::Steady || prediction.beyond || !prediction.others.is_empty() {
                 return None;
             }
             let own = points[i].frequency;
@@ -138,8 +141,9 @@ impl<'c> Reading<'c> {
         let (amplitude, phase) = value.to_polar();
         let turned = |slope: Complex<f64>| slope * Complex::from_polar(1.0, -phase);
         let gradient = slopes.into_iter().map(|slope| (turned(slope).re, turned(slope).im / amplitude)).collect();
-        (amplitude > 0.0)
-            .then(|| (Prediction { amplitude, phase, status: Status::Steady, others: Vec::new() }, gradient))
+        (amplitude > 0.0).then(|| {
+            (Prediction { amplitude, phase, status: Status::Steady, others: Vec::new(), beyond: false }, gradient)
+        })
     }
 }
 
@@ -151,7 +155,7 @@ fn middle(low: usize, high: usize) -> Option<(usize, usize, usize)> {
 
 /// Whether two readings of a point differ by less than matters.
 fn close(point: &Point, read: &Prediction, solved: &Prediction) -> bool {
-    if solved.status != Status::Steady || !solved.others.is_empty() {
+    if solved.status != Status::Steady || solved.beyond || !solved.others.is_empty() {
         return false;
     }
     let amplitude = (read.amplitude - solved.amplitude) / point.amplitude_sd;
@@ -192,7 +196,8 @@ mod tests {
         let by_w0 = -reading / z * Complex::new(2.0 * w0, w / 30.0);
         let turned = by_w0 * Complex::from_polar(1.0, -reading.arg());
         let status = if (94.0..96.0).contains(&f) { Status::Failed("none".into()) } else { Status::Steady };
-        let prediction = Prediction { amplitude: reading.norm(), phase: reading.arg(), status, others: Vec::new() };
+        let prediction =
+            Prediction { amplitude: reading.norm(), phase: reading.arg(), status, others: Vec::new(), beyond: false };
         (prediction, vec![(turned.re, turned.im / reading.norm())])
     }
 

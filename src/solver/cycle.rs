@@ -66,6 +66,11 @@ impl<'a> Integrator<'a> {
         self.system
     }
 
+    /// Steps so far.
+    pub fn spent(&self) -> usize {
+        self.spent
+    }
+
     /// Whether exactly the steps asked for are wanted.
     pub fn measures_order(&self) -> bool {
         self.tolerance.measures_order()

@@ -18,6 +18,10 @@ pub struct Solution {
     pub derivatives: Option<Vec<(f64, f64)>>,
     /// Readings (amplitude, phase) of the other stable states at the same point.
     pub others: Vec<(f64, f64)>,
+    /// Whether it is no state but the end of a branch that is not reached ([`super::oscillator::fold::End`]).
+    pub beyond: bool,
+    /// Steps of integrations that it took; none where harmonics were balanced or a closed form holds.
+    pub steps: usize,
 }
 
 /// Complex amplitude of the arm from that of its motion relative to the one without contact.
@@ -115,7 +119,7 @@ pub fn closed_form(lumps: &Lumps, limit: LimitingState, derivatives: bool) -> So
         let (re, im): (Dual, Dual) = if stuck { lumps.stuck_response() } else { lumps.free_response() };
         (0..MAX_PARAMETERS).map(|p| polar_derivative(lumps, a, (re.gradient[p], im.gradient[p]), p)).collect()
     });
-    Solution { state, derivatives, others: Vec::new() }
+    Solution { state, derivatives, others: Vec::new(), beyond: false, steps: 0 }
 }
 
 /// No steady state, and why.
@@ -134,5 +138,5 @@ pub fn failed(why: String) -> Solution {
         status: Status::Failed(why),
         method: Method::Shooting,
     };
-    Solution { state, derivatives: None, others: Vec::new() }
+    Solution { state, derivatives: None, others: Vec::new(), beyond: false, steps: 0 }
 }

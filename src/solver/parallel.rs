@@ -69,50 +69,26 @@ pub struct Memory {
     slopes: [DMatrix<f64>; 2],
 }
 
-/// Finds the periodic state, from that of a neighbouring problem where there is one. Errors say why in words.
-pub fn solve(system: &dyn SliderSystem, demand: &Demand, memory: &mut Option<Memory>) -> Result<Found, String> {
+/// Finds the periodic state, from that of a neighbouring problem where there is one; adds the cycles that it integrates. Errors say
+/// why in words.
+pub fn solve(
+    system: &dyn SliderSystem,
+    demand: &Demand,
+    memory: &mut Option<Memory>,
+    cycles: &mut usize,
+) -> Result<Found, String> {
+    let mut from = |start: Option<Memory>, memory: &mut Option<Memory>| {
+        let mut search = Search::begin(system, demand, start);
+        let found = search.run(demand, memory);
+        *cycles += search.cycles;
+        found
+    };
     if let Some(start) = memory.take()
-        && let Ok(found) = search(system, demand, Some(start), memory)
+        && let Ok(found) = from(Some(start), memory)
     {
         return Ok(found);
     }
-    search(system, demand, None, memory)
-}
-
-fn search(
-    system: &dyn SliderSystem,
-    demand: &Demand,
-    from: Option<Memory>,
-    memory: &mut Option<Memory>,
-) -> Result<Found, String> {
-    let mut search = Search::begin(system, demand, from);
-    while search.cycles < demand.cycles {
-        search.cycles += 1;
-        let cycle = match search.method.cycle(&search.at.shared, &search.at.sliders) {
-            Ok(cycle) => cycle,
-            Err(_) if search.retreat() => continue,
-            Err(why) => return Err(why),
-        };
-        if cycle.shared.iter().any(|z| !z.is_finite()) {
-            if search.retreat() {
-                continue;
-            }
-            return Err("the motion of the sliders has no bound".into());
-        }
-        let residual: Vec<f64> =
-            search.active.iter().map(|&i| (cycle.shared[i] - search.at.shared[i]) / search.scales[i]).collect();
-        let size = residual.iter().fold(0.0f64, |m, r| m.max(r.abs()));
-        if search.settles(&cycle, size) {
-            continue;
-        }
-        if size < demand.periodic && search.creep(&cycle) < demand.creep {
-            return search.finish(cycle, size, memory);
-        }
-        let residual = DVector::from_vec(residual);
-        search.learn(&cycle, &residual, size)?;
-        search.step(&cycle, &residual);
-    }
-    Err(format!("no periodic state of the parallel sliders within {} cycles", demand.cycles))
+    from(None, memory)
 }
 
 /// A search on its way.
@@ -190,6 +166,37 @@ impl<'a> Search<'a> {
         Self { system, method, active, scales, at_start, most, at, slopes, last, best, cycles, settling }
     }
 
+    /// Newton steps until the state is periodic.
+    fn run(&mut self, demand: &Demand, memory: &mut Option<Memory>) -> Result<Found, String> {
+        while self.cycles < demand.cycles {
+            self.cycles += 1;
+            let cycle = match self.method.cycle(&self.at.shared, &self.at.sliders) {
+                Ok(cycle) => cycle,
+                Err(_) if self.retreat() => continue,
+                Err(why) => return Err(why),
+            };
+            if cycle.shared.iter().any(|z| !z.is_finite()) {
+                if self.retreat() {
+                    continue;
+                }
+                return Err("the motion of the sliders has no bound".into());
+            }
+            let residual: Vec<f64> =
+                self.active.iter().map(|&i| (cycle.shared[i] - self.at.shared[i]) / self.scales[i]).collect();
+            let size = residual.iter().fold(0.0f64, |m, r| m.max(r.abs()));
+            if self.settles(&cycle, size) {
+                continue;
+            }
+            if size < demand.periodic && self.creep(&cycle) < demand.creep {
+                return self.finish(cycle, size, memory);
+            }
+            let residual = DVector::from_vec(residual);
+            self.learn(&cycle, &residual, size)?;
+            self.step(&cycle, &residual);
+        }
+        Err(format!("no periodic state of the parallel sliders within {} cycles", demand.cycles))
+    }
+
     /// Whether a slider by itself is left to itself for this cycle, which changed it by `size`.
     fn settles(&mut self, cycle: &Cycle, size: f64) -> bool {
         if self.system.elements().len() > 1 {
@@ -226,10 +233,14 @@ impl<'a> Search<'a> {
     }
 
     /// The solution, and what a neighbouring problem may begin with.
-    fn finish(mut self, cycle: Cycle, residual: f64, memory: &mut Option<Memory>) -> Result<Found, String> {
+    fn finish(&mut self, cycle: Cycle, residual: f64, memory: &mut Option<Memory>) -> Result<Found, String> {
+        let cycles = self.cycles;
         let map = match self.slopes[1].take() {
             Some(map) => map,
-            None => self.method.jacobian(&self.at.shared, &self.at.sliders, &cycle, &self.scales, &self.active)?,
+            None => {
+                self.cycles += self.active.len();
+                self.method.jacobian(&self.at.shared, &self.at.sliders, &cycle, &self.scales, &self.active)?
+            }
         };
         let multiplier = radius(&map);
         let kc = self.system.bristles()[0];
@@ -241,7 +252,7 @@ impl<'a> Search<'a> {
             slopes: [self.slopes[0].take().unwrap_or_else(|| &map - one), map],
         });
         let Cycle { fundamental, mean, stick, force, .. } = cycle;
-        Ok(Found { fundamental, mean, stick_fraction: stick, force, cycles: self.cycles, residual, multiplier })
+        Ok(Found { fundamental, mean, stick_fraction: stick, force, cycles, residual, multiplier })
     }
 
     /// Learns the slope of the change over a cycle.

@@ -13,6 +13,7 @@ use crate::model::system::{HybridSystem, Mode, SingleMode, SliderSystem};
 use crate::model::{Model, Operation};
 use crate::scenario::Formulation;
 use crate::statistics::wrap;
+use std::cell::Cell;
 
 /// Distance of the starts of neighbouring motions, in units of the scales, from which on they may be on other branches.
 const NEIGHBOUR: f64 = 0.3;
@@ -76,7 +77,7 @@ pub fn solve(
     derivatives: bool,
     warm: &mut Warm,
 ) -> Solution {
-    let with = Search { tolerance, derivatives, integrate: true };
+    let with = Search { tolerance, derivatives, integrate: true, steps: Cell::new(0) };
     search(model, at, euler_steps, &with, warm)
 }
 
@@ -89,7 +90,7 @@ pub fn solve_steady(
     derivatives: bool,
     warm: &mut Warm,
 ) -> Solution {
-    search(model, at, 0, &Search { tolerance, derivatives, integrate: false }, warm)
+    search(model, at, 0, &Search { tolerance, derivatives, integrate: false, steps: Cell::new(0) }, warm)
 }
 
 /// How to look for a steady state.
@@ -98,6 +99,8 @@ struct Search<'a> {
     derivatives: bool,
     /// Whether to integrate in time where no periodic state was found.
     integrate: bool,
+    /// Steps of integrations so far.
+    steps: Cell<usize>,
 }
 
 impl Search<'_> {
@@ -109,6 +112,7 @@ impl Search<'_> {
 
 fn search(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_>, warm: &mut Warm) -> Solution {
     let found = unguarded(model, at, euler_steps, with, warm);
+    let found = Solution { steps: with.steps.get(), ..found };
     let SteadyState { amplitude, phase, mean, speed_amplitude, stick_fraction, .. } = &found.state;
     let SteadyState { force_minimum, force_maximum, periodicity_error, status, .. } = &found.state;
     let numbers =
@@ -128,7 +132,7 @@ fn unguarded(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_
     }
     if model.contact.formulation == Formulation::Paper {
         let mut states = solve_paper(model, std::slice::from_ref(at), euler_steps);
-        return Solution { state: states.remove(0), derivatives: None, others: Vec::new() };
+        return Solution { state: states.remove(0), derivatives: None, others: Vec::new(), beyond: false, steps: 0 };
     }
     let problem = Problem::new(model, at);
     if let Some(limit) = problem.limiting_state() {
@@ -149,6 +153,7 @@ fn unguarded(model: &Model, at: &Operation, euler_steps: usize, with: &Search<'_
     let mut integrator = Integrator::new(&problem, tolerance);
     integrator.keep = derivatives;
     let mut found = shooting::search(&mut integrator, warm.start(&problem).as_ref());
+    with.steps.set(with.steps.get() + integrator.spent());
     // Of the points that a search over many models gives up, one in two hundred would be found in this way.
     if !tolerance.gives_up() {
         found = found.or_else(|why| from_full_slip(model, at, &problem, tolerance).ok_or(why));
@@ -197,7 +202,13 @@ fn shot(
         cycles: periodic.cycles,
         change: periodic.residual,
     };
-    Solution { state: motion.observe(&problem.lumps, status, Method::Shooting), derivatives, others: Vec::new() }
+    Solution {
+        state: motion.observe(&problem.lumps, status, Method::Shooting),
+        derivatives,
+        others: Vec::new(),
+        beyond: false,
+        steps: 0,
+    }
 }
 
 /// The solution where the motion stays in one mode.
@@ -217,6 +228,8 @@ fn balanced(problem: &Problem, found: &Balance, warm: &mut Warm) -> Solution {
         state: motion.observe(&problem.lumps, Status::Steady, Method::HarmonicBalance),
         derivatives,
         others: Vec::new(),
+        beyond: false,
+        steps: 0,
     }
 }
 
@@ -276,7 +289,7 @@ fn lock_in(problem: &Problem, why: &str) -> Solution {
         change: found.change,
     };
     let state = motion.observe(lumps, status, Method::TimeIntegration);
-    Solution { state, derivatives: None, others: Vec::new() }
+    Solution { state, derivatives: None, others: Vec::new(), beyond: false, steps: 0 }
 }
 
 /// A contact of many parallel sliders, or of one whose bristles remember; its derivatives are differences of converged solutions.
@@ -298,7 +311,11 @@ fn parallel_state(
     // Searches over many models start from the last one; what is reported is looked for from the beginning.
     let mut none = None;
     let memory = if with.integrate { &mut none } else { &mut warm.sliders };
-    let found = match parallel::solve(sliders, demand, memory) {
+    let mut cycles = 0;
+    let found = parallel::solve(sliders, demand, memory, &mut cycles);
+    // Two of these steps, in closed form slider by slider, take as long as one of the others.
+    with.steps.set(with.steps.get() + cycles * demand.steps / 2);
+    let found = match found {
         Ok(found) => found,
         Err(why) => return without_periodic_state(problem, &why, with),
     };
@@ -318,7 +335,7 @@ fn parallel_state(
     };
     let state = motion.observe(lumps, status, Method::Shooting);
     let derivatives = with.derivatives.then(|| differences(model, at));
-    Solution { state, derivatives, others: Vec::new() }
+    Solution { state, derivatives, others: Vec::new(), beyond: false, steps: 0 }
 }
 
 /// Central differences of (amplitude, phase) by every parameter of the model.
@@ -393,7 +410,7 @@ fn alone(model: &Model, at: &Operation, with: &Search<'_>, warm: &mut Warm) -> S
     let method = if stops { Method::Shooting } else { Method::HarmonicBalance };
     let state = motion_of(found).observe(lumps, status, method);
     let derivatives = with.derivatives.then(|| of_mode(&mode, found));
-    Solution { state, derivatives, others }
+    Solution { state, derivatives, others, beyond: false, steps: 0 }
 }
 
 fn motion_of(found: &oscillator::Found) -> Motion {
@@ -431,7 +448,7 @@ fn end_of_branch(
         };
         of_mode(mode, &end.found).into_iter().zip(by_lacks).map(joined).collect()
     });
-    Solution { state, derivatives, others }
+    Solution { state, derivatives, others, beyond: true, steps: 0 }
 }
 
 /// Derivatives of (amplitude, phase) of a motion without contact by the parameters of the model.
