@@ -187,11 +187,10 @@ pub struct Comparison {
     pub outliers: Vec<Outlier>,
     /// What the user should know about the calibration, in plain words.
     pub notes: Vec<String>,
-    /// The model between the measured frequencies, one curve per condition.
-    pub curves: Vec<ModelCurve>,
     /// Steady states that its intervals took.
     pub solved: u64,
     error_budget: OnceLock<ErrorBudget>,
+    curves: OnceLock<Vec<ModelCurve>>,
 }
 
 impl Compared {
@@ -230,6 +229,21 @@ impl Comparison {
         self.error_budget.get_or_init(|| budget)
     }
 
+    /// The model between the measured frequencies, one curve per condition. Solved when first asked for.
+    pub fn curves(&self) -> &[ModelCurve] {
+        if let Some(curves) = self.curves.get() {
+            return curves;
+        }
+        let settings: Vec<Setting> = self.conditions.iter().map(|c| c.setting).collect();
+        let driven = |i: usize| {
+            let own = self.points.iter().filter(move |p| p.condition == i);
+            own.map(|p| (p.point.frequency, p.point.drive)).collect()
+        };
+        let driven: Vec<Vec<(f64, f64)>> = (0..settings.len()).map(driven).collect();
+        let curves = model_curves(&self.model, &settings, &driven, &self.table.series);
+        self.curves.get_or_init(|| curves)
+    }
+
     /// Whether the amplitude or the phase of a row stands out.
     pub fn stands_out(&self, row: usize, phase: bool) -> bool {
         self.outliers.iter().any(|o| o.row == row && o.is_phase() == phase)
@@ -263,6 +277,7 @@ pub fn compare(scenario: &Scenario, table: &Table, options: &Options) -> Compari
     let comparison = judge(scenario, table, &calibration, Some(PROFILES));
     // Here, not by the first of the figures that are drawn in parallel.
     comparison.error_budget();
+    comparison.curves();
     comparison
 }
 
@@ -308,8 +323,6 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
     let (contact, contact_model) = fingerprint(&model, &points);
     let column = table.signals.reading.reading_column();
     let outliers = (0..settings.len()).flat_map(|i| standing_out(&of(i), column, noise)).collect();
-    let driven: Vec<Vec<(f64, f64)>> =
-        (0..settings.len()).map(|i| of(i).iter().map(|p| (p.point.frequency, p.point.drive)).collect()).collect();
     let mut notes = Vec::new();
     for key in (Calibration { fit: fit.clone(), ..calibration.clone() }).at_bounds() {
         notes.push(format!(
@@ -356,13 +369,13 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
         contact,
         contact_model,
         outliers,
-        curves: model_curves(&model, &settings, &driven, &table.series),
         notes,
         model,
         points,
         conditions,
         solved,
         error_budget: OnceLock::new(),
+        curves: OnceLock::new(),
     }
 }
 

@@ -106,6 +106,13 @@ impl Search<'_> {
                 _ => None,
             });
             notes.extend(named.map(|effect| format!("of {}: {}", effect.name(), effect.impersonator())));
+            let hidden = (0..chosen.model.effects.len()).filter(|&index| chosen.model.hides_sign(index));
+            let names = hidden.map(|index| chosen.model.effects[index].0).flat_map(|effect| {
+                effect.parameters().iter().map(move |info| format!("effect.{}.{}", effect.name(), info.key))
+            });
+            notes.extend(
+                names.map(|key| format!("the sign of {key} leaves no trace in a fundamental: it is given as positive")),
+            );
         }
         if let Some(best) = candidates.first().filter(|c| c.hypothesis.label() != end.hypothesis.label()) {
             let above =

@@ -197,7 +197,7 @@ impl Count<'_> {
         }
         let model = extended(&from.model, &[addition]);
         let own: Vec<Parameter> = addition.keys().iter().filter_map(|key| parameter(&model, key)).collect();
-        let signs = 1 << own.iter().filter(|p| p.signed).count();
+        let signs = 1 << own.iter().filter(|p| p.signed && !model.hides_sign(model.effects.len() - 1)).count();
         let count = (self.starts * own.len() / self.shared).max(2);
         let shares = |number: usize| -> Vec<f64> {
             match own.len() {

@@ -83,6 +83,19 @@ impl Model {
         registered.chain(self.candidates.iter().copied())
     }
 
+    /// Whether the sign of the one parameter of effect number `index` leaves no trace in what is read: without a contact and beside odd
+    /// laws, the body moves the other way round with the other sign, and its fundamental is the same.
+    pub fn hides_sign(&self, index: usize) -> bool {
+        let mut others = self.effects.iter().enumerate().filter(|(other, _)| *other != index);
+        let Some((effect, [_])) = self.effects.get(index).map(|(effect, p)| (*effect, &p[..])) else { return false };
+        let force = |p: f64, x: f64, v: f64| effect.torque(&[p], x, v).unwrap_or_default().value;
+        let mirrored = |(x, v): (f64, f64)| force(-1.0, x, v) == -force(1.0, -x, -v);
+        !self.has_contact
+            && !effect.torque_is_odd()
+            && [(1.0, 0.3), (-0.6, 1.0), (0.2, -0.7)].into_iter().all(mirrored)
+            && others.all(|(_, (effect, _))| effect.torque_is_odd())
+    }
+
     /// Whether only the solver of sliders can carry an effect: the contact is a continuum of them, or its bristles remember.
     pub fn has_sliders(&self) -> bool {
         self.effects.iter().any(|(effect, p)| slides(*effect, p))

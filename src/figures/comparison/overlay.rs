@@ -91,7 +91,7 @@ impl<'a> Data<'a> {
 
     /// The curve of the model, as shown.
     pub fn curve(&self, condition: usize) -> Vec<Point> {
-        let curve = &self.c.curves[condition];
+        let curve = &self.c.curves()[condition];
         let pairs = curve.frequency.iter().zip(if self.phase { &curve.phase } else { &curve.amplitude });
         let value = |(y, drive): (f64, f64)| match self.phase {
             true => self.degrees(y),
