@@ -114,8 +114,8 @@ fn continuum() -> Model {
 fn with_equal_elements(model: &Model, at: &Operation) -> (f64, f64) {
     let problem = Problem::new(model, at);
     let continuum = problem.continuum().expect("a continuum");
-    let found =
-        parallel::solve(&Replaced { continuum, elements: equal_elements() }, &FINER, &mut None).expect("periodic");
+    let found = parallel::solve(&Replaced { continuum, elements: equal_elements() }, &FINER, &mut None, &mut 0)
+        .expect("periodic");
     let (re, im) = problem.free();
     let (re, im) = (re + found.fundamental.0, im + found.fundamental.1);
     (re.hypot(im), wrap(im.atan2(re)))
@@ -170,7 +170,7 @@ fn friction_below_zero_at_rest_is_no_reason_to_stop() {
     let problem = Problem::new(&model, &at);
     let sliders = problem.sliders();
     assert!(sliders.limit(&sliders.forcing(0.0), 0.0, 0.0, 0.0, 0.0).0 < 0.0);
-    if let Ok(found) = parallel::solve(&sliders, &Demand::COARSE, &mut None) {
+    if let Ok(found) = parallel::solve(&sliders, &Demand::COARSE, &mut None, &mut 0) {
         assert!(found.fundamental.0.is_finite() && found.stick_fraction.is_finite());
     }
     let plan = Plan { steps: 64, cycles: 5, window: 2, ..Plan::default() };

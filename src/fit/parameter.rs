@@ -14,7 +14,7 @@ const RIG_DAMPING_FACTOR: f64 = 10.0;
 const UNKNOWN_FACTOR: f64 = 1e3;
 /// A fit may leave the range that the catalogue searches by this factor.
 const BEYOND: f64 = 3.0;
-/// Part of the largest magnitude that counts as zero where a range starts at zero.
+/// Part of the largest magnitude that counts as zero where a range starts at zero; of the smallest, where either sign is physical.
 const SMALLEST: f64 = 1e-4;
 
 /// Coordinate of the middle of the bounds.
@@ -118,7 +118,12 @@ fn of_base(key: &str, info: &ParameterInfo, index: usize, (value, beside_zero): 
 
 fn of_effect(key: &str, info: &ParameterInfo, index: usize, value: f64, (low, high): (f64, f64)) -> Parameter {
     let low = if low > 0.0 { low } else { SMALLEST * high };
-    let smallest = if info.signed || info.minimum <= 0.0 { low / BEYOND } else { (low / BEYOND).max(info.minimum) };
+    let smallest = match (info.signed, info.minimum <= 0.0) {
+        // As good as zero, which lies between the signs.
+        (true, _) => SMALLEST * low,
+        (false, true) => low / BEYOND,
+        (false, false) => (low / BEYOND).max(info.minimum),
+    };
     let largest = (high * BEYOND).min(info.maximum);
     let range = (low.ln(), high.ln());
     // A value that a user wrote is within the bounds.

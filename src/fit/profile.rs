@@ -415,13 +415,18 @@ impl<'p, 'a> Side<'p, 'a> {
             let (step, closed) = side.end.unwrap_or((side.room, false));
             (side.at(step), closed)
         };
-        let ends = (of(below), of(above));
+        let mut ends = (of(below), of(above));
+        let (fit, i) = (below.of.fit, below.i);
+        if fit.parameters[i].signed && !ends.0.1 && ends.1.1 {
+            // It goes through zero, about which a model is linear: as far to the other side as to this.
+            ends.0 = (2.0 * fit.values[i] - ends.1.0, true);
+        }
         let identified = match (ends.0.1, ends.1.1) {
             (true, true) => Identified::Yes,
             (false, false) => Identified::No,
             _ => Identified::OneSided,
         };
-        let value = below.of.fit.values[below.i];
+        let value = fit.values[i];
         Interval { value, low: ends.0.0.min(ends.1.0), high: ends.0.0.max(ends.1.0), identified }
     }
 }
