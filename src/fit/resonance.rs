@@ -198,7 +198,7 @@ fn put(rig: &mut Oscillator, free: &[String], frequency: f64, quality: f64) {
 
 /// The model with as much stiffness and damping taken from those of its numbers that are `free` as its readings resonate higher and
 /// broader than others do, both at the same places: what was added to it replaces a part of the rig. Of the paper's kind of rig
-/// that is [`stiffer_in_series`]. `None` where no resonance is seen, and where there is not as much stiffness.
+/// that is a contact in series with a support. `None` where no resonance is seen, and where there is not as much stiffness.
 pub fn kept(model: &Model, free: &[String], without: &[Point], with: &[Point]) -> Option<Model> {
     let mut model = model.clone();
     let order = model.signals.reading.order;
