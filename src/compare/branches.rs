@@ -21,7 +21,7 @@ pub(super) fn off_the_sweep(points: &[Compared], series: &[Series]) -> usize {
             let followed = states.min_by(|a, b| far(*a).total_cmp(&far(*b))).unwrap_or(own);
             // The first reading says where the sweep begins.
             let followed = if last.is_none() { own } else { followed };
-            count += usize::from(of.direction != Direction::Unknown && followed != own);
+            count += usize::from(of.direction != Direction::Unknown && !point.model.beyond && followed != own);
             last = Some(followed).filter(|x| x.is_finite()).or(last);
         }
     }

@@ -336,7 +336,8 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
             count(unfinished, "end")
         ));
     }
-    let two = points.iter().filter(|p| !p.model.others.is_empty()).count();
+    let states = |p: &Compared| p.model.others.len() + usize::from(!p.model.beyond);
+    let two = points.iter().filter(|p| states(p) > 1).count();
     if two > 0 {
         let off = branches::off_the_sweep(&points, &table.series);
         let which = match off {
