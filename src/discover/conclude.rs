@@ -290,18 +290,19 @@ impl Search<'_> {
         let mut survivors: Vec<&Hypothesis> = rivals.iter().collect();
         let mut behind = None;
         if survivors.len() < 2 {
-            // The explanation and its closest rival with as many additions; calibration alone has one only where the data
-            // favour it, if too little to decide.
-            let rival = candidates.iter().map(|c| &c.hypothesis).find(|h| {
-                if chosen.additions.is_empty() && h.bic >= bic(chosen) {
-                    return false;
-                }
-                h.additions != chosen.additions
-                    && h.additions.len() == chosen.additions.len().max(1)
-                    && h.estimate.is_none()
-            })?;
-            behind = Some(bic(rival) - bic(chosen)).filter(|behind| *behind > MARGIN);
-            survivors = vec![chosen, rival];
+            // The explanation and its closest rival with as many additions, fitted to all points if there is one; calibration alone
+            // has one only where the data favour it, if too little to decide.
+            let rivals = || {
+                candidates.iter().filter(|Candidate { hypothesis: h, .. }| {
+                    let favoured = !chosen.additions.is_empty() || h.bic < bic(chosen);
+                    favoured && h.additions != chosen.additions && h.additions.len() == chosen.additions.len().max(1)
+                })
+            };
+            let whole = rivals().find(|c| c.hypothesis.estimate.is_none());
+            let rival = whole.or_else(|| rivals().next())?;
+            let by = if whole.is_some() { bic(&rival.hypothesis) - bic(chosen) } else { rival.delta_bic };
+            behind = Some(by).filter(|behind| *behind > MARGIN);
+            survivors = vec![chosen, &rival.hypothesis];
         }
         let next = next::next(&survivors, self.table, &self.options.bounds)?;
         Some(next::NextMeasurement { ruled_out_by: behind, ..next })
