@@ -217,3 +217,29 @@ fn an_undamped_resonance_is_no_steady_state() {
     let found = solved(&model, &operation, &mut Warm::default()).state;
     assert!(found.status != Status::Steady || found.amplitude.is_finite(), "{found:?}");
 }
+
+#[test]
+fn the_sign_of_an_even_force_is_hidden_beside_odd_ones_alone() {
+    let bare = || oscillator(1.0, 10.0, 50.0);
+    let k: f64 = (TAU * 10.0f64).powi(2);
+    let motion = 50.0 / k;
+    let with_sign = |sign: f64, k3: f64| {
+        let model = with(bare(), "asymmetric-stiffness", &[sign * 0.3 * k / motion]);
+        if k3 == 0.0 { model } else { with(model, "cubic-stiffness", &[k3]) }
+    };
+    for k3 in [0.0, 0.01 * k / motion.powi(2)] {
+        assert!(with_sign(1.0, k3).hides_sign(0));
+        for share in [0.97, 1.0, 1.02] {
+            let at = at(0.3, 10.0 * share);
+            let [one, other] = [1.0, -1.0].map(|sign| solved(&with_sign(sign, k3), &at, &mut Warm::default()).state);
+            assert!((one.amplitude / other.amplitude - 1.0).abs() < 1e-9, "{share}");
+            assert!((one.phase - other.phase).abs() < 1e-9, "{share}");
+            // It does change what is read.
+            let without = solved(&with_sign(0.0, k3), &at, &mut Warm::default()).state;
+            assert!((one.amplitude / without.amplitude - 1.0).abs() > 1e-6, "{share}");
+        }
+    }
+    // An odd force has a sign to be read; so has an even one beside another.
+    assert!(!with(bare(), "cubic-stiffness", &[1.0]).hides_sign(0));
+    assert!(!with(with_sign(1.0, 0.0), "asymmetric-stiffness", &[1.0]).hides_sign(0));
+}

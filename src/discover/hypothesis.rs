@@ -107,7 +107,7 @@ pub fn compatible(model: &Model, additions: &[Addition]) -> bool {
 pub struct Estimate {
     /// Of some readings or all.
     pub residuals: DVector<f64>,
-    /// All readings over those.
+    /// By how much the sum of squares is larger over all readings.
     pub scale: f64,
     /// Where they come from.
     pub basis: Basis,

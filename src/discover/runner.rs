@@ -26,6 +26,8 @@ pub(super) struct Runner<'s, 'a> {
     parameters: Vec<Parameter>,
     values: Vec<f64>,
     residuals: DVector<f64>,
+    /// Sum of squares that what it adds to leaves of the same readings in the linear estimate, of what is typical of it.
+    left: f64,
     /// Its fit so far.
     pub fit: Option<Fit>,
     /// What the last round took off its badness.
@@ -58,7 +60,7 @@ impl<'s, 'a> Runner<'s, 'a> {
         data: &'s Data<'a>,
         (from, of, sure): (&'s Hypothesis, usize, f64),
         addition: Addition,
-        start: Start,
+        (start, rest): (Start, &DVector<f64>),
     ) -> Self {
         let Start { model, values, residuals } = start;
         let parameters = data.beside(&model, from, addition);
@@ -71,6 +73,7 @@ impl<'s, 'a> Runner<'s, 'a> {
             parameters,
             values,
             residuals,
+            left: typical_square(from, rest),
             fit: None,
             gain: 0.0,
             bar: Bar::None,
@@ -95,6 +98,18 @@ impl<'s, 'a> Runner<'s, 'a> {
         self.scale() * robust_square(&residuals, unit) + self.data.price(other.fit.parameters.len())
     }
 
+    /// By how much the sum of squares of what it adds to is larger over all readings than over those that the residuals are of: a
+    /// part of the readings may happen to scatter less than all.
+    fn ratio(&self) -> f64 {
+        let all = &self.from.fit.evaluation.residuals;
+        let left = self
+            .fit
+            .as_ref()
+            .map_or(self.left, |fit| typical_square(self.from, &self.data.part(all, fit.evaluation.predictions.len())));
+        let ratio = typical_square(self.from, all) / left;
+        if ratio.is_finite() { ratio } else { self.scale() }
+    }
+
     /// As it stands; `full` where its fit is to all points.
     pub fn hypothesis(&self, full: bool) -> Hypothesis {
         let additions: Vec<Addition> = self.from.additions.iter().copied().chain([self.addition]).collect();
@@ -110,9 +125,14 @@ impl<'s, 'a> Runner<'s, 'a> {
             fit
         };
         let fit = self.fit.clone().unwrap_or_else(unfitted);
-        let estimate = (!full).then(|| Estimate { residuals: self.residuals.clone(), scale: self.scale(), basis });
+        let estimate = (!full).then(|| Estimate { residuals: self.residuals.clone(), scale: self.ratio(), basis });
         Hypothesis { additions, model: self.model.clone(), fit, estimate, bic: f64::INFINITY }
     }
+}
+
+/// Sum of squares of residuals in the unit of what a hypothesis typically leaves.
+fn typical_square(from: &Hypothesis, residuals: &DVector<f64>) -> f64 {
+    robust_square(residuals, typical_of(&from.fit.evaluation.residuals).powi(2))
 }
 
 impl Competitor for Runner<'_, '_> {

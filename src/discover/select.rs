@@ -314,8 +314,9 @@ impl<'a> Search<'a> {
         let sure = MARGIN.max(2.0 * (self.pool.len() as f64 / MISTAKE).ln());
         for (of, ((number, addition), look)) in work.iter().zip(looks).enumerate() {
             let Look { starts, visibility, strongest } = look;
-            let runners =
-                starts.into_iter().map(|start| Runner::new(&self.data, (parents[*number], of, sure), *addition, start));
+            let rest = places[usize::from(costly(parents[*number], *addition))][*number][0].rest();
+            let new = |start| Runner::new(&self.data, (parents[*number], of, sure), *addition, (start, &rest));
+            let runners = starts.into_iter().map(new);
             let mut runners: Vec<Runner<'s, 'a>> = runners.collect();
             // The starting points of a candidate compete with one another first: a linear estimate tells them apart, but little
             // of what candidates are worth.

@@ -10,7 +10,7 @@ use std::f64::consts::{PI, TAU};
 use std::sync::LazyLock;
 
 /// Amplitudes at which the balance of the first harmonic is looked at, per factor of ten, and instants for it.
-const GRID_PER_DECADE: f64 = 8.0;
+pub const GRID_PER_DECADE: f64 = 8.0;
 const GRID_INSTANTS: usize = 16;
 /// Factors of ten by which the range of amplitudes may be too short.
 const DECADES: usize = 6;

@@ -252,18 +252,25 @@ struct Balance {
     motion: Vec<[f64; 4]>,
 }
 
-/// The periodic state that Newton's method reaches from a motion at the drive's frequency of this amplitude.
-fn solve(mode: &dyn SingleMode, amplitude: f64, tolerance: &Tolerance) -> Option<Periodic> {
+/// A motion of this amplitude as one harmonic sees it: whether its even harmonics vanish, its series, and the factor to the drive
+/// that holds it.
+fn one_harmonic(mode: &dyn SingleMode, amplitude: f64) -> (bool, Vec<f64>, f64) {
     let ([mass, damping, stiffness], omega, (re, im)) = (mode.linear(), mode.omega(), mode.drive());
     let (k, c) = describing(mode, amplitude);
     // A = drive / Z.
     let (x, y) = (stiffness + k - mass * omega * omega, omega * damping + c);
     let square = x * x + y * y;
     let (a_re, a_im) = ((re * x + im * y) / square, (im * x - re * y) / square);
-    let scale = amplitude / a_re.hypot(a_im);
+    let drive = amplitude / a_re.hypot(a_im);
     let odd = is_odd(mode, amplitude);
     let mut series = vec![companions(mode, amplitude)[0]; usize::from(!odd)];
-    series.extend([a_im * scale, a_re * scale]);
+    series.extend([a_im * drive, a_re * drive]);
+    (odd, series, drive)
+}
+
+/// The periodic state that Newton's method reaches from a motion at the drive's frequency of this amplitude.
+fn solve(mode: &dyn SingleMode, amplitude: f64, tolerance: &Tolerance) -> Option<Periodic> {
+    let (odd, series, _) = one_harmonic(mode, amplitude);
     let mut steps = 0;
     with_harmonics(mode, odd, series, tolerance, |laid, series| newton(mode, laid, series, tolerance, &mut steps))
         .map(|(laid, series, (balance, left))| finished(mode, &laid, (series, steps, left), &balance))

@@ -3,8 +3,8 @@
 //! A reading that is on a branch which a model does not quite reach is no reading of the other branch. Held against the end of
 //! its branch, by how far that is off in amplitude and in drive, it leads a fit there without a step in the misfit.
 
-use super::super::describing::{end_by_numbers, is_odd};
-use super::{Balance, Found, Laid, STEPS, Tolerance, companions, describing, evaluate, projected, with_harmonics};
+use super::super::describing::{GRID_PER_DECADE, end_by_numbers};
+use super::{Balance, Found, Laid, STEPS, Tolerance, evaluate, one_harmonic, projected, with_harmonics};
 use crate::model::system::SingleMode;
 use nalgebra::{DMatrix, DVector};
 use std::rc::Rc;
@@ -14,7 +14,7 @@ const SECANT: (f64, f64) = (1e-3, 1e-7);
 /// Steps of that search.
 const SECANTS: usize = 12;
 /// Farthest that the end may be from where one harmonic sees it, in logarithm: a place of the grid there.
-const FARTHEST: f64 = std::f64::consts::LN_10 / 8.0;
+const FARTHEST: f64 = std::f64::consts::LN_10 / GRID_PER_DECADE;
 
 /// The end of a branch of states.
 #[derive(Debug, Clone)]
@@ -24,7 +24,7 @@ pub struct End {
     /// Logarithm of the factor to the drive at which the branch ends: above zero the branch is not reached. Of a branch that ends
     /// for too much drive, that of its inverse.
     pub lacks: f64,
-    /// Derivatives of that by M, C, K, the drive, the joint's numbers and dry friction; by the parameters of the laws.
+    /// Derivatives of that by M, C, K, the drive, the joint's numbers and dry friction.
     pub by: [f64; 9],
     /// By the parameters of the laws.
     pub by_law: Vec<f64>,
@@ -85,19 +85,12 @@ struct Held {
 impl Held {
     /// The motion of this amplitude: Newton's method for the series and the drive, from one harmonic.
     fn at(mode: &dyn SingleMode, amplitude: f64, tolerance: &Tolerance) -> Option<Self> {
-        let ([mass, damping, stiffness], omega, (re, im)) = (mode.linear(), mode.omega(), mode.drive());
-        let (k, c) = describing(mode, amplitude);
-        let (x, y) = (stiffness + k - mass * omega * omega, omega * damping + c);
-        let scale = amplitude / (re.hypot(im) * x.hypot(y));
-        let odd = is_odd(mode, amplitude);
-        let mut series = vec![companions(mode, amplitude)[0]; usize::from(!odd)];
-        series.extend([scale * (im * x - re * y), scale * (re * x + im * y)]);
-        let mut drive = amplitude * x.hypot(y) / re.hypot(im);
+        let (odd, series, mut drive) = one_harmonic(mode, amplitude);
         let newton = |laid: &Laid, series: &mut [f64]| newton(mode, laid, (series, &mut drive), amplitude, tolerance);
         let (laid, series, (balance, bordered)) = with_harmonics(mode, odd, series, tolerance, newton)?;
         let unit = |last: f64| DVector::from_fn(series.len() + 1, |i, _| if i == series.len() { last } else { 0.0 });
         // The bordered matrix by a change of the amplitude, and by the drive.
-        let slope = bordered.clone().lu().solve(&unit(stiffness * amplitude))?[series.len()] / drive;
+        let slope = bordered.clone().lu().solve(&unit(mode.linear()[2] * amplitude))?[series.len()] / drive;
         let adjoint = bordered.transpose().lu().solve(&unit(1.0))?;
         let adjoint = adjoint.iter().take(series.len()).copied().collect();
         Some(Self { laid, series, drive, slope, adjoint, balance })
