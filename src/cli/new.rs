@@ -2,7 +2,7 @@
 
 use super::{Global, say};
 use crate::compare::{calibrate, judge};
-use crate::discover::{MARGIN, SearchOptions, explain};
+use crate::discover::{Hypothesis, MARGIN, SearchOptions, explain};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::fit::resonance::{Resonance, of_all, resonance};
@@ -31,16 +31,32 @@ static SHORT: LazyLock<SearchOptions> = LazyLock::new(|| {
     SearchOptions { max_effects: 2, budget: whole.budget / 10, ..whole }
 });
 
-/// What can be left of readings by a scenario with what it lacks: residuals in standard deviations and the number of parameters, by
-/// effects of the catalogue and, where a search is too short for these, by any law of the amplitude.
-fn left(scenario: &Scenario, table: &Table) -> Vec<(DVector<f64>, usize)> {
-    let model = Model::new(&table.applied_to(scenario));
-    let calibration = calibrate(&model, &scenario.free, &table.points, Tolerance::FIT, 0);
-    let law = free_form::left_by_amplitude(&judge(scenario, table, &calibration, None));
-    let fit = explain(scenario, table, &SHORT).fit;
-    let effects = (fit.evaluation.residuals, fit.parameters.len());
-    let readings = effects.0.len();
-    law.into_iter().filter(|(left, _)| left.len() == readings).chain([effects]).collect()
+/// What can be left of readings by a scenario with what it lacks.
+struct Left {
+    /// Residuals in standard deviations.
+    residuals: DVector<f64>,
+    parameters: usize,
+    /// What the criterion charges for having looked at many effects.
+    looked_at: f64,
+}
+
+impl Left {
+    /// By effects of the catalogue and, where a search is too short for these, by any law of the amplitude.
+    fn by(scenario: &Scenario, table: &Table) -> Vec<Self> {
+        let model = Model::new(&table.applied_to(scenario));
+        let calibration = calibrate(&model, &scenario.free, &table.points, Tolerance::FIT, 0);
+        let law = free_form::left_by_amplitude(&judge(scenario, table, &calibration, None));
+        let (Hypothesis { fit, .. }, looked_at) = explain(scenario, table, &SHORT);
+        let effects = Self { residuals: fit.evaluation.residuals, parameters: fit.parameters.len(), looked_at };
+        let law = law.map(|(residuals, parameters)| Self { residuals, parameters, looked_at: 0.0 });
+        let readings = effects.residuals.len();
+        law.into_iter().filter(|law| law.residuals.len() == readings).chain([effects]).collect()
+    }
+
+    /// The criterion, squares in this unit.
+    fn criterion(&self, unit: f64) -> f64 {
+        schwarz(robust_square(&self.residuals, unit), self.parameters, self.residuals.len()) + self.looked_at
+    }
 }
 
 /// Looks at `table` and writes the scenario to `output`, or beside the table under its name.
@@ -263,13 +279,12 @@ impl<'a> Draft<'a> {
             let scenario = crate::scenario::load_text(target, &text)?;
             if let Some(table) = load(&scenario)? {
                 drafts.push((kind, text));
-                explained.push(left(&scenario, &table));
+                explained.push(Left::by(&scenario, &table));
             }
         }
-        let unit = explained.iter().flatten().map(|(left, _)| typical_of(left)).fold(f64::INFINITY, f64::min).powi(2);
-        let criterion =
-            |(left, parameters): &(DVector<f64>, usize)| schwarz(robust_square(left, unit), *parameters, left.len());
-        let least = |all: &Vec<(DVector<f64>, usize)>| all.iter().map(criterion).fold(f64::INFINITY, f64::min);
+        let typical = |left: &Left| typical_of(&left.residuals);
+        let unit = explained.iter().flatten().map(typical).fold(f64::INFINITY, f64::min).powi(2);
+        let least = |all: &Vec<Left>| all.iter().map(|left| left.criterion(unit)).fold(f64::INFINITY, f64::min);
         let mut criteria: Vec<f64> = explained.iter().map(least).collect();
         let best = (1..criteria.len()).fold(0, |best, i| if criteria[i] + MARGIN < criteria[best] { i } else { best });
         let (kind, text) = drafts.remove(best);
@@ -285,10 +300,14 @@ impl<'a> Draft<'a> {
         Ok((text, Some(chosen)))
     }
 
-    /// What the reading may be of, the usual first.
+    /// What the reading may be of: first what needs the least offset of the phases, and the usual before others.
     fn kinds(&self) -> Vec<Kind> {
         let reading = self.signals().1;
-        let orders = if reading.unit == "V" { vec![0, 1, 2] } else { vec![0] };
+        let mut orders = if reading.unit == "V" { vec![0, 1, 2] } else { vec![0] };
+        if let Some(offset) = self.phase_offset() {
+            let needed = |order: u8| wrap(offset - FRAC_PI_2 * f64::from(order)).abs();
+            orders.sort_by(|a, b| needed(*a).total_cmp(&needed(*b)));
+        }
         let of = |order: u8| {
             let absolute: &[bool] = if self.base_driven() { &[false, true] } else { &[false] };
             absolute.iter().map(move |&absolute| Kind { order, absolute })

@@ -31,10 +31,14 @@ impl Search<'_> {
         hypothesis.square(unit) + self.data.price(hypothesis.fit.parameters.len())
     }
 
-    /// The criterion with a charge for having looked at many additions (extended BIC of Chen and Chen 2008).
+    /// The criterion with a charge for having looked at many additions.
     pub(super) fn score(&self, unit: f64, hypothesis: &Hypothesis) -> f64 {
-        let looked_at = 2.0 * hypothesis.additions.len() as f64 * (self.pool.len().max(1) as f64).ln();
-        self.bic(unit, hypothesis) + looked_at
+        self.bic(unit, hypothesis) + self.looked_at(hypothesis)
+    }
+
+    /// The charge for having looked at many additions (extended BIC of Chen and Chen 2008).
+    pub(super) fn looked_at(&self, hypothesis: &Hypothesis) -> f64 {
+        2.0 * hypothesis.additions.len() as f64 * (self.pool.len().max(1) as f64).ln()
     }
 
     /// The hypothesis of the least criterion, squares in the least unit of all, and that unit.

@@ -76,6 +76,13 @@ impl Known {
         found
     }
 
+    /// Takes over a better fit of what is known.
+    pub fn improve(&mut self, hypothesis: &Hypothesis) {
+        if let Some(own) = self.entries.iter_mut().find(|e| e.hypothesis.same_additions(hypothesis)) {
+            own.keep(hypothesis.clone());
+        }
+    }
+
     /// Takes over what was found.
     pub fn keep(&mut self, found: Vec<Entry>) {
         for entry in found {

@@ -17,6 +17,7 @@ mod look;
 mod next;
 mod options;
 mod race;
+mod reduce;
 mod runner;
 mod select;
 mod verdict;

@@ -19,7 +19,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
 /// Evaluations of one continuation of a fit to all points.
-const CONTINUED: usize = 15;
+pub(super) const CONTINUED: usize = 15;
 /// A fit that ended for want of evaluations goes on while that gains more than this in the criterion, and may bring it level with
 /// the best.
 const GAIN: f64 = 0.1;
@@ -55,11 +55,14 @@ pub fn discover_counted(
     search.run(&start, chosen, known, noise)
 }
 
-/// What explains the measurements of a scenario as far as the forward selection goes.
-pub fn explain(scenario: &Scenario, table: &Table, options: &SearchOptions) -> Hypothesis {
+/// What explains the measurements of a scenario as far as the forward selection goes, and what the criterion charges it for having
+/// looked at many additions.
+pub fn explain(scenario: &Scenario, table: &Table, options: &SearchOptions) -> (Hypothesis, f64) {
     let scenario = table.applied_to(scenario);
     let (search, start) = Search::begin(&scenario, table, options, &Arc::default());
-    search.forward(&start, &mut Known::default())
+    let found = search.forward(&start, &mut Known::default());
+    let charge = search.looked_at(&found);
+    (found, charge)
 }
 
 /// A search and what it has found so far.
@@ -182,7 +185,7 @@ impl<'a> Search<'a> {
             if self.score(unit, &chosen) - self.score(unit, &best) <= MARGIN {
                 break;
             }
-            chosen = self.eliminate(best);
+            chosen = self.simplified(self.eliminate(best), known);
             if !self.structured(&chosen) && !chosen.fitted().has_sliders() {
                 beam = vec![chosen.clone()];
                 continue;
@@ -377,7 +380,7 @@ impl<'a> Search<'a> {
 
     /// Follows fits that ended for want of evaluations, in a curved valley say, to their minimum, while they may come level with
     /// the best.
-    fn settle_all(&self, mut all: Vec<&mut Hypothesis>, best: &Hypothesis) {
+    pub(super) fn settle_all(&self, mut all: Vec<&mut Hypothesis>, best: &Hypothesis) {
         let unit = self.unit(best);
         let best = self.bic(unit, best);
         let effort = Effort { points: self.data.points.len(), evaluations: CONTINUED };
@@ -411,53 +414,6 @@ impl<'a> Search<'a> {
         let close: Vec<&Hypothesis> = all.iter().filter(|h| bic(h) - best < MARGIN).collect();
         let simple = close.iter().filter(|h| preferred(h)).min_by(|a, b| bic(a).total_cmp(&bic(b)));
         simple.or(close.iter().min_by(|a, b| bic(a).total_cmp(&bic(b)))).map(|h| (**h).clone())
-    }
-
-    /// Removes additions that the others make needless; the last may merely have helped an earlier one out of a local minimum.
-    /// What leaves structure is judged by what it leaves, not by the noise: there the last one may go, too.
-    fn eliminate(&self, chosen: Hypothesis) -> Hypothesis {
-        let unit = self.unit(&chosen);
-        let least = usize::from(unit == 1.0);
-        let mut chosen = chosen;
-        let mut index = 0;
-        while chosen.additions.len() > least && index < chosen.additions.len() {
-            let mut additions = chosen.additions.clone();
-            additions.remove(index);
-            let mut fewer = self.refit(&chosen, additions);
-            self.settle_all(vec![&mut fewer], &chosen);
-            if self.score(unit, &fewer) < self.score(unit, &chosen) + MARGIN {
-                chosen = fewer;
-                index = 0;
-            } else {
-                index += 1;
-            }
-        }
-        chosen
-    }
-
-    /// The hypothesis with only these additions, fitted from the values it has.
-    pub(super) fn refit(&self, from: &Hypothesis, additions: Vec<Addition>) -> Hypothesis {
-        self.data.fitted(self.reduced(from, additions), CONTINUED)
-    }
-
-    /// The hypothesis with only these additions, at the values it has.
-    fn reduced(&self, from: &Hypothesis, additions: Vec<Addition>) -> Hypothesis {
-        let fitted = from.fitted();
-        let mut model = extended(&self.data.base, &additions);
-        for (effect, values) in &mut model.effects {
-            if let Some((_, own)) = fitted.effects.iter().find(|(e, _)| e.name() == effect.name()) {
-                values.clone_from(own);
-            }
-        }
-        let mut fit = from.fit.clone();
-        fit.parameters = self.data.movable(&model, &additions);
-        let value = |key: &str| from.fit.parameters.iter().position(|p| p.key == key).map(|i| from.fit.values[i]);
-        fit.values = fit.parameters.iter().filter_map(|p| value(&p.key)).collect();
-        let points = self.data.some(self.data.points.len());
-        let mut problem = crate::fit::Problem::new(model.clone(), points, fit.parameters.clone(), Tolerance::FIT);
-        fit.evaluation = problem.evaluate(&fit.values, true);
-        self.data.count(problem.solved);
-        Hypothesis { additions, model, fit, estimate: None, bic: f64::INFINITY }
     }
 
     /// Replaces every addition in turn by another that explains better beside the others, itself at another place included;

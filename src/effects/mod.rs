@@ -147,6 +147,10 @@ pub trait Effect: Sync {
     fn unstated(&self, _index: usize) -> Option<f64> {
         None
     }
+    /// The name and the parameters of a simpler effect near these values, which this one is with one of its parameters at a value.
+    fn simpler(&self, _p: &[f64]) -> Option<(&'static str, Vec<f64>)> {
+        None
+    }
     /// Keys of the parameters that a fit may move, as in `[fit] free`.
     fn keys(&self) -> Vec<String> {
         let movable = self.parameters().iter().filter(|info| !info.held);

@@ -62,6 +62,10 @@ impl Effect for PowerDamping {
         // D is the coefficient of the power itself.
         (index == 2).then_some(1.0)
     }
+    fn simpler(&self, p: &[f64]) -> Option<(&'static str, Vec<f64>)> {
+        let [d, exponent, at] = [p[0], p[1], p[2]];
+        Some(if exponent > 1.0 { ("quadratic-damping", vec![d / (at * at)]) } else { ("pivot-friction", vec![d]) })
+    }
     fn beside_contact(&self) -> bool {
         false
     }
@@ -101,6 +105,21 @@ mod tests {
         let at = |p: f64, w: f64| PowerDamping.torque(&[6.0, p, 2.0], 0.0, w).unwrap_or_default();
         assert_eq!((at(1.0, 3.0).value, at(1.0, 0.0).d_second), (-9.0, -3.0));
         assert_eq!((at(2.0, -4.0).value, at(2.0, -4.0).d_second), (24.0, -12.0));
+    }
+
+    #[test]
+    fn simpler_effects_are_it_with_a_whole_power() {
+        for (exponent, name) in [(2.0, "quadratic-damping"), (0.0, "pivot-friction")] {
+            let p = [6.0, exponent, 2.0];
+            let (found, values) = PowerDamping.simpler(&p).expect("one");
+            assert_eq!(found, name);
+            let effect = crate::effects::find(name).expect("registered");
+            let force = |e: &dyn Effect, p: &[f64]| {
+                let dry = e.dry_friction(&p.iter().map(|&v| Dual::constant(v)).collect::<Vec<_>>());
+                (e.torque(p, 0.3, -5.0).unwrap_or_default().value, dry.map(|f| f.value))
+            };
+            assert_eq!(force(effect, &values), force(&PowerDamping, &p));
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::collocation::{A, C, interpolate};
-use super::stages::{Block, Pair, Stages, relaxation, solve3};
+use super::stages::{Block, Pair, Stages, chained, inverse, product, relaxation};
 use crate::effects::Branch;
 use crate::model::relaxations::RELAXATIONS;
 use crate::model::system::{Forcing, SliderSystem};
@@ -82,6 +82,9 @@ pub struct Method<'a> {
     h: f64,
     arm: Pair,
     support: Option<(Pair, f64)>,
+    /// Acceleration of the arm by the force, and relative speeds at the stages by the forces there.
+    gain: f64,
+    by_force: Block,
     stretch: (Stages, Block),
     /// Of every branch: its stiffness, its force at the stages by that at the start and by the rates.
     branches: Vec<(f64, Stages, Block)>,
@@ -90,6 +93,9 @@ pub struct Method<'a> {
     slipping: Option<[Slipping; 8]>,
     has_interface: bool,
     is_hysteretic: bool,
+    is_rate_independent: bool,
+    /// Forcing at the stages of every step.
+    forcing: Vec<[Forcing; 3]>,
 }
 
 /// The force of the bristles about a motion over the stages: its value there, and own + stiffness times the rates near it.
@@ -111,18 +117,10 @@ impl Slipping {
     fn new(stiffness: &Block, stages: usize) -> Self {
         let slips = |i: usize| stages >> i & 1 == 1;
         let unit = |i: usize, k: usize| f64::from(u8::from(i == k));
-        let matrix: Block =
-            std::array::from_fn(|i| if slips(i) { stiffness[i] } else { std::array::from_fn(|k| unit(i, k)) });
-        let (mut rate, mut slope) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
-        for k in 0..3 {
-            let column = solve3(matrix, std::array::from_fn(|i| unit(i, k)));
-            for i in 0..3 {
-                rate[i][k] = column[i];
-                if !slips(k) {
-                    slope[i][k] = (0..3).map(|l| stiffness[i][l] * column[l]).sum();
-                }
-            }
-        }
+        let row = |i: usize| if slips(i) { stiffness[i] } else { std::array::from_fn(|k| unit(i, k)) };
+        let rate = inverse(&std::array::from_fn(row));
+        let mut slope = chained(stiffness, &rate);
+        (0..3).filter(|&k| slips(k)).for_each(|k| slope.iter_mut().for_each(|row| row[k] = 0.0));
         Self { rate, slope }
     }
 }
@@ -148,11 +146,37 @@ impl<'a> Method<'a> {
         }
         let support = system.support().map(|(linear, gain)| (Pair::new(h, linear), gain));
         let is_hysteretic = system.hysteresis(Branch::default(), 0.0).is_some();
-        let slipping = (system.rate_independent() && !is_hysteretic)
+        let is_rate_independent = system.rate_independent();
+        let slipping = (is_rate_independent && !is_hysteretic)
             .then(|| std::array::from_fn(|stages| Slipping::new(&stiffness, stages)));
         let has_interface = system.interface(0.0).is_some();
         let arm = Pair::new(h, system.arm());
-        Self { system, steps, h, arm, support, stretch, branches, stiffness, slipping, has_interface, is_hysteretic }
+        let start = Forcing::default();
+        let gain = system.arm_load(&start, 0.0, 0.0).0;
+        let lever = system.relative_speed(&start, 1.0, 0.0) - system.relative_speed(&start, 0.0, 0.0);
+        let mut by_force = arm.force[1].map(|row| row.map(|by| lever * gain * by));
+        if let Some((pair, gain)) = &support {
+            let rows = by_force.iter_mut().zip(&pair.force[1]);
+            rows.for_each(|(row, own)| row.iter_mut().zip(own).for_each(|(by, own)| *by += gain * own));
+        }
+        let forcing = (0..steps).map(|step| C.map(|c| system.forcing(h * (step as f64 + c)))).collect();
+        Self {
+            system,
+            steps,
+            h,
+            arm,
+            support,
+            gain,
+            by_force,
+            stretch,
+            branches,
+            stiffness,
+            slipping,
+            has_interface,
+            is_hysteretic,
+            is_rate_independent,
+            forcing,
+        }
     }
 
     /// The shared states that there are.
@@ -224,7 +248,7 @@ impl<'a> Method<'a> {
             if let Some((start, stages)) = before {
                 force = C.map(|c| interpolate(start, stages, 1.0 + c));
             }
-            let stages = self.step(self.h * step as f64, force, &mut out, shared[0])?;
+            let stages = self.step(step, force, &mut out, shared[0])?;
             before = Some((start, stages));
             force = stages;
         }
@@ -232,12 +256,12 @@ impl<'a> Method<'a> {
     }
 
     /// One step; returns the stage forces.
-    fn step(&self, t: f64, guess: Stages, cycle: &mut Cycle, reference: f64) -> Result<Stages, String> {
+    fn step(&self, step: usize, guess: Stages, cycle: &mut Cycle, reference: f64) -> Result<Stages, String> {
         let system = self.system;
         let elements = system.elements();
         let [angle, velocity, support, support_velocity, heat, ..] = cycle.shared;
         let branch = hysteresis_of(&cycle.shared);
-        let forcing = C.map(|c| system.forcing(t + c * self.h));
+        let forcing = self.forcing[step];
         let (stroke, speed) = system.scale();
         let tolerance = 1e-10 * system.bristles()[0] * stroke;
         let mut force = guess;
@@ -245,28 +269,17 @@ impl<'a> Method<'a> {
         let mut heats = [heat; 3];
         let mut rates: Vec<Stages> = vec![[0.0; 3]; elements.len()];
         for round in 0..60 {
-            let gain = system.arm_load(&forcing[0], angle, velocity).0;
-            let load: Stages = std::array::from_fn(|i| gain * force[i] + torque[i]);
+            let load: Stages = std::array::from_fn(|i| self.gain * force[i] + torque[i]);
             let angles = self.arm.states(0, angle, velocity, &load);
             let velocities = self.arm.states(1, angle, velocity, &load);
             for i in 0..3 {
                 torque[i] = system.arm_load(&forcing[i], angles[i], velocities[i]).1;
             }
             let mut supports = ([0.0; 3], [0.0; 3]);
-            let mut by_force: Block = std::array::from_fn(|i| {
-                std::array::from_fn(|k| self.relative_slope(&forcing[i]) * gain * self.arm.force[1][i][k])
-            });
             if let Some((pair, gain)) = &self.support {
                 let load = force.map(|f| gain * f);
-                supports = (
-                    pair.states(0, support, support_velocity, &load),
-                    pair.states(1, support, support_velocity, &load),
-                );
-                for i in 0..3 {
-                    for k in 0..3 {
-                        by_force[i][k] += gain * pair.force[1][i][k];
-                    }
-                }
+                let states = |which: usize| pair.states(which, support, support_velocity, &load);
+                supports = (states(0), states(1));
             }
             let v: Stages = std::array::from_fn(|i| system.relative_speed(&forcing[i], velocities[i], supports.1[i]));
             // All sliders at these speeds.
@@ -277,6 +290,9 @@ impl<'a> Method<'a> {
                     self.steady_slider(slipping, &cycle.sliders[j], &v, &most.map(|most| element.limit * most), speed)
                 } else {
                     let limit = |i: usize, s: f64, psi: f64| {
+                        if self.is_rate_independent {
+                            return (element.limit * most[i], 0.0);
+                        }
                         let (most, by_s) = system.limit(&forcing[i], angles[i], s, psi, heats[i]);
                         (element.limit * most, element.limit * by_s)
                     };
@@ -299,12 +315,10 @@ impl<'a> Method<'a> {
                 });
             }
             // (1 - dF/dv dv/dF) delta = F(v) - F
-            let matrix: Block = std::array::from_fn(|i| {
-                std::array::from_fn(|k| {
-                    f64::from(u8::from(i == k)) - (0..3).map(|l| slope[i][l] * by_force[l][k]).sum::<f64>()
-                })
-            });
-            let delta = solve3(matrix, std::array::from_fn(|i| sum[i] - force[i]));
+            let loop_gain = chained(&slope, &self.by_force);
+            let matrix: Block =
+                std::array::from_fn(|i| std::array::from_fn(|k| f64::from(u8::from(i == k)) - loop_gain[i][k]));
+            let delta = product(&inverse(&matrix), &std::array::from_fn(|i| sum[i] - force[i]));
             let size = delta.iter().fold(0.0f64, |m, d| m.max(d.abs()));
             if !size.is_finite() {
                 return Err("the forces of the parallel sliders diverge".into());
@@ -319,11 +333,7 @@ impl<'a> Method<'a> {
                 return Ok(force);
             }
         }
-        Err(format!("the parallel sliders did not converge at {:.4} of the cycle", t / system.period()))
-    }
-
-    fn relative_slope(&self, forcing: &Forcing) -> f64 {
-        self.system.relative_speed(forcing, 1.0, 0.0) - self.system.relative_speed(forcing, 0.0, 0.0)
+        Err(format!("the parallel sliders did not converge at {:.4} of the cycle", step as f64 / self.steps as f64))
     }
 
     #[allow(clippy::too_many_arguments)]
@@ -383,7 +393,8 @@ impl<'a> Method<'a> {
         let matrix: Block = std::array::from_fn(|i| {
             std::array::from_fn(|k| f64::from(u8::from(i == k)) - self.h * A[i][k] * rate[k].1)
         });
-        solve3(matrix, std::array::from_fn(|i| psi + self.h * (0..3).map(|k| A[i][k] * rate[k].0).sum::<f64>()))
+        let growth = product(&A, &rate.map(|r| r.0));
+        product(&inverse(&matrix), &growth.map(|g| psi + self.h * g))
     }
 
     /// Force of bristles and branches at the stages without any rate.
@@ -408,7 +419,7 @@ impl<'a> Method<'a> {
                 stiffness[i][k] += slopes[i] * self.stretch.1[i][k];
             }
         }
-        let moved = plus(&[0.0; 3], &stiffness, d);
+        let moved = product(&stiffness, d);
         Tangent { force, own: std::array::from_fn(|i| force[i] - moved[i]), stiffness }
     }
 
@@ -469,7 +480,7 @@ impl<'a> Method<'a> {
             }
             stages = (0..3).filter(|&i| sign[i] != 0.0).map(|i| 1 << i).sum();
             let known = std::array::from_fn(|i| if sign[i] == 0.0 { v[i] } else { sign[i] * most[i] - own[i] });
-            rate = plus(&[0.0; 3], &slipping[stages].rate, &known);
+            rate = product(&slipping[stages].rate, &known);
             force = plus(&own, &self.stiffness, &rate);
         }
         Solved { force, rate, slope: slipping[stages].slope }
@@ -526,7 +537,7 @@ impl<'a> Method<'a> {
                     slopes[i] = by_s;
                 }
             }
-            let new = solve3(matrix, right);
+            let new = product(&inverse(&matrix), &right);
             let change = (0..3).fold(0.0f64, |m, i| m.max((new[i] - d[i]).abs()));
             d = new;
             Tangent { force: f, own: start, stiffness } = self.tangent(own, branch, slider.rate, &d);
@@ -548,22 +559,19 @@ impl<'a> Method<'a> {
                 matrix[i][i] += slopes[i];
             }
         }
-        let mut slope = [[0.0; 3]; 3];
-        for k in 0..3 {
-            let mut right = [0.0; 3];
-            right[k] = if sign[k] == 0.0 { 1.0 } else { slopes[k] };
-            let column = solve3(matrix, right);
-            for i in 0..3 {
-                slope[i][k] = (0..3).map(|l| stiffness[i][l] * column[l]).sum();
-            }
+        let mut by_speed = inverse(&matrix);
+        for k in (0..3).filter(|&k| sign[k] != 0.0) {
+            by_speed.iter_mut().for_each(|row| row[k] *= slopes[k]);
         }
+        let slope = chained(&stiffness, &by_speed);
         Solved { force: f, rate: d, slope }
     }
 }
 
 /// a + B v
 fn plus(a: &Stages, b: &Block, v: &Stages) -> Stages {
-    std::array::from_fn(|i| a[i] + b[i][0] * v[0] + b[i][1] * v[1] + b[i][2] * v[2])
+    let moved = product(b, v);
+    std::array::from_fn(|i| a[i] + moved[i])
 }
 
 struct Solved {

@@ -5,6 +5,7 @@
 
 use super::radau::A;
 use crate::model::system::Linear;
+use nalgebra::Matrix3;
 
 /// Three stage values.
 pub type Stages = [f64; 3];
@@ -23,33 +24,18 @@ impl Pair {
     /// For a step of size `h`.
     pub fn new(h: f64, linear: Linear) -> Self {
         // x_i = x + h A x', x'_i = x' + h A (-k x - c x' + f): eliminate x.
-        let square: Block =
-            std::array::from_fn(|i| std::array::from_fn(|k| (0..3).map(|l| h * A[i][l] * h * A[l][k]).sum()));
+        let by_rate: Block = A.map(|row| row.map(|a| h * a));
+        let square = chained(&by_rate, &by_rate);
         let unit = |i: usize, k: usize| f64::from(u8::from(i == k));
-        let matrix: Block = std::array::from_fn(|i| {
-            std::array::from_fn(|k| unit(i, k) + linear.damping * h * A[i][k] + linear.stiffness * square[i][k])
-        });
-        let sums: Stages = std::array::from_fn(|i| h * A[i].iter().sum::<f64>());
-        let from_x = solve3(matrix, sums.map(|s| -linear.stiffness * s));
-        let from_v = solve3(matrix, [1.0; 3]);
-        let mut by_force = [[0.0; 3]; 3];
-        for k in 0..3 {
-            let column = solve3(matrix, std::array::from_fn(|i| h * A[i][k]));
-            for i in 0..3 {
-                by_force[i][k] = column[i];
-            }
-        }
-        let integrate =
-            |v: &Stages| -> Stages { std::array::from_fn(|i| h * (0..3).map(|l| A[i][l] * v[l]).sum::<f64>()) };
-        let x_from_x = integrate(&from_x).map(|x| 1.0 + x);
-        let x_from_v = integrate(&from_v);
-        let mut x_by_force = [[0.0; 3]; 3];
-        for k in 0..3 {
-            let column = integrate(&std::array::from_fn(|i| by_force[i][k]));
-            for i in 0..3 {
-                x_by_force[i][k] = column[i];
-            }
-        }
+        let inverse = inverse(&std::array::from_fn(|i| {
+            std::array::from_fn(|k| unit(i, k) + linear.damping * by_rate[i][k] + linear.stiffness * square[i][k])
+        }));
+        let from_x = product(&inverse, &product(&by_rate, &[-linear.stiffness; 3]));
+        let from_v = product(&inverse, &[1.0; 3]);
+        let by_force = chained(&inverse, &by_rate);
+        let x_from_x = product(&by_rate, &from_x).map(|x| 1.0 + x);
+        let x_from_v = product(&by_rate, &from_v);
+        let x_by_force = chained(&by_rate, &by_force);
         Self { start: [[x_from_x, x_from_v], [from_x, from_v]], force: [x_by_force, by_force] }
     }
 
@@ -64,38 +50,23 @@ impl Pair {
 
 /// Stages of y' = d - rate y: (from the start value, from d at the stages).
 pub fn relaxation(h: f64, rate: f64) -> (Stages, Block) {
-    let matrix: Block =
-        std::array::from_fn(|i| std::array::from_fn(|k| f64::from(u8::from(i == k)) + h * rate * A[i][k]));
-    let start = solve3(matrix, [1.0; 3]);
-    let mut out = [[0.0; 3]; 3];
-    for k in 0..3 {
-        let column = solve3(matrix, std::array::from_fn(|i| h * A[i][k]));
-        for i in 0..3 {
-            out[i][k] = column[i];
-        }
-    }
-    (start, out)
+    let inverse =
+        inverse(&std::array::from_fn(|i| std::array::from_fn(|k| f64::from(u8::from(i == k)) + h * rate * A[i][k])));
+    (product(&inverse, &[1.0; 3]), chained(&inverse, &A.map(|row| row.map(|a| h * a))))
 }
 
-/// Solves three equations by elimination with pivoting.
-pub fn solve3(mut m: Block, mut b: Stages) -> Stages {
-    for k in 0..3 {
-        let pivot = (k..3).max_by(|&i, &j| m[i][k].abs().total_cmp(&m[j][k].abs())).unwrap_or(k);
-        m.swap(k, pivot);
-        b.swap(k, pivot);
-        for i in k + 1..3 {
-            let factor = m[i][k] / m[k][k];
-            for j in k..3 {
-                m[i][j] -= factor * m[k][j];
-            }
-            b[i] -= factor * b[k];
-        }
-    }
-    for k in (0..3).rev() {
-        for j in k + 1..3 {
-            b[k] -= m[k][j] * b[j];
-        }
-        b[k] /= m[k][k];
-    }
-    b
+/// The inverse; not finite where there is none.
+pub fn inverse(matrix: &Block) -> Block {
+    let inverse = Matrix3::from_fn(|i, k| matrix[i][k]).try_inverse();
+    inverse.map_or([[f64::NAN; 3]; 3], |inverse| std::array::from_fn(|i| std::array::from_fn(|k| inverse[(i, k)])))
+}
+
+/// B v.
+pub fn product(b: &Block, v: &Stages) -> Stages {
+    std::array::from_fn(|i| b[i][0] * v[0] + b[i][1] * v[1] + b[i][2] * v[2])
+}
+
+/// B C.
+pub fn chained(b: &Block, c: &Block) -> Block {
+    std::array::from_fn(|i| std::array::from_fn(|k| b[i][0] * c[0][k] + b[i][1] * c[1][k] + b[i][2] * c[2][k]))
 }

@@ -1,0 +1,95 @@
+//! Backward steps of the selection: fewer additions, or simpler ones in their place.
+
+use super::data::Effort;
+use super::hypothesis::{Addition, Hypothesis, extended};
+use super::known::Known;
+use super::options::MARGIN;
+use super::select::{CONTINUED, Search};
+use crate::fit::Problem;
+use crate::model::Model;
+use crate::solver::cycle::Tolerance;
+
+impl Search<'_> {
+    /// Removes additions that the others make needless; the last may merely have helped an earlier one out of a local minimum.
+    /// What leaves structure is judged by what it leaves, not by the noise: there the last one may go, too.
+    pub(super) fn eliminate(&self, chosen: Hypothesis) -> Hypothesis {
+        let unit = self.unit(&chosen);
+        let least = usize::from(unit == 1.0);
+        let mut chosen = chosen;
+        let mut index = 0;
+        while chosen.additions.len() > least && index < chosen.additions.len() {
+            let mut additions = chosen.additions.clone();
+            additions.remove(index);
+            let mut fewer = self.refit(&chosen, additions);
+            self.settle_all(vec![&mut fewer], &chosen);
+            if self.score(unit, &fewer) < self.score(unit, &chosen) + MARGIN {
+                chosen = fewer;
+                index = 0;
+            } else {
+                index += 1;
+            }
+        }
+        chosen
+    }
+
+    /// The hypothesis with only these additions, fitted from the values it has.
+    pub(super) fn refit(&self, from: &Hypothesis, additions: Vec<Addition>) -> Hypothesis {
+        self.data.fitted(self.reduced(from, additions), CONTINUED)
+    }
+
+    /// The hypothesis with only these additions, at the values it has.
+    fn reduced(&self, from: &Hypothesis, additions: Vec<Addition>) -> Hypothesis {
+        self.moved(from, &from.fitted(), additions)
+    }
+
+    /// The hypothesis with these additions in place of its own, at the values that it has and that effects have in a model.
+    fn moved(&self, from: &Hypothesis, fitted: &Model, additions: Vec<Addition>) -> Hypothesis {
+        let mut model = extended(&self.data.base, &additions);
+        for (effect, values) in &mut model.effects {
+            if let Some((_, own)) = fitted.effects.iter().find(|(e, _)| e.name() == effect.name()) {
+                values.clone_from(own);
+            }
+        }
+        let mut fit = from.fit.clone();
+        fit.parameters = self.data.movable(&model, &additions);
+        let value = |key: &str| from.fit.parameters.iter().position(|p| p.key == key).map(|i| from.fit.values[i]);
+        let points = self.data.some(self.data.points.len());
+        let mut problem = Problem::new(model.clone(), points, fit.parameters.clone(), Tolerance::FIT);
+        let own = fit.parameters.iter().zip(problem.values());
+        fit.values = own.map(|(parameter, own)| value(&parameter.key).unwrap_or(own)).collect();
+        fit.evaluation = problem.evaluate(&fit.values, true);
+        self.data.count(problem.solved);
+        Hypothesis { additions, model, fit, estimate: None, bic: f64::INFINITY }
+    }
+
+    /// Puts the simpler effect that one is with a parameter at a value in its place, fitted from where that is, unless the data tell
+    /// the two apart: a race may have ended beside the minimum of the simpler one.
+    pub(super) fn simplified(&self, chosen: Hypothesis, known: &mut Known) -> Hypothesis {
+        let mut chosen = chosen;
+        for index in 0..chosen.additions.len() {
+            let mut model = chosen.fitted();
+            let own = model.effects.iter().find(|(effect, _)| effect.name() == chosen.additions[index].name());
+            let Some((name, values)) = own.and_then(|(effect, values)| effect.simpler(values)) else { continue };
+            let Some(&simple) = self.pool.iter().find(|a| a.name() == name && !chosen.additions.contains(a)) else {
+                continue;
+            };
+            let Addition::Effect(effect) = simple else { continue };
+            model.effects.push((effect, values));
+            let mut additions = chosen.additions.clone();
+            additions[index] = simple;
+            let simpler = self.moved(&chosen, &model, additions);
+            let effort = Effort { points: self.data.points.len(), evaluations: CONTINUED };
+            if !self.data.affords(&simpler.model, effort, 1) {
+                continue;
+            }
+            let mut simpler = self.data.fitted(simpler, CONTINUED);
+            self.settle_all(vec![&mut simpler], &chosen);
+            known.improve(&simpler);
+            let unit = self.unit(&chosen);
+            if self.score(unit, &simpler) < self.score(unit, &chosen) + MARGIN {
+                chosen = simpler;
+            }
+        }
+        chosen
+    }
+}
