@@ -274,15 +274,17 @@ def alone(fit, laws=ALONE):
     return {law: fit.misses([(law, fit.best(law)[1])])[0] for law in laws if testable(fit, law)}
 
 
-def in_pairs(fit, but=()):
-    """(largest miss, [law, law]) of the pair that leaves least, one of them of PAIRED."""
+def in_pairs(fit, but=(), of=()):
+    """[(largest miss, [law, law])] of the pairs that leave least, one of them of PAIRED, the least first; without any of `but`, and
+    with one of `of` where there are such."""
     candidates = []
     for i, first in enumerate(PAIRED):
         for second in ALONE:
             if first == second or second in PAIRED[:i] or first in but or second in but or not testable(fit, second):
                 continue
+            if of and first not in of and second not in of:
+                continue
             left, scanned = fit.best(second, [(first, ())])
             candidates.append((left, [(first, ()), (second, scanned)]))
     candidates.sort(key=lambda c: c[0])
-    tried = [(fit.misses(laws)[0], [law for law, _ in laws]) for _, laws in candidates[:4 if fit.noise_phase else 8]]
-    return min(tried)
+    return sorted((fit.misses(laws)[0], [law for law, _ in laws]) for _, laws in candidates[:4 if fit.noise_phase else 8])

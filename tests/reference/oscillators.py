@@ -604,10 +604,11 @@ def judge(points, amplitudes, numbers, mode, effects, outside, conditions):
     near = {law: round(miss, 1) for law, miss in laws.alone(fit).items()}
     told = {"one_law_misses_sd": near}
     if outside:
-        miss, pair = laws.in_pairs(fit, kin)
+        miss, pair = laws.in_pairs(fit, kin)[0]
         if miss < 4.0:
             raise Rejected(f"{' and '.join(pair)} come near")
         told["best_pair"] = {"laws": pair, "largest_sd": round(miss, 1)}
+        told["kin_pairs"] = [pair for miss, pair in laws.in_pairs(fit, of=kin) if miss < 4.0] if kin else []
     return told
 
 

@@ -20,7 +20,8 @@ and calls the outcome
     missed        `nothing-missing` or `recalibrate`, and something was planted, or a cause from outside
     false alarm   an effect or a recalibration, and nothing was planted
     flagged       a cause from outside the catalogue and `unexplained`, or no effect named
-    kin           a cause from outside, and every effect named is one that answers.json calls nearly the same
+    kin           a cause from outside, and every effect named is one that answers.json calls nearly the same, or all are of a pair
+                  with such a one that it says to miss by less than four standard deviations
     named         a cause from outside, and an effect named that is not: a false name
     failed        no answer
 
@@ -68,7 +69,8 @@ def outcome(answer, found):
     named = verdict == "effect-missing" and effects
     if answer.get("outside"):
         if named:
-            return "kin" if set(effects) <= set(answer.get("kin", [])) else "named"
+            near = [answer.get("kin", []), *answer["truth"].get("kin_pairs", [])]
+            return "kin" if any(set(effects) <= set(laws) for laws in near) else "named"
         return "missed" if verdict in ("nothing-missing", "recalibrate") else "flagged"
     if not planted and verdict == "nothing-missing":
         return "right"
