@@ -81,6 +81,21 @@ impl<'s, 'a> Runner<'s, 'a> {
         }
     }
 
+    /// Number of the parameters of what it adds.
+    pub fn own(&self) -> usize {
+        self.parameters.len() - self.from.fit.parameters.len()
+    }
+
+    /// Distance from another of the same addition, in shares of the ranges of a search; without bound where a sign differs.
+    pub fn distance(&self, other: &Self) -> f64 {
+        let own = self.from.fit.parameters.len();
+        let along = |i: usize| {
+            let [a, b] = [self, other].map(|r| (r.parameters[i].share(r.values[i]), r.values[i].is_sign_negative()));
+            if a.1 == b.1 { a.0 - b.0 } else { f64::INFINITY }
+        };
+        (own..self.parameters.len()).map(|i| along(i).powi(2)).sum::<f64>().sqrt()
+    }
+
     /// Readings over those that the residuals are of.
     fn scale(&self) -> f64 {
         self.data.readings() as f64 / self.residuals.len().max(1) as f64

@@ -18,6 +18,8 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
+/// Of single linkage: above 2 and the better the larger, by its authors' 4, that almost surely few basins are searched twice.
+const SIGMA: f64 = 4.0;
 /// Evaluations of one continuation of a fit to all points.
 pub(super) const CONTINUED: usize = 15;
 /// A fit that ended for want of evaluations goes on while that gains more than this in the criterion, and may bring it level with
@@ -82,6 +84,18 @@ enum Field<'h> {
     Best(usize),
     /// Every candidate by itself, unless it cannot come below this hypothesis, squares in this unit.
     Each(Option<(&'h Hypothesis, f64)>),
+}
+
+/// Leaves of ranked starting points those that have no better one near, as multi-level single linkage does (Rinnooy Kan and Timmer
+/// 1987): what is left is spread over the basins of attraction that the estimate sees.
+fn apart(ranked: &mut Vec<Runner<'_, '_>>) {
+    let Some(first) = ranked.first() else { return };
+    let (count, d) = (ranked.len() as f64, first.own() as f64);
+    let volume = statrs::function::gamma::gamma(1.0 + 0.5 * d) * SIGMA * count.ln() / count;
+    let radius = volume.powf(1.0 / d) / std::f64::consts::PI.sqrt();
+    let better_near = |at: usize| ranked[..at].iter().any(|better| ranked[at].distance(better) < radius);
+    let mut alone: Vec<bool> = (0..ranked.len()).map(|at| !better_near(at)).collect();
+    ranked.retain(|_| alone.remove(0));
 }
 
 impl<'a> Search<'a> {
@@ -329,7 +343,11 @@ impl<'a> Search<'a> {
             let model = extended(&parents[*number].model, &[*addition]);
             let share = if model.has_sliders() { cost(&model) } else { 1 };
             let most = (o.entrants as u64 / share).max(1) as usize;
-            runners.truncate(((runners.len() as f64 * kept).ceil() as usize).min(most));
+            let most = ((runners.len() as f64 * kept).ceil() as usize).min(most);
+            if addition.is_effect() {
+                apart(&mut runners);
+            }
+            runners.truncate(most);
             entries.extend(runners.first().map(|r| Entry { hypothesis: r.hypothesis(false), visibility, strongest }));
             field.extend(runners);
         }
