@@ -86,16 +86,21 @@ enum Field<'h> {
     Each(Option<(&'h Hypothesis, f64)>),
 }
 
-/// Leaves of ranked starting points those that have no better one near, as multi-level single linkage does (Rinnooy Kan and Timmer
-/// 1987): what is left is spread over the basins of attraction that the estimate sees.
-fn apart(ranked: &mut Vec<Runner<'_, '_>>) {
+/// Leaves `most` of ranked starting points: in turn the best and the best of those that have no better one near, as multi-level single
+/// linkage takes them (Rinnooy Kan and Timmer 1987), which are spread over the basins of attraction that the estimate sees.
+fn entrants(ranked: &mut Vec<Runner<'_, '_>>, most: usize) {
     let Some(first) = ranked.first() else { return };
     let (count, d) = (ranked.len() as f64, first.own() as f64);
     let volume = statrs::function::gamma::gamma(1.0 + 0.5 * d) * SIGMA * count.ln() / count;
     let radius = volume.powf(1.0 / d) / std::f64::consts::PI.sqrt();
-    let better_near = |at: usize| ranked[..at].iter().any(|better| ranked[at].distance(better) < radius);
-    let mut alone: Vec<bool> = (0..ranked.len()).map(|at| !better_near(at)).collect();
-    ranked.retain(|_| alone.remove(0));
+    let better_near = |at: &usize| ranked[..*at].iter().any(|better| ranked[*at].distance(better) < radius);
+    let (near, mut alone): (Vec<usize>, Vec<usize>) = (0..ranked.len()).partition(better_near);
+    // Of either sort half, where there are as many.
+    alone.truncate(most.div_ceil(2).max(most.saturating_sub(near.len())));
+    let rest = most.saturating_sub(alone.len());
+    let chosen: Vec<usize> = alone.into_iter().chain(near.into_iter().take(rest)).collect();
+    let mut at = 0..;
+    ranked.retain(|_| at.next().is_some_and(|at: usize| chosen.contains(&at)));
 }
 
 impl<'a> Search<'a> {
@@ -345,9 +350,10 @@ impl<'a> Search<'a> {
             let most = (o.entrants as u64 / share).max(1) as usize;
             let most = ((runners.len() as f64 * kept).ceil() as usize).min(most);
             if addition.is_effect() {
-                apart(&mut runners);
+                entrants(&mut runners, most)
+            } else {
+                runners.truncate(most)
             }
-            runners.truncate(most);
             entries.extend(runners.first().map(|r| Entry { hypothesis: r.hypothesis(false), visibility, strongest }));
             field.extend(runners);
         }

@@ -92,8 +92,11 @@ pub fn minimise(problem: &mut Problem<'_>, start: &[f64], settings: &Settings) -
         let termination = "nothing to move".into();
         return Fit { parameters, values: Vec::new(), evaluation, objective, evaluations: 1, termination };
     }
-    let u = DVector::from_iterator(start.len(), parameters.iter().zip(start).map(|(p, &x)| p.coordinate(x)));
+    let held = held(problem, &parameters, start, settings.threshold);
+    let coordinate = |((p, &x), held): ((&Parameter, &f64), &Option<f64>)| held.unwrap_or_else(|| p.coordinate(x));
+    let u = DVector::from_iterator(start.len(), parameters.iter().zip(start).zip(&held).map(coordinate));
     let mut target = Target::new(problem, parameters, settings.threshold);
+    target.held = held.iter().map(Option::is_some).collect();
     target.set_params(&u);
     let patience = settings.evaluations / (start.len() + 1);
     let method = LevenbergMarquardt::new()
@@ -109,11 +112,31 @@ pub fn minimise(problem: &mut Problem<'_>, start: &[f64], settings: &Settings) -
     Fit { parameters, values, evaluation, objective, evaluations: problem.evaluations - before, termination }
 }
 
+/// Coordinates of the bounds at which parameters stay, since the sum of squares falls beyond (an active set): a step along a
+/// coordinate that turns back there would lead uphill, and be made shorter for all.
+fn held(problem: &mut Problem<'_>, parameters: &[Parameter], start: &[f64], threshold: f64) -> Vec<Option<f64>> {
+    let edges: Vec<Option<(f64, f64)>> = parameters.iter().zip(start).map(|(p, &x)| p.edge(x)).collect();
+    if edges.iter().all(Option::is_none) {
+        return vec![None; start.len()];
+    }
+    let evaluation = problem.evaluate(start, true);
+    let falls_beyond = |(j, edge): (usize, Option<(f64, f64)>)| {
+        let (side, bound) = edge?;
+        let softened = evaluation.residuals.iter().map(|&r| soften(r, threshold));
+        let column = evaluation.jacobian.column(j);
+        let gradient: f64 = softened.zip(&column).map(|((r, by), d)| r * by * d).sum();
+        (gradient * parameters[j].natural_slope(start[j]) * side < 0.0).then_some(bound)
+    };
+    edges.into_iter().enumerate().map(falls_beyond).collect()
+}
+
 /// The problem as the library of the method sees it.
 struct Target<'p, 'a> {
     problem: &'p mut Problem<'a>,
     parameters: Vec<Parameter>,
     threshold: f64,
+    /// Which parameters stay.
+    held: Vec<bool>,
     u: DVector<f64>,
     evaluation: Option<Evaluation>,
     best: (f64, Vec<f64>, Evaluation),
@@ -128,7 +151,8 @@ impl<'p, 'a> Target<'p, 'a> {
             lost: false,
         };
         let best = (f64::INFINITY, Vec::new(), nothing);
-        Self { problem, parameters, threshold, u: DVector::zeros(0), evaluation: None, best }
+        let held = vec![false; parameters.len()];
+        Self { problem, parameters, threshold, held, u: DVector::zeros(0), evaluation: None, best }
     }
 }
 
@@ -165,7 +189,8 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Target<'_, '_> {
         for (i, &r) in evaluation.residuals.iter().enumerate() {
             let by_residual = soften(r, self.threshold).1;
             for (j, parameter) in self.parameters.iter().enumerate() {
-                jacobian[(i, j)] *= by_residual * parameter.slope(self.u[j]);
+                let slope = if self.held[j] { 0.0 } else { parameter.slope(self.u[j]) };
+                jacobian[(i, j)] *= by_residual * slope;
             }
         }
         Some(jacobian)

@@ -17,6 +17,8 @@ const BEYOND: f64 = 3.0;
 /// Part of the largest magnitude that counts as zero where a range starts at zero; of the smallest, where either sign is physical.
 const SMALLEST: f64 = 1e-4;
 
+/// Sine of the coordinate at which a fit starts whose value is at a bound, where the coordinate has no slope.
+const INSIDE: f64 = 0.999;
 /// Coordinate of the middle of the bounds.
 const ORIGIN: f64 = 1.0;
 
@@ -157,8 +159,16 @@ impl Parameter {
     /// Coordinate of a value; one at a bound is moved a little away from it, where the coordinate has no slope.
     pub fn coordinate(&self, value: f64) -> f64 {
         let sine = (self.scale(value) - self.middle()) / self.half();
-        let inside = if sine.abs() < 1.0 - 1e-9 { sine } else { sine.clamp(-0.999, 0.999) };
+        let inside = if sine.abs() < 1.0 - 1e-9 { sine } else { sine.clamp(-INSIDE, INSIDE) };
         inside.asin() + ORIGIN
+    }
+
+    /// Of a value so near to a bound that a fit could not tell it from that: the side on the natural scale, -1 or 1, and the coordinate of
+    /// the bound.
+    pub fn edge(&self, value: f64) -> Option<(f64, f64)> {
+        let sine = (self.scale(value) - self.middle()) / self.half();
+        let side = sine.signum();
+        (sine.abs() >= INSIDE).then_some((side, ORIGIN + side * std::f64::consts::FRAC_PI_2))
     }
 
     /// Value at the share `share` in 0..1 of the range of a search.

@@ -69,6 +69,7 @@ struct Slider {
 fn sliders(n: f64) -> Vec<Slider> {
     const ELEMENTS: usize = 120;
     const SMALLEST: f64 = 1e-4;
+    const SMALLEST_SHARE: f64 = 1e-12;
     if n <= 1.0 {
         return vec![Slider { element: Element { share: 1.0, limit: 1.0 }, rest: 0.0 }];
     }
@@ -76,10 +77,13 @@ fn sliders(n: f64) -> Vec<Slider> {
     let stuck = |xi: f64| (1.0 - xi).powf(n - 1.0);
     let element = |i: usize| {
         let (from, to) = (edge(i), edge(i + 1));
-        let element = Element { share: stuck(from) - stuck(to), limit: n * 0.5 * (from + to) };
-        Slider { element, rest: 0.0 }
+        let share = stuck(from) - stuck(to);
+        // The mean of xi over the share: both stiffness and largest force are exact.
+        let above = (n - 1.0) / n * ((1.0 - from).powf(n) - (1.0 - to).powf(n));
+        let element = Element { share, limit: n * (share - above) / share };
+        (share > SMALLEST_SHARE).then_some(Slider { element, rest: 0.0 })
     };
-    (0..ELEMENTS).map(element).collect()
+    (0..ELEMENTS).filter_map(element).collect()
 }
 
 /// A mode without a contact, by the classical Runge-Kutta method, the joint as sliders that each keep where they came to rest.
@@ -137,4 +141,19 @@ fn alone(mode: &Alone, plan: &Plan) -> Integrated {
         }
     }
     read
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn elements_have_the_stiffness_and_the_largest_force_of_the_joint() {
+        for n in [1.0, 1.000001, 1.01, 1.5, 3.0, 20.0] {
+            let all = sliders(n);
+            let stiffness: f64 = all.iter().map(|s| s.element.share).sum();
+            let force: f64 = all.iter().map(|s| s.element.share * s.element.limit).sum();
+            assert!((stiffness - 1.0).abs() < 1e-9 && (force - 1.0).abs() < 1e-6, "{n}: {stiffness} {force}");
+        }
+    }
 }
