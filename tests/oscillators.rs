@@ -35,6 +35,14 @@ fn what_the_generator_hid_is_found_from_the_table_alone() {
         ("b", Verdict::EffectMissing, &["friction-joint"]),
         ("c", Verdict::NothingMissing, &[]),
         ("d", Verdict::EffectMissing, &["quadratic-damping"]),
+        // The eight starting points that a linear estimate likes best all lie where the joint never slips as a whole.
+        ("slip", Verdict::EffectMissing, &["friction-joint"]),
+        // Elements that all slip at once: the exponent ends at its bound, where the other numbers must go on.
+        ("corner", Verdict::EffectMissing, &["friction-joint", "cubic-stiffness"]),
+        // Volts of a velocity: as a displacement, residual modes or crosstalk would seem to be missing.
+        ("velocity", Verdict::NothingMissing, &[]),
+        // A power of the velocity gets ahead of the square that it contains.
+        ("drag", Verdict::EffectMissing, &["friction-joint", "quadratic-damping"]),
     ];
     for (name, verdict, effects) in cases {
         let path = folder.path().join(name).with_extension("toml");

@@ -306,7 +306,8 @@ impl<'a> Draft<'a> {
         let mut orders = if reading.unit == "V" { vec![0, 1, 2] } else { vec![0] };
         if let Some(offset) = self.phase_offset() {
             let needed = |order: u8| wrap(offset - FRAC_PI_2 * f64::from(order)).abs();
-            orders.sort_by(|a, b| needed(*a).total_cmp(&needed(*b)));
+            // To the degree: the noise of the phases is no reason.
+            orders.sort_by_key(|order| needed(*order).to_degrees().round() as u16);
         }
         let of = |order: u8| {
             let absolute: &[bool] = if self.base_driven() { &[false, true] } else { &[false] };

@@ -177,7 +177,7 @@ impl Hypothesis {
         self.estimate.as_ref().map_or(Basis::AllPoints, |estimate| estimate.basis)
     }
 
-    /// What it leaves: residuals, and all readings over those.
+    /// What it leaves: residuals, and by how much their sum of squares is larger over all readings.
     pub(super) fn left(&self) -> (&DVector<f64>, f64) {
         self.estimate.as_ref().map_or((&self.fit.evaluation.residuals, 1.0), |e| (&e.residuals, e.scale))
     }

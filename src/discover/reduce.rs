@@ -1,7 +1,7 @@
 //! Backward steps of the selection: fewer additions, or simpler ones in their place.
 
 use super::data::Effort;
-use super::hypothesis::{Addition, Hypothesis, extended};
+use super::hypothesis::{Addition, Hypothesis, compatible, extended};
 use super::known::Known;
 use super::options::MARGIN;
 use super::select::{CONTINUED, Search};
@@ -77,6 +77,9 @@ impl Search<'_> {
             model.effects.push((effect, values));
             let mut additions = chosen.additions.clone();
             additions[index] = simple;
+            if !compatible(&self.data.base, &additions) {
+                continue;
+            }
             let simpler = self.moved(&chosen, &model, additions);
             let effort = Effort { points: self.data.points.len(), evaluations: CONTINUED };
             if !self.data.affords(&simpler.model, effort, 1) {

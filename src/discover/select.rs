@@ -86,8 +86,9 @@ enum Field<'h> {
     Each(Option<(&'h Hypothesis, f64)>),
 }
 
-/// Leaves `most` of ranked starting points: in turn the best and the best of those that have no better one near, as multi-level single
-/// linkage takes them (Rinnooy Kan and Timmer 1987), which are spread over the basins of attraction that the estimate sees.
+/// Leaves `most` of ranked starting points: half are the best of those that have no better one near, as multi-level single linkage
+/// takes them (Rinnooy Kan and Timmer 1987), spread over the basins of attraction that the estimate sees; the others the best of
+/// those that have one, second samples of these basins: where a candidate changes nothing, every point is alone.
 fn entrants(ranked: &mut Vec<Runner<'_, '_>>, most: usize) {
     let Some(first) = ranked.first() else { return };
     let (count, d) = (ranked.len() as f64, first.own() as f64);
@@ -151,6 +152,7 @@ impl<'a> Search<'a> {
 
     /// From the end of the forward selection to what is told.
     fn run(&self, start: &Hypothesis, chosen: Hypothesis, mut known: Known, noise: Noise) -> Discovery {
+        let chosen = self.simplified(chosen, &mut known);
         let (mut chosen, mut ties) = self.exchange(chosen, &mut known);
         let explanation = loop {
             let comparison = self.comparison(&chosen, !self.structured(&chosen));

@@ -80,7 +80,7 @@ fn sliders(n: f64) -> Vec<Slider> {
         let share = stuck(from) - stuck(to);
         // The mean of xi over the share: both stiffness and largest force are exact.
         let above = (n - 1.0) / n * ((1.0 - from).powf(n) - (1.0 - to).powf(n));
-        let element = Element { share, limit: n * (share - above) / share };
+        let element = Element { share, limit: (n * (share - above) / share).max(0.0) };
         (share > SMALLEST_SHARE).then_some(Slider { element, rest: 0.0 })
     };
     (0..ELEMENTS).filter_map(element).collect()

@@ -1,8 +1,5 @@
 //! Linear equations over one Radau step, solved for their values at the stages.
 
-// Indices run over several matrices at once here.
-#![allow(clippy::needless_range_loop)]
-
 use super::radau::A;
 use crate::model::system::Linear;
 use nalgebra::Matrix3;

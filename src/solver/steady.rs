@@ -369,8 +369,10 @@ fn alone(model: &Model, at: &Operation, with: &Search<'_>, warm: &mut Warm) -> S
         let limit = LimitingState { response, stuck: false, mean: 0.0, stick_fraction: 0.0, force: (0.0, 0.0) };
         return closed_form(lumps, limit, with.derivatives);
     }
-    // A force whose slope has no bound at rest is a jump to the integrator of what is reported; a fit balances harmonics.
-    let stops = mode.dry_friction() > 0.0 || (mode.is_steep() && !with.tolerance.gives_up());
+    // A force whose slope has no bound at rest is a jump to the integrator of what is reported, which knows no joint; a fit
+    // balances harmonics.
+    let steep = mode.is_steep() && mode.joint().is_none();
+    let stops = mode.dry_friction() > 0.0 || (steep && !with.tolerance.gives_up());
     let (states, ends): (Vec<oscillator::Found>, Vec<f64>) = if stops {
         (stopping::states(&mode, with.tolerance, with.derivatives), Vec::new())
     } else {

@@ -287,4 +287,4 @@ def in_pairs(fit, but=(), of=()):
             left, scanned = fit.best(second, [(first, ())])
             candidates.append((left, [(first, ()), (second, scanned)]))
     candidates.sort(key=lambda c: c[0])
-    return sorted((fit.misses(laws)[0], [law for law, _ in laws]) for _, laws in candidates[:4 if fit.noise_phase else 8])
+    return sorted((fit.misses(laws)[0], [law for law, _ in laws]) for _, laws in candidates[: None if of else 4 if fit.noise_phase else 8])

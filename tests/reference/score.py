@@ -69,8 +69,8 @@ def outcome(answer, found):
     named = verdict == "effect-missing" and effects
     if answer.get("outside"):
         if named:
-            near = [answer.get("kin", []), *answer["truth"].get("kin_pairs", [])]
-            return "kin" if any(set(effects) <= set(laws) for laws in near) else "named"
+            pairs = map(set, answer["truth"].get("kin_pairs", []))
+            return "kin" if set(effects) <= set(answer.get("kin", [])) or set(effects) in pairs else "named"
         return "missed" if verdict in ("nothing-missing", "recalibrate") else "flagged"
     if not planted and verdict == "nothing-missing":
         return "right"
