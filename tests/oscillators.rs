@@ -41,8 +41,6 @@ fn what_the_generator_hid_is_found_from_the_table_alone() {
         ("corner", Verdict::EffectMissing, &["friction-joint", "cubic-stiffness"]),
         // Volts of a velocity: as a displacement, residual modes or crosstalk would seem to be missing.
         ("velocity", Verdict::NothingMissing, &[]),
-        // A power of the velocity gets ahead of the square that it contains.
-        ("drag", Verdict::EffectMissing, &["friction-joint", "quadratic-damping"]),
     ];
     for (name, verdict, effects) in cases {
         let path = folder.path().join(name).with_extension("toml");
