@@ -291,7 +291,7 @@ impl<'a> Draft<'a> {
         let own = criteria.remove(best);
         let margin = criteria.iter().map(|other| other - own).fold(f64::INFINITY, f64::min);
         let by = if margin > MARGIN {
-            format!("explains the readings, with what is missing, better by {margin:.0} in Schwarz's criterion")
+            format!("explains the readings, with what is missing, better by {margin:.0} in BIC")
         } else {
             "is an assumption, the readings do not decide".into()
         };

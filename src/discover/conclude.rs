@@ -127,11 +127,11 @@ impl Search<'_> {
             } else {
                 "and the search, which goes step by step, did not end there".into()
             };
-            notes.push(format!("{label} would be better by {above:.1} in Schwarz's criterion, {verdict}"));
+            notes.push(format!("{label} would be better by {above:.1} in BIC, {verdict}"));
         }
         if unit > 1.0 {
             notes.push(format!(
-                "what is left is {:.2} times the noise: Schwarz's criterion counts squares in that, not in the noise",
+                "what is left is {:.2} times the noise: BIC counts squares in that, not in the noise",
                 unit.sqrt()
             ));
         }

@@ -43,7 +43,7 @@ pub struct NextMeasurement {
     pub separates: [String; 2],
     /// Expected distance of the two readings in standard deviations of one.
     pub sigma: f64,
-    /// How far the second is behind the first by Schwarz's criterion, where that decides already: then a reading would
+    /// How far the second is behind the first in BIC, where that decides already: then a reading would
     /// only confirm. Absent where the data leave the two open.
     pub ruled_out_by: Option<f64>,
 }
@@ -57,10 +57,10 @@ impl NextMeasurement {
     /// What one reading there is worth, in words.
     pub fn meaning(&self) -> String {
         match self.ruled_out_by {
-            Some(behind) => format!(
-                "{}: Schwarz's criterion, misfit and the price of parameters together, is already for the first by {behind:.0}",
-                if self.decides() { "only to confirm" } else { "too little to confirm what is found" }
-            ),
+            Some(behind) if self.decides() => format!("only to confirm: BIC already prefers the first by {behind:.0}"),
+            Some(behind) => {
+                format!("one reading would add little; it need not, since BIC already prefers the first by {behind:.0}")
+            }
             None if self.decides() => "one reading there decides".into(),
             None => "too little for one reading within these ranges: repeat it, or go beyond them".into(),
         }

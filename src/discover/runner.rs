@@ -122,8 +122,7 @@ impl<'s, 'a> Runner<'s, 'a> {
             .as_ref()
             .map_or(self.left, |fit| typical_square(self.from, &self.data.part(all, fit.evaluation.predictions.len())));
         let ratio = typical_square(self.from, all) / left;
-        // As many parameters as readings leave nothing of a part.
-        if ratio.is_finite() && self.residuals.len() > self.parameters.len() { ratio } else { self.scale() }
+        if ratio.is_finite() { ratio } else { self.scale() }
     }
 
     /// As it stands; `full` where its fit is to all points.

@@ -152,7 +152,6 @@ impl<'a> Search<'a> {
 
     /// From the end of the forward selection to what is told.
     fn run(&self, start: &Hypothesis, chosen: Hypothesis, mut known: Known, noise: Noise) -> Discovery {
-        let chosen = self.simplified(chosen, &mut known);
         let (mut chosen, mut ties) = self.exchange(chosen, &mut known);
         let explanation = loop {
             let comparison = self.comparison(&chosen, !self.structured(&chosen));

@@ -92,40 +92,42 @@ pub fn minimise(problem: &mut Problem<'_>, start: &[f64], settings: &Settings) -
         let termination = "nothing to move".into();
         return Fit { parameters, values: Vec::new(), evaluation, objective, evaluations: 1, termination };
     }
+    let held = held(problem, &parameters, start, settings.threshold);
+    let coordinate = |((p, &x), held): ((&Parameter, &f64), &Option<f64>)| held.unwrap_or_else(|| p.coordinate(x));
+    let u = DVector::from_iterator(start.len(), parameters.iter().zip(start).zip(&held).map(coordinate));
     let mut target = Target::new(problem, parameters, settings.threshold);
-    let edge = |(p, &x): (&Parameter, &f64)| p.edge(x).is_some();
-    if target.parameters.iter().zip(start).any(edge) {
-        target.evaluate(start.to_vec());
-        target.hold(start);
+    target.held = held.iter().map(Option::is_some).collect();
+    target.set_params(&u);
+    let patience = settings.evaluations / (start.len() + 1);
+    let method = LevenbergMarquardt::new()
+        .with_ftol(settings.converged)
+        .with_xtol(1e-9)
+        .with_gtol(1e-9)
+        .with_stepbound(0.3)
+        .with_patience(patience.max(1));
+    let (target, report) = method.minimize(target);
+    let Target { problem, parameters, best, .. } = target;
+    let (objective, values, evaluation) = best;
+    let termination = format!("{:?}", report.termination);
+    Fit { parameters, values, evaluation, objective, evaluations: problem.evaluations - before, termination }
+}
+
+/// Coordinates of the bounds at which parameters stay, since the sum of squares falls beyond (an active set): a step along a
+/// coordinate that turns back there would lead uphill, and be made shorter for all.
+fn held(problem: &mut Problem<'_>, parameters: &[Parameter], start: &[f64], threshold: f64) -> Vec<Option<f64>> {
+    let edges: Vec<Option<(f64, f64)>> = parameters.iter().zip(start).map(|(p, &x)| p.edge(x)).collect();
+    if edges.iter().all(Option::is_none) {
+        return vec![None; start.len()];
     }
-    let mut start = start.to_vec();
-    loop {
-        let coordinate = |((p, &x), held): ((&Parameter, &f64), &Option<f64>)| held.unwrap_or_else(|| p.coordinate(x));
-        let coordinates = target.parameters.iter().zip(&start).zip(&target.held).map(coordinate);
-        let u = DVector::from_iterator(start.len(), coordinates);
-        target.set_params(&u);
-        let spent = target.problem.evaluations - before;
-        let patience = settings.evaluations.saturating_sub(spent) / (start.len() + 1);
-        let method = LevenbergMarquardt::new()
-            .with_ftol(settings.converged)
-            .with_xtol(1e-9)
-            .with_gtol(1e-9)
-            .with_stepbound(0.3)
-            .with_patience(patience.max(1));
-        let report;
-        (target, report) = method.minimize(target);
-        start.clone_from(&target.best.1);
-        let held = target.held.iter().flatten().count();
-        target.hold(&start);
-        let released = target.held.iter().flatten().count() < held;
-        let evaluations = target.problem.evaluations - before;
-        if released && evaluations < settings.evaluations {
-            continue;
-        }
-        let Target { parameters, best: (objective, values, evaluation), .. } = target;
-        let termination = format!("{:?}", report.termination);
-        return Fit { parameters, values, evaluation, objective, evaluations, termination };
-    }
+    let evaluation = problem.evaluate(start, true);
+    let falls_beyond = |(j, edge): (usize, Option<(f64, f64)>)| {
+        let (side, bound) = edge?;
+        let softened = evaluation.residuals.iter().map(|&r| soften(r, threshold));
+        let column = evaluation.jacobian.column(j);
+        let gradient: f64 = softened.zip(&column).map(|((r, by), d)| r * by * d).sum();
+        (gradient * parameters[j].natural_slope(start[j]) * side < 0.0).then_some(bound)
+    };
+    edges.into_iter().enumerate().map(falls_beyond).collect()
 }
 
 /// The problem as the library of the method sees it.
@@ -133,8 +135,8 @@ struct Target<'p, 'a> {
     problem: &'p mut Problem<'a>,
     parameters: Vec<Parameter>,
     threshold: f64,
-    /// Coordinates of the bounds at which parameters stay.
-    held: Vec<Option<f64>>,
+    /// Which parameters stay.
+    held: Vec<bool>,
     u: DVector<f64>,
     evaluation: Option<Evaluation>,
     best: (f64, Vec<f64>, Evaluation),
@@ -149,34 +151,8 @@ impl<'p, 'a> Target<'p, 'a> {
             lost: false,
         };
         let best = (f64::INFINITY, Vec::new(), nothing);
-        let held = vec![None; parameters.len()];
+        let held = vec![false; parameters.len()];
         Self { problem, parameters, threshold, held, u: DVector::zeros(0), evaluation: None, best }
-    }
-}
-
-impl Target<'_, '_> {
-    /// Evaluates at these values, and keeps the best.
-    fn evaluate(&mut self, values: Vec<f64>) -> Evaluation {
-        let evaluation = self.problem.evaluate(&values, true);
-        let objective = robust_chi2(&evaluation.residuals, self.threshold);
-        if objective < self.best.0 || self.best.1.is_empty() {
-            self.best = (objective, values, evaluation.clone());
-        }
-        evaluation
-    }
-
-    /// Holds parameters of the best values so far, which these are, at their bounds where the sum of squares falls beyond (an active
-    /// set): a step along a coordinate that turns back there would lead uphill, and be made shorter for all.
-    fn hold(&mut self, values: &[f64]) {
-        let evaluation = &self.best.2;
-        let falls_beyond = |(j, (parameter, &value)): (usize, (&Parameter, &f64))| {
-            let (side, bound) = parameter.edge(value)?;
-            let softened = evaluation.residuals.iter().map(|&r| soften(r, self.threshold));
-            let column = evaluation.jacobian.column(j);
-            let gradient: f64 = softened.zip(&column).map(|((r, by), d)| r * by * d).sum();
-            (gradient * parameter.natural_slope(value) * side < 0.0).then_some(bound)
-        };
-        self.held = self.parameters.iter().zip(values).enumerate().map(falls_beyond).collect();
     }
 }
 
@@ -191,7 +167,12 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Target<'_, '_> {
         }
         self.u = u.clone();
         let values: Vec<f64> = self.parameters.iter().zip(u.iter()).map(|(p, &u)| p.value(u)).collect();
-        self.evaluation = Some(self.evaluate(values));
+        let evaluation = self.problem.evaluate(&values, true);
+        let objective = robust_chi2(&evaluation.residuals, self.threshold);
+        if objective < self.best.0 || self.best.1.is_empty() {
+            self.best = (objective, values, evaluation.clone());
+        }
+        self.evaluation = Some(evaluation);
     }
 
     fn params(&self) -> DVector<f64> {
@@ -208,7 +189,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Target<'_, '_> {
         for (i, &r) in evaluation.residuals.iter().enumerate() {
             let by_residual = soften(r, self.threshold).1;
             for (j, parameter) in self.parameters.iter().enumerate() {
-                let slope = if self.held[j].is_some() { 0.0 } else { parameter.slope(self.u[j]) };
+                let slope = if self.held[j] { 0.0 } else { parameter.slope(self.u[j]) };
                 jacobian[(i, j)] *= by_residual * slope;
             }
         }

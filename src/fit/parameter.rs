@@ -19,8 +19,6 @@ const SMALLEST: f64 = 1e-4;
 
 /// Sine of the coordinate at which a fit starts whose value is at a bound, where the coordinate has no slope.
 const INSIDE: f64 = 0.999;
-/// One less the sine of the coordinate from which on a value counts as at the bound.
-const EDGE: f64 = 1e-4;
 /// Coordinate of the middle of the bounds.
 const ORIGIN: f64 = 1.0;
 
@@ -170,7 +168,7 @@ impl Parameter {
     pub fn edge(&self, value: f64) -> Option<(f64, f64)> {
         let sine = (self.scale(value) - self.middle()) / self.half();
         let side = sine.signum();
-        (sine.abs() >= 1.0 - EDGE).then_some((side, ORIGIN + side * std::f64::consts::FRAC_PI_2))
+        (sine.abs() >= INSIDE).then_some((side, ORIGIN + side * std::f64::consts::FRAC_PI_2))
     }
 
     /// Value at the share `share` in 0..1 of the range of a search.
