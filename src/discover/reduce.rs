@@ -34,12 +34,7 @@ impl Search<'_> {
 
     /// The hypothesis with only these additions, fitted from the values it has.
     pub(super) fn refit(&self, from: &Hypothesis, additions: Vec<Addition>) -> Hypothesis {
-        self.data.fitted(self.reduced(from, additions), CONTINUED)
-    }
-
-    /// The hypothesis with only these additions, at the values it has.
-    fn reduced(&self, from: &Hypothesis, additions: Vec<Addition>) -> Hypothesis {
-        self.moved(from, &from.fitted(), additions)
+        self.data.fitted(self.moved(from, &from.fitted(), additions), CONTINUED)
     }
 
     /// The hypothesis with these additions in place of its own, at the values that it has and that effects have in a model.

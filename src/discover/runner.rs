@@ -26,7 +26,7 @@ pub(super) struct Runner<'s, 'a> {
     parameters: Vec<Parameter>,
     values: Vec<f64>,
     residuals: DVector<f64>,
-    /// Sum of squares that what it adds to leaves of the same readings in the linear estimate, of what is typical of it.
+    /// Sum of squares that what it adds to leaves of the readings of the look, as [`typical_square`].
     left: f64,
     /// Its fit so far.
     pub fit: Option<Fit>,

@@ -163,8 +163,8 @@ impl Parameter {
         inside.asin() + ORIGIN
     }
 
-    /// Of a value so near to a bound that a fit could not tell it from that: the side on the natural scale, -1 or 1, and the coordinate of
-    /// the bound.
+    /// Of a value nearer to a bound than a fit starts that begins there: the side on the natural scale, -1 or 1, and the coordinate of the
+    /// bound.
     pub fn edge(&self, value: f64) -> Option<(f64, f64)> {
         let sine = (self.scale(value) - self.middle()) / self.half();
         let side = sine.signum();
