@@ -588,7 +588,7 @@
 
   // The fall of the error: the curves of the first picture redrawn from what was solved, for a strength and a part of what was
   // found. Nothing is read between two solutions.
-  const [AFTER, FALL, HERE] = ["model, corrected", "error on the way", "error at this strength"];
+  const [AFTER, FALL, HERE] = ["with what was found", "error on the way", "error at this strength"];
   const watch = (plot, rows) => {
     const [head, ...body] = rows;
     const row = (start) => body.find(([what]) => what.startsWith(start))?.slice(4) ?? [];

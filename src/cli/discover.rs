@@ -26,13 +26,13 @@ const CANDIDATES: usize = 6;
 /// Outliers, regions, ties shown there.
 const SHOWN: usize = 3;
 /// What stands in the columns of the candidates.
-const LEGEND: &str = "  delta BIC: misfit and price of the parameters above the best, 6 is 20 to 1; weight: share of the evidence; left-out: \
+const LEGEND: &str = "  delta BIC: BIC above the best (misfit and penalty for parameters), 6 is 20 to 1; weight: share of the evidence; left-out: \
                       error at series that were not fitted; from: what was fitted";
 
 /// The terms of what is printed, for `--help`.
 pub const TERMS: &str = "What is printed: chi2 is the mean square of the residuals in standard deviations, 1 where nothing but noise is \
-    left. rms error is that of the amplitude. left-out is the error at series that were predicted from the others. delta BIC is Schwarz's \
-    criterion, misfit and price of the parameters, above that of the best: what is within 6 (20 to 1) is not decided. weight is the share of \
+    left. rms error is that of the amplitude. left-out is the error at series that were predicted from the others. delta BIC is the Bayesian \
+    information criterion (misfit and penalty for parameters) above that of the best: what is within 6 (20 to 1) is not decided. weight is the share of \
     the evidence. tied: the data do not tell them apart. nested in: a special case of. docs/search.md tells how the search goes and from \
     which figures each verdict follows. A budget that is spent ends with what is best so far, is said, and is no failure: exit status 0.";
 

@@ -2,7 +2,7 @@
 
 use super::{Label, Outlier, Setting};
 use crate::fit::resonance;
-use crate::fit::{CONVERGED, Fit, Parameter, Problem, Settings, TAIL, minimise, parameter, robust_chi2};
+use crate::fit::{CONVERGED, Fit, Parameter, Problem, Settings, TAIL, minimise, parameter, robust_chi2, robust_square, typical_of};
 use crate::measurement::{Point, Series, Table};
 use crate::model::{Model, Operation};
 use crate::scenario::Scenario;
@@ -101,7 +101,7 @@ pub fn calibrate(model: &Model, keys: &[String], points: &[Point], tolerance: To
     let mut solved = best.solved;
     if let Some(other) = started.map(|model| calibrate_about(&model, keys, points, tolerance, seed)) {
         solved += other.solved;
-        if other.fit.objective < best.fit.objective {
+        if fits_better(&other.fit, &best.fit) {
             best = other;
         }
     }
@@ -164,18 +164,33 @@ pub fn calibrate_about(
         })
         .collect();
     let best = followed.into_iter().min_by(|a, b| a.objective.total_cmp(&b.objective));
-    let mut fit = best.unwrap_or_else(|| minimised(&starts[0], &SETTLE));
-    let mut threshold = TAIL * scale(&fit.evaluation.residuals).max(1.0);
+    let threshold = |fit: &Fit| TAIL * typical_of(&fit.evaluation.residuals);
     // What is far off has less pull the better the others fit.
-    while fit.evaluation.residuals.amax() > threshold {
-        let robust = Settings { evaluations: EVALUATIONS, threshold, converged: CONVERGED };
-        fit = minimised(&fit.values, &robust);
-        let tighter = TAIL * scale(&fit.evaluation.residuals).max(1.0);
-        if tighter > TIGHTER * threshold {
-            break;
+    let settled = |mut fit: Fit| {
+        let mut threshold_of = threshold(&fit);
+        while fit.evaluation.residuals.amax() > threshold_of {
+            let robust = Settings { evaluations: EVALUATIONS, threshold: threshold_of, converged: CONVERGED };
+            fit = minimised(&fit.values, &robust);
+            if threshold(&fit) > TIGHTER * threshold_of {
+                break;
+            }
+            threshold_of = threshold(&fit);
         }
-        threshold = tighter;
+        fit
+    };
+    let mut fit = settled(best.unwrap_or_else(|| minimised(&starts[0], &SETTLE)));
+    if threshold(&fit) > TAIL {
+        // A stretch of readings that are far off may have carried the squares away, where the stated values fit most of the others.
+        let mut problem = stated.clone();
+        let typical = typical_of(&problem.evaluate(&starts[0], false).residuals);
+        solved.fetch_add(problem.solved, Relaxed);
+        let robust = Settings { evaluations: EVALUATIONS, threshold: TAIL * typical, converged: CONVERGED };
+        let other = settled(minimised(&starts[0], &robust));
+        if fits_better(&other, &fit) {
+            fit = other;
+        }
     }
+    let threshold = threshold(&fit);
     if tolerance.for_search() != tolerance {
         fit.evaluation = problem(model, keys, points, tolerance).evaluate(&fit.values, true);
     }
@@ -185,15 +200,17 @@ pub fn calibrate_about(
 
 const SETTLE: Settings = Settings { evaluations: 1, threshold: f64::INFINITY, converged: CONVERGED };
 
+/// Whether the sum of squares of a fit is the smaller one, large residuals counted as beside the smaller typical ones.
+fn fits_better(one: &Fit, other: &Fit) -> bool {
+    let [one, other] = [one, other].map(|fit| &fit.evaluation.residuals);
+    let unit = typical_of(one).min(typical_of(other)).powi(2);
+    robust_square(one, unit) < robust_square(other, unit)
+}
+
 /// A quasi-random start within the ranges of the parameters.
 fn scattered(parameters: &[Parameter], number: u32, seed: u32) -> Vec<f64> {
     let share = |dimension: usize| f64::from(sobol_burley::sample(number, dimension as u32, seed));
     parameters.iter().enumerate().map(|(d, p)| p.within(share(d))).collect()
-}
-
-/// Robust standard deviation of residuals about zero.
-pub(crate) fn scale(residuals: &DVector<f64>) -> f64 {
-    spread(residuals.iter().copied(), 0.0)
 }
 
 /// Readings that are far off where their neighbours along the frequency are not. `residuals` holds (row, residual) of one

@@ -205,7 +205,8 @@ impl Search<'_> {
                 && least.square(unit) + WORSE < hypothesis.square(unit)
             {
                 let (residuals, scale) = least.left();
-                hypothesis.estimate = Some(Estimate { residuals: residuals.clone(), scale, basis: Basis::Contained });
+                let basis = hypothesis.estimate.as_ref().map_or(Basis::Contained, |own| own.basis);
+                hypothesis.estimate = Some(Estimate { residuals: residuals.clone(), scale, basis });
             }
             hypothesis.bic = self.bic(unit, hypothesis);
         }

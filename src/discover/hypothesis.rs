@@ -168,8 +168,7 @@ impl Hypothesis {
 
     /// Sum of squares over all points, or what it would be.
     pub fn chi2(&self) -> f64 {
-        let (residuals, scale) = self.left();
-        scale * residuals.norm_squared()
+        self.over_all(DVector::norm_squared)
     }
 
     /// What its sum of squares rests on.
@@ -184,8 +183,15 @@ impl Hypothesis {
 
     /// Sum of squares over all points, or what it would be, in this unit; large ones count less.
     pub(super) fn square(&self, unit: f64) -> f64 {
+        self.over_all(|residuals| robust_square(residuals, unit))
+    }
+
+    /// A sum of squares over all points, or what it would be: every parameter takes off one unit by chance, of a part of the
+    /// readings as of all.
+    fn over_all(&self, square: impl Fn(&DVector<f64>) -> f64) -> f64 {
         let (residuals, scale) = self.left();
-        scale * robust_square(residuals, unit)
+        let by_chance = self.fit.parameters.len() as f64;
+        scale * (square(residuals) + by_chance) - by_chance
     }
 
     /// Whether its sum of squares is the smaller one, large residuals counted as beside the smaller typical ones.

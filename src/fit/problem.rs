@@ -201,7 +201,8 @@ impl<'a> Problem<'a> {
             let mut wanted = vec![false; points.len()];
             wave.iter().flatten().for_each(|&index| wanted[index] = true);
             let work: Vec<(usize, &mut Warm)> = self.warm.iter_mut().enumerate().filter(|(i, _)| wanted[*i]).collect();
-            self.solved += work.len() as u64 * if model.has_sliders() { 1 } else { cost(&model) };
+            let measured = model.has_sliders() || model.has_dry_friction();
+            self.solved += work.len() as u64 * if measured { 1 } else { cost(&model) };
             // One after the other where the first may tell enough of all, so that as many are solved on any number of threads.
             let found: Vec<(usize, Solved)> = if gives_up {
                 work.into_iter().map(solve).collect()

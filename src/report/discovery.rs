@@ -107,7 +107,7 @@ fn story(d: &Discovery) -> Vec<String> {
     )];
     if d.verdict == Verdict::NothingMissing {
         let tried = d.candidates.len().saturating_sub(1);
-        lines.push(format!("None of {tried} additions improves on that by more than its own parameters cost."));
+        lines.push(format!("None of {tried} candidates improves on that by more than the penalty for its parameters."));
     } else if !end.hypothesis.additions.is_empty() {
         lines.push(format!(
             "With {} it comes to χ² = {} and an error of {}.",

@@ -3,6 +3,20 @@
 use super::view::{EquationView, SymbolView};
 use minijinja::HtmlEscape;
 
+/// Symbol and meaning of the parameter that a key such as `rig.stiffness` or `effect.cubic-stiffness.K_3` names; nothing where it is
+/// a formula's.
+pub fn parameter(key: &str) -> String {
+    let of_effect = || {
+        let (effect, own) = key.strip_prefix("effect.")?.rsplit_once('.')?;
+        crate::effects::find(effect)?.parameters().iter().find(|info| info.key == own)
+    };
+    let found = crate::scenario::parameters::of_key(key).or_else(of_effect);
+    found.map_or(String::new(), |info| match info.symbol {
+        "" => info.meaning.into(),
+        symbol => format!("{symbol}, {}", info.meaning),
+    })
+}
+
 /// Id, symbol, SI unit, meaning.
 const SYMBOLS: &[(&str, &str, &str, &str)] = &[
     ("inertia", "J", "kg m²", "inertia of the arm about the torsional axis"),
@@ -28,7 +42,7 @@ const SYMBOLS: &[(&str, &str, &str, &str)] = &[
     ("f1-f2", "f₁, f₂", "Hz", "lower and upper frequency at which the arm's speed amplitude bωα equals V"),
     ("sigma", "σ", "", "standard deviation of a reading: 1 in 20 errors of pure noise is larger than 2 σ"),
     ("chi2", "χ²", "", "mean square of the errors in standard deviations; noise alone gives 1"),
-    ("delta-bic", "ΔBIC", "", "Schwarz's criterion above the best candidate; below 6 the two are a tie"),
+    ("delta-bic", "ΔBIC", "", "Bayesian information criterion (Schwarz 1978) above that of the best candidate; below 6 the two are a tie"),
 ];
 
 /// The equations of the model without effects.

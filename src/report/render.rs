@@ -154,6 +154,7 @@ fn environment(symbols: &[SymbolView]) -> Result<Environment<'static>, minijinja
     environment.add_filter("place", anchor::place);
     environment.add_filter("sign", |verdict: &str| Tone::of(verdict).symbol());
     environment.add_filter("symbol", move |text: &str| Value::from_safe_string(of_symbol.linked(text)));
+    environment.add_filter("parameter", glossary::parameter);
     environment.add_filter("letters", |text: &str| Value::from_safe_string(glossary::set(text)));
     environment.add_filter("terms", move |text: &str| Value::from_safe_string(of_text.terms(text)));
     environment.add_filter("math", |text: &str| Value::from_safe_string(mathml::block(text)));

@@ -31,7 +31,7 @@ impl Tone {
     pub fn symbol(self) -> &'static str {
         match self {
             Self::Good => "✓",
-            Self::Caveat => "≈",
+            Self::Caveat => "!",
             Self::Open => "?",
             Self::Bad => "✗",
         }

@@ -146,6 +146,19 @@ pub fn base_keys() -> &'static [String] {
     &KEYS
 }
 
+/// The parameter of a rig, contact or instrument that a key such as `rig.stiffness` names; of any rig that has it, since units differ
+/// only.
+pub fn of_key(key: &str) -> Option<&'static ParameterInfo> {
+    let (table, own) = key.split_once('.')?;
+    let lists: &[&'static [ParameterInfo]] = match table {
+        "rig" => &[RIG, OF_DISPLACEMENT],
+        "contact" => &[CONTACT],
+        "instrument" => &[INSTRUMENT, DRIVE_SENSITIVITY, SENSITIVITY],
+        _ => return None,
+    };
+    lists.iter().copied().flatten().find(|info| info.key == own)
+}
+
 /// The numeric axes of `[sweep]`; its key `formulation` is a list of words.
 pub const SWEEP: &[ParameterInfo] = &[
     info(("frequency", "f", "Hz"), POSITIVE, "frequency of the drive"),

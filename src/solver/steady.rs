@@ -17,6 +17,8 @@ use std::cell::Cell;
 
 /// Distance of the starts of neighbouring motions, in units of the scales, from which on they may be on other branches.
 const NEIGHBOUR: f64 = 0.3;
+/// Forces of a mode that take as long as a step of an integration.
+const FORCES: usize = 32;
 /// Factor between the speeds of one step on the way down from full slip.
 const SLOWER: f64 = 0.8;
 /// A motion this many times larger than without contact has no bound.
@@ -374,7 +376,10 @@ fn alone(model: &Model, at: &Operation, with: &Search<'_>, warm: &mut Warm) -> S
     let steep = mode.is_steep() && mode.joint().is_none();
     let stops = mode.dry_friction() > 0.0 || (steep && !with.tolerance.gives_up());
     let (states, ends): (Vec<oscillator::Found>, Vec<f64>) = if stops {
-        (stopping::states(&mode, with.tolerance, with.derivatives), Vec::new())
+        let forces = Cell::new(0);
+        let states = stopping::states(&mode, with.tolerance, with.derivatives, &forces);
+        with.steps.set(with.steps.get() + forces.into_inner() / FORCES);
+        (states, Vec::new())
     } else {
         let (states, ends) = oscillator::states(&mode, with.tolerance);
         (states.iter().map(|state| state.found(lumps.omega)).collect(), ends)

@@ -165,7 +165,7 @@ try {
     const page = await open(join(own, "explained"), { viewport: PHONE });
     const root = page.locator(".measured figure").first();
     const line = () => root.locator(".canvas:visible").evaluate((one) =>
-      [...one.querySelectorAll('[data-s="model, corrected"] :is(polyline, path)')].filter((shape) => shape.style.display !== "none")
+      [...one.querySelectorAll('[data-s="with what was found"] :is(polyline, path)')].filter((shape) => shape.style.display !== "none")
         .map((shape) => shape.getAttribute("points") ?? shape.getAttribute("d")).join());
     await root.locator(".watch").waitFor();
     const before = await line();
@@ -197,7 +197,7 @@ try {
       await root.scrollIntoViewIfNeeded();
       await root.locator(".watch").waitFor();
       const slider = root.getByRole("slider");
-      const curve = () => root.evaluate((one) => [...one.querySelectorAll('[data-s="model, corrected"] :is(polyline, path)')]
+      const curve = () => root.evaluate((one) => [...one.querySelectorAll('[data-s="with what was found"] :is(polyline, path)')]
         .filter((line) => line.style.display !== "none").map((line) => line.getAttribute("points") ?? line.getAttribute("d")).join());
       const numbers = () => root.locator("output data").evaluateAll((all) => all.map((one) => +one.value));
       const { parts, strengths } = discovery.fall;

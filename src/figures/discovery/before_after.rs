@@ -27,8 +27,8 @@ const HEADING: f64 = 50.0;
 const HEIGHT: f64 = 236.0;
 const FOOT: f64 = 58.0;
 /// Names of what is drawn; the page moves the curve, the fall and the place that the second to fourth name.
-const BEFORE: &str = "model before";
-const AFTER: &str = "model, corrected";
+const BEFORE: &str = "calibrated model";
+const AFTER: &str = "with what was found";
 const FALL: &str = "error on the way";
 const HERE: &str = "error at this strength";
 const NOISE: &str = "noise alone";
@@ -241,7 +241,7 @@ impl Figure<Discovery> for BeforeAfter {
 
     fn reading(&self) -> [&'static str; 3] {
         [
-            "The corrected curve runs through the bars in every panel, and the error ends at the dashed line: nothing but noise is left.",
+            "The curve with what was found runs through the bars in every panel, and the error ends at the dashed line: nothing but noise is left.",
             "It misses the bars somewhere, or the error ends above the line: what was found helps, and something is missing still.",
             "Move the strength to see which part of the curve an effect bends; then read where it fails and how sure it is.",
         ]

@@ -90,7 +90,7 @@ fn draw(shown: &[&Candidate], title: &str, alt: &str) -> Result<String, FigureEr
         }
         let label = Type { size: 16.0, ..Type::at(Anchor::Middle) };
         let at = (panel.left + 0.5 * panel.width, panel.bottom() + 46.0);
-        canvas.text(at, "Schwarz's criterion above the best, ΔBIC", label);
+        canvas.text(at, "BIC above the best, ΔBIC", label);
     })
 }
 
@@ -177,7 +177,7 @@ impl Figure<Discovery> for Ranking {
         let tied = discovery.candidates.iter().filter(|c| c.delta_bic <= MARGIN).count();
         let second = shown.iter().map(|c| c.delta_bic).find(|delta| *delta > MARGIN);
         let alt = format!(
-            "Horizontal bars, {}: how far each is behind the best by Schwarz's criterion, on a scale that is linear below \
+            "Horizontal bars, {}: how far each is behind the best by BIC, on a scale that is linear below \
              {MARGIN} and logarithmic above; {} within {MARGIN} of the best.",
             count(shown.len(), "candidate"),
             count(tied, "candidate")
@@ -185,10 +185,10 @@ impl Figure<Discovery> for Ranking {
         let rest = discovery.candidates.len() - shown.len();
         let more = if rest > 0 { format!(" {rest} more are in the CSV.") } else { String::new() };
         let caption = format!(
-            "How far each candidate is behind the best one by Schwarz's criterion, which charges every parameter for its keep. \
+            "How far each candidate is behind the best one by BIC, misfit and a penalty for every parameter. \
              Candidates in the shaded band, within {MARGIN} of the best, are not decided between by these data; the one with \
-             the fewest additions is taken. The scale is linear in the band and logarithmic beyond. ≈ stands before what was not fitted to its end: where a linear \
-             estimate sees no gain at all, a candidate stands at the charge for its parameters.{more}"
+             the fewest additions is taken. The scale is linear in the band and logarithmic beyond. ≈ stands before what was not fitted to its end: where an \
+             estimate sees no gain beyond chance, a candidate stands at the penalty for its parameters.{more}"
         );
         let svg = draw(&shown, self.title(), &alt)?;
         let mut notes = vec![("Within the band".to_string(), count(tied, "candidate"))];
