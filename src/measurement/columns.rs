@@ -2,6 +2,7 @@
 
 use super::frame::Frame;
 use super::header::{self, AMPLITUDE, DRIVE, FREQUENCY, LOAD, Meaning, NUMBERS, SERIES, SPEED, SWEEP};
+use super::parts::Parts;
 use super::samples;
 use super::search::{Found, column_of, search};
 use super::sheet::{Complaints, Sheet};
@@ -43,6 +44,8 @@ pub(crate) struct Layout {
     pub aside: Vec<usize>,
     /// Keys and headers that a scenario has to map, as several columns could serve.
     pub choices: Vec<(String, String)>,
+    /// The columns of amplitude and phase, where they hold their parts.
+    pub parts: Option<Parts>,
 }
 
 /// Finds the columns; problems are noted at the header.
@@ -67,9 +70,10 @@ pub(crate) fn layout(
     let named = mapping.iter().any(|(key, _)| column_of(key) == Some(FREQUENCY));
     if !named && !(0..sheet.header.cells.len()).any(known) && samples::refuse(sheet, complaints) {
         let slots = Default::default();
-        return Layout { slots, series: None, sweep: None, aside: Vec::new(), choices: Vec::new() };
+        return Layout { slots, series: None, sweep: None, aside: Vec::new(), choices: Vec::new(), parts: None };
     }
-    let Found { mut slots, words, taken, told, choices } = search(sheet, mapping, frame, complaints, notes);
+    let Found { mut slots, words, taken, told, choices, parts } = search(sheet, mapping, frame, complaints, notes);
+    per_drive(sheet, frame, sweep, &mut slots, notes);
     let aside: Vec<usize> = (0..taken.len()).filter(|index| !taken[*index]).collect();
     let needed = (SPEED..=AMPLITUDE).filter(|column| frame.has_contact() || !matches!(*column, SPEED | LOAD));
     let mut lacking = Vec::new();
@@ -87,7 +91,29 @@ pub(crate) fn layout(
     name_aside(sheet, frame, &slots, &aside, notes);
     without_contact(sheet, frame, &slots, notes);
     without_sensitivity(sheet, frame, &slots, notes);
-    Layout { slots, series: words[SERIES - NUMBERS], sweep: words[SWEEP - NUMBERS], aside, choices }
+    Layout { slots, series: words[SERIES - NUMBERS], sweep: words[SWEEP - NUMBERS], aside, choices, parts }
+}
+
+/// A frequency response function is of one drive, of a size that it does not tell: where nothing states it, it is one.
+fn per_drive(
+    sheet: &Sheet,
+    frame: &Frame<'_>,
+    sweep: Option<&Sweep>,
+    slots: &mut [Option<Slot>; NUMBERS],
+    notes: &mut Vec<String>,
+) {
+    let Some(Slot::Cells(index, unit)) = &slots[AMPLITUDE] else { return };
+    let Some(over) = &unit.over else { return };
+    let stated = slots[DRIVE].as_ref().map(Slot::si);
+    let other = over.si.zip(stated).is_some_and(|(over, stated)| over != stated);
+    if other || stated.is_none() && sweep_values(DRIVE, sweep).len() != 1 {
+        let si = over.si.or(frame.natural(DRIVE)).unwrap_or("V");
+        notes.push(format!(
+            "{} is a ratio, and no drive is stated in {si}: readings of a drive of 1 {si}; what depends on its size cannot be told",
+            quote(&sheet.header.cells[*index])
+        ));
+        slots[DRIVE] = Some(Slot::Value(1.0, si));
+    }
 }
 
 /// Says that speed and load tell nothing without a contact.

@@ -15,6 +15,8 @@ const NEAR: f64 = 0.05;
 /// ... and where the curve does not rise, or fall, towards it on both sides as towards a sharp resonance: by this factor from
 /// the neighbours' neighbours to the neighbours.
 const TOWARDS: f64 = 1.5;
+/// Fewest readings of a curve that may have been taken without a signal: a notch is narrower.
+const DEAD: usize = 5;
 /// So many rows are named.
 const NAMED: usize = 5;
 
@@ -39,7 +41,31 @@ pub(super) fn doubts(points: &[Point], arm: bool) -> Vec<String> {
             named.join(", ")
         ));
     }
+    for curve in points.chunk_by(same_curve) {
+        let rows = dead(curve);
+        if let [first, .., last] = rows[..] {
+            doubts.push(format!(
+                "{} amplitudes (rows {first} to {last}) lie further below the others of their series than these spread: was there a signal? \
+                 Take these rows out if not",
+                rows.len()
+            ));
+        }
+    }
     doubts
+}
+
+/// Rows of the smallest amplitudes of a curve, fewer than half, where the gap to the others is wider than these spread, as a ratio.
+fn dead(curve: &[Point]) -> Vec<usize> {
+    let mut curve: Vec<(f64, usize)> = curve.iter().map(|p| ((p.amplitude / p.drive).ln(), p.row)).collect();
+    curve.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let Some(&(largest, _)) = curve.last() else { return Vec::new() };
+    let apart = |&count: &usize| curve[count].0 - curve[count - 1].0 > largest - curve[count].0;
+    let mut rows: Vec<usize> = match (DEAD..=curve.len() / 2).find(apart) {
+        Some(count) => curve[..count].iter().map(|(_, row)| *row).collect(),
+        None => Vec::new(),
+    };
+    rows.sort_unstable();
+    rows
 }
 
 /// Rows of amplitudes far off both their neighbours in frequency; those at the ends of a curve, which have one, are not judged.
@@ -126,6 +152,22 @@ mod tests {
     fn only_what_is_unlikely_is_doubted() {
         assert!(doubts(&curve(20.0, 1.0), true).is_empty() && doubts(&curve(2e9, 1.0), true).is_empty());
         assert!(doubts(&curve(20.0, -1.0), true)[0].contains("sign of its phases"));
+    }
+
+    #[test]
+    fn a_stretch_without_a_signal_is_told_from_a_resonance_and_a_notch() {
+        let mut points = curve(20.0, 1.0);
+        for point in &mut points {
+            let ratio = point.frequency / 72.0;
+            point.amplitude = 1e-6 / ((1.0 - ratio * ratio).powi(2) + (2e-3 * ratio).powi(2)).sqrt();
+        }
+        assert!(doubts(&points, true).is_empty());
+        let mut notched = points.clone();
+        notched[4..7].iter_mut().for_each(|point| point.amplitude *= 1e-7);
+        assert!(dead(&notched).is_empty());
+        points[15..22].iter_mut().for_each(|point| point.amplitude *= 1e-7);
+        assert_eq!(dead(&points), (16..=22).collect::<Vec<_>>());
+        assert!(doubts(&points, true).iter().any(|doubt| doubt.contains("7 amplitudes (rows 16 to 22)")));
     }
 
     #[test]

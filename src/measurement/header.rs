@@ -119,7 +119,7 @@ fn by_alias(header: &str, name: &str, bracket: Option<&str>, frame: &Frame<'_>) 
         let rest = &rest[rest.len() - swings(rest).unwrap_or(rest.len())..];
         let possible = if alias.units.is_empty() { possible("", alias.column) } else { alias.units };
         let natural = frame.natural(alias.column).filter(|si| possible.contains(si));
-        let wanted = Wanted { possible, natural, share: false };
+        let wanted = Wanted { possible, natural, share: false, per_drive: alias.column == AMPLITUDE };
         let of = |unit: Unit, stated| Some(Meaning::Alias(alias.column, unit, stated));
         let found = match (rest, bracket) {
             ("", Some(text)) => wanted.unit(text).ok().and_then(|unit| of(unit, true)),
@@ -161,7 +161,8 @@ fn wanted(key: &str, column: usize, frame: &Frame<'_>) -> Wanted {
         "torque" => Some("N m"),
         _ => frame.natural(column),
     };
-    Wanted { possible: possible(key, column), natural, share: column == AMPLITUDE_SD }
+    let per_drive = matches!(column, AMPLITUDE | AMPLITUDE_SD);
+    Wanted { possible: possible(key, column), natural, share: column == AMPLITUDE_SD, per_drive }
 }
 
 /// SI units in which a column of this name may be.
@@ -206,7 +207,7 @@ pub(crate) fn mapped(header: &str, key: &str, column: usize, frame: &Frame<'_>) 
 pub(crate) fn time_unit(header: &str) -> Option<String> {
     let (name, bracket) = split(header);
     let name = plain(name);
-    let wanted = Wanted { possible: &["s"], natural: Some("s"), share: false };
+    let wanted = Wanted { possible: &["s"], natural: Some("s"), share: false, per_drive: false };
     if let Some(rest) = ["timestamp", "time", "zeit", "t"].iter().find_map(|key| name.strip_prefix(key)) {
         return match (rest, bracket) {
             ("", None) => Some("s".into()),

@@ -48,7 +48,7 @@ pub(crate) fn likely(name: &str, bracket: Option<&str>) -> Option<(usize, Unit)>
         return None;
     }
     let unit = |possible: &'static [&'static str]| {
-        let wanted = Wanted { possible, natural: None, share: false };
+        let wanted = Wanted { possible, natural: None, share: false, per_drive: possible == READINGS };
         match bracket {
             Some(text) => wanted.unit(text).ok(),
             None => (1..words.len()).flat_map(|from| suffix(&words[from..])).find_map(|text| wanted.unit(&text).ok()),

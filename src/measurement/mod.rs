@@ -17,6 +17,7 @@ mod header;
 mod likely;
 mod names;
 mod noise;
+mod parts;
 mod pool;
 mod rows;
 mod samples;

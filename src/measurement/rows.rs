@@ -4,6 +4,7 @@ use super::columns::{Layout, Slot, layout};
 use super::frame::{Frame, amplitude_header, kind};
 use super::header::{AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LOAD, MEAN, PHASE, PHASE_SD, SERIES, SPEED, SWEEP};
 use super::pool::{Reading, Readings};
+use super::parts::Parts;
 use super::sheet::{Complaints, Row, Sheet};
 use super::unit::Unit;
 use super::{Column, Direction};
@@ -58,9 +59,12 @@ pub(crate) fn readings(
 fn used(sheet: &Sheet, layout: &Layout) -> Vec<Column> {
     let name = |(index, header): (usize, &String)| {
         let numbers = layout.slots.iter().zip(COLUMNS).find_map(|(slot, key)| match slot {
-            Some(Slot::Cells(at, unit)) if *at == index => Some((*key, unit.text.clone())),
+            Some(Slot::Cells(at, unit)) if *at == index => Some((*key, unit.shown())),
             _ => None,
         });
+        let part = |parts: &&Parts| [parts.real, parts.imaginary].contains(&index);
+        let part = layout.parts.as_ref().filter(part).map(|parts| (COLUMNS[AMPLITUDE], parts.unit.shown()));
+        let numbers = part.or(numbers);
         let words = [(layout.series, COLUMNS[SERIES]), (layout.sweep, COLUMNS[SWEEP])];
         let words = words.into_iter().find(|(at, _)| *at == Some(index)).map(|(_, key)| (key, String::new()));
         let (key, unit) = numbers.or(words).unzip();
@@ -147,13 +151,13 @@ impl Cells<'_, '_> {
     fn reading(&mut self, number: usize) -> Option<Reading> {
         let (speed, load, drive) = (self.setting(SPEED), self.setting(LOAD), self.number(DRIVE));
         let (name, sweep) = (self.name(), self.sweep());
-        let (frequency, amplitude) = (self.number(FREQUENCY), self.number(AMPLITUDE));
-        let (phase, mean) = (self.optional(PHASE), self.optional(MEAN));
+        let (frequency, mean) = (self.number(FREQUENCY), self.optional(MEAN));
+        let (amplitude, phase) = self.reading_of(drive);
         let share = self.layout.slots[AMPLITUDE_SD].as_ref().is_some_and(|slot| match slot {
             Slot::Cells(_, unit) => unit.relative,
             Slot::Value(..) => false,
         });
-        let amplitude_sd = self.deviation(AMPLITUDE_SD, true);
+        let amplitude_sd = self.deviation(AMPLITUDE_SD, true).map(|sd| sd.map(|sd| sd * self.times(AMPLITUDE_SD, drive)));
         let phase_sd = self.deviation(PHASE_SD, !matches!(phase, Some(None)));
         if let (Some(value), Some(sd)) = (amplitude, amplitude_sd) {
             self.zero(value, sd.is_none() || share);
@@ -180,6 +184,25 @@ impl Cells<'_, '_> {
             series: 0,
             aside,
         })
+    }
+
+    /// Amplitude and phase, from their parts where the table holds these; a ratio times the drive.
+    fn reading_of(&mut self, drive: Option<f64>) -> (Option<f64>, Option<Option<f64>>) {
+        let times = self.times(AMPLITUDE, drive);
+        let Some(Parts { real, imaginary, unit, .. }) = &self.layout.parts else {
+            return (self.number(AMPLITUDE).map(|size| size * times), self.optional(PHASE));
+        };
+        let parts = [*real, *imaginary].map(|index| self.value(AMPLITUDE, index, unit));
+        let [Some(real), Some(imaginary)] = parts else { return (None, None) };
+        (Some(real.hypot(imaginary) * times), Some(Some(imaginary.atan2(real))))
+    }
+
+    /// What the numbers of a column are times: the drive, where they are per drive.
+    fn times(&self, column: usize, drive: Option<f64>) -> f64 {
+        match &self.layout.slots[column] {
+            Some(Slot::Cells(_, unit)) if unit.over.is_some() => drive.unwrap_or(1.0),
+            _ => 1.0,
+        }
     }
 
     /// A number that every row needs.
@@ -277,9 +300,27 @@ impl Cells<'_, '_> {
     }
 
     fn cell(&mut self, column: usize, index: usize, unit: &Unit) -> Option<f64> {
+        let value = self.value(column, index, unit)?;
+        let info = MEASURED[column];
+        if !(info.minimum..=info.maximum).contains(&value) {
+            let si = if unit.relative { "1" } else { unit.si };
+            let name = if matches!(column, AMPLITUDE_SD | PHASE_SD) { info.meaning } else { info.key };
+            let title = format!("the {name} is outside its physical range: {}", units::format(value, si));
+            let label = needed_range((info.minimum, info.maximum), si);
+            let shown = if unit.relative { "%".into() } else { unit.shown() };
+            let what = format!("`{}` is the {}", info.key, info.meaning);
+            let help = format!("{what}, here read in {shown}; check the number, and the unit in the header");
+            self.fail(index, "range", &title, &label, &help);
+            return None;
+        }
+        Some(value)
+    }
+
+    /// The number of a cell, whatever is possible of its column.
+    fn value(&mut self, column: usize, index: usize, unit: &Unit) -> Option<f64> {
         let info = MEASURED[column];
         let written = self.row.cells[index].as_str();
-        let shown = if unit.relative { "%" } else { unit.text.as_str() };
+        let shown = if unit.relative { "%".into() } else { unit.shown() };
         let what = format!("`{}` is the {}", info.key, info.meaning);
         if written.is_empty() {
             let help = match column {
@@ -303,25 +344,15 @@ impl Cells<'_, '_> {
             return None;
         };
         let value = if value.is_finite() { unit.convert(&number) } else { Ok(value) };
-        let value = match value {
-            Ok(value) if value.is_finite() => value,
+        match value {
+            Ok(value) if value.is_finite() => Some(value),
             _ => {
                 let label = format!("a finite number in {shown} is needed");
                 let help = format!("{what}; remove the row if there is no reading");
                 self.fail(index, "finite", &format!("{} is not finite", quote(written)), &label, &help);
-                return None;
+                None
             }
-        };
-        if !(info.minimum..=info.maximum).contains(&value) {
-            let si = if unit.relative { "1" } else { unit.si };
-            let name = if matches!(column, AMPLITUDE_SD | PHASE_SD) { info.meaning } else { info.key };
-            let title = format!("the {name} is outside its physical range: {}", units::format(value, si));
-            let label = needed_range((info.minimum, info.maximum), si);
-            let help = format!("{what}, here read in {shown}; check the number, and the unit in the header");
-            self.fail(index, "range", &title, &label, &help);
-            return None;
         }
-        Some(value)
     }
 
     /// Notes a problem of a cell, with the name of its column; those of one kind are told once.

@@ -2,7 +2,8 @@
 
 use super::columns::Slot;
 use super::frame::{Frame, kind};
-use super::header::{self, ALL, AMPLITUDE, DRIVE, LOAD, Meaning, NUMBERS, SPEED};
+use super::header::{self, ALL, AMPLITUDE, DRIVE, LOAD, Meaning, NUMBERS, PHASE, SPEED};
+use super::parts::{Parts, parts};
 use super::sheet::{Complaints, Sheet};
 use super::swings::other_amplitude;
 use super::unit::Unit;
@@ -21,6 +22,8 @@ pub(crate) struct Found {
     pub told: [bool; ALL],
     /// What was chosen of several where there is no scenario to say it.
     pub choices: Vec<(String, String)>,
+    /// The columns of amplitude and phase, where they hold their parts.
+    pub parts: Option<Parts>,
 }
 
 /// Finds the columns that headers and mapping name.
@@ -33,11 +36,11 @@ pub(crate) fn search(
 ) -> Found {
     let taken = vec![false; sheet.header.cells.len()];
     let (slots, words, told, choices) = (Default::default(), Default::default(), [false; ALL], Vec::new());
-    let mut search = Search { sheet, frame, complaints, notes, slots, words, taken, told, choices };
+    let mut search = Search { sheet, frame, complaints, notes, slots, words, taken, told, choices, parts: None };
     search.map(mapping);
     search.find();
-    let Search { slots, words, taken, told, choices, .. } = search;
-    Found { slots, words, taken, told, choices }
+    let Search { slots, words, taken, told, choices, parts, .. } = search;
+    Found { slots, words, taken, told, choices, parts }
 }
 
 /// A column that a header names.
@@ -61,11 +64,34 @@ struct Search<'a, 'b> {
     told: [bool; ALL],
     /// What was chosen of several where there is no scenario to say it.
     choices: Vec<(String, String)>,
+    parts: Option<Parts>,
 }
 
 impl Search<'_, '_> {
+    /// Two columns that hold the parts of the readings, where no column holds their amplitude.
+    fn find_parts(&mut self) {
+        let amplitude = |index: usize| {
+            matches!(header::meaning(&self.sheet.headed(index), self.frame), Meaning::Column(AMPLITUDE, ..))
+        };
+        if self.told[AMPLITUDE] || (0..self.taken.len()).any(amplitude) {
+            return;
+        }
+        let Some(parts) = parts(self.sheet, self.frame, &self.taken) else { return };
+        let [real, imaginary] = [parts.real, parts.imaginary].map(|at| quote(&self.sheet.header.cells[at]));
+        let unit = parts.unit.shown();
+        let unit = if parts.stated { unit } else { format!("{unit}, no unit being stated") };
+        self.notes.push(format!("{real} and {imaginary} are read as what is in phase with the drive and 90° ahead of it, in {unit}"));
+        self.slots[AMPLITUDE] = Some(Slot::Cells(parts.real, parts.unit.clone()));
+        self.slots[PHASE] = Some(Slot::Cells(parts.imaginary, Unit::of("rad")));
+        for (index, column) in [(parts.real, AMPLITUDE), (parts.imaginary, PHASE)] {
+            (self.taken[index], self.told[column]) = (true, true);
+        }
+        self.parts = Some(parts);
+    }
+
     /// Columns whose headers say what they are.
     fn find(&mut self) {
+        self.find_parts();
         let mut candidates: [Vec<Candidate>; NUMBERS] = Default::default();
         let mut aliases: [Vec<Candidate>; NUMBERS] = Default::default();
         let mut likely: [Vec<Candidate>; NUMBERS] = Default::default();
@@ -170,7 +196,7 @@ impl Search<'_, '_> {
             [one] => {
                 let (header, key) = (header(one), COLUMNS[column]);
                 let unit =
-                    if one.stated { one.unit.text.clone() } else { format!("{}, no unit being stated", one.unit.si) };
+                    if one.stated { one.unit.shown() } else { format!("{}, no unit being stated", one.unit.si) };
                 self.notes.push(format!("{header} is read as {key} in {unit}"));
                 self.taken[one.index] = true;
                 self.slots[column] = Some(Slot::Cells(one.index, one.unit.clone()));
@@ -294,7 +320,7 @@ impl Search<'_, '_> {
                 Ok((unit, _)) if !frame.serving(column).contains(&unit.si) => self.unsuited(index, column, unit.si),
                 Ok((unit, stated)) => {
                     let read = if stated {
-                        format!("in {}", unit.text)
+                        format!("in {}", unit.shown())
                     } else {
                         format!("in {}, no unit being stated", unit.si)
                     };

@@ -1,6 +1,6 @@
 //! Units as headers state them: in brackets or as the end of a name, in the spellings of laboratories.
 
-use super::frame::kind;
+use super::frame::{DRIVES, kind};
 use crate::units::{self, UnitError};
 
 /// Symbols that are read in whatever case they are written, unless two differ in nothing else; in small letters the first of
@@ -22,21 +22,49 @@ pub(crate) struct Unit {
     pub si: &'static str,
     /// A share of the amplitude.
     pub relative: bool,
+    /// What its numbers are per, of a frequency response function.
+    pub over: Option<Over>,
     /// The prefix of a unit of standard gravity.
     gravity: Option<&'static str>,
+    /// Whether its numbers are levels, 20 log10 of the size.
+    decibel: bool,
+}
+
+/// The unit of the drive that the numbers of a frequency response function are per.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Over {
+    /// What it is in SI; none of a level whose reference is not stated, a ratio of whatever was read and driven.
+    pub si: Option<&'static str>,
+    /// Its size in SI.
+    size: f64,
+    text: String,
 }
 
 impl Unit {
     /// A unit in SI.
     pub fn of(si: &'static str) -> Self {
-        Self { text: si.into(), si, relative: false, gravity: None }
+        Self { text: si.into(), si, relative: false, over: None, gravity: None, decibel: false }
     }
 
     /// A number of this unit in SI, rounded once.
     pub fn convert(&self, number: &str) -> Result<f64, UnitError> {
-        match self.gravity {
-            Some(prefix) => Ok(GRAVITY * units::parse(&format!("{number} {prefix}m/s^2"), self.si)?),
-            None => units::parse(&format!("{number} {}", self.text), if self.relative { "1" } else { self.si }),
+        let level = |number: &str| number.parse().map(|level: f64| 10f64.powf(level / 20.0).to_string());
+        let size = if self.decibel { level(number).unwrap_or_default() } else { number.to_string() };
+        let value = match self.gravity {
+            Some(prefix) => GRAVITY * units::parse(&format!("{size} {prefix}m/s^2"), self.si)?,
+            None => units::parse(&format!("{size} {}", self.text), if self.relative { "1" } else { self.si })?,
+        };
+        Ok(self.over.as_ref().map_or(value, |over| value / over.size))
+    }
+
+    /// As it is told.
+    pub fn shown(&self) -> String {
+        let over = self.over.as_ref().filter(|over| over.si.is_some());
+        let ratio = over.map_or_else(|| self.text.clone(), |over| format!("{} per {}", self.text, over.text));
+        match (self.decibel, &self.over) {
+            (true, Some(Over { si: None, .. })) => "dB".into(),
+            (true, _) => format!("dB re 1 {ratio}"),
+            (false, _) => ratio,
         }
     }
 }
@@ -54,6 +82,13 @@ pub(crate) fn suffix(parts: &[&str]) -> impl Iterator<Item = String> {
 
 /// Whether the text is a unit of anything.
 pub(crate) fn known(text: &str) -> bool {
+    let of_side = |side: &str| known(side) || gravity(side).is_some();
+    if let Some(of) = level(text) {
+        return of.is_empty() || of_side(of);
+    }
+    if let Some((above, below)) = quotient(text) {
+        return of_side(above) && of_side(below);
+    }
     let digits = text.chars().all(|c| c.is_ascii_digit());
     !digits && matches!(units::parse(&format!("1 {}", spelt(text)), "m"), Ok(_) | Err(UnitError::Dimension { .. }))
 }
@@ -66,14 +101,41 @@ pub(crate) struct Wanted {
     pub natural: Option<&'static str>,
     /// Whether it may be a share in percent.
     pub share: bool,
+    /// Whether it may be per drive, or a level.
+    pub per_drive: bool,
 }
 
 impl Wanted {
     /// The unit that a text stands for, or why it does not serve.
     pub fn unit(&self, text: &str) -> Result<Unit, String> {
+        if !self.per_drive {
+            return self.plain(text);
+        }
+        match level(text) {
+            Some("") if self.possible.contains(&"V") => {
+                let over = Some(Over { si: None, size: 1.0, text: String::new() });
+                Ok(Unit { over, decibel: true, ..Unit::of("V") })
+            }
+            Some("") => Err("a level needs what it refers to, such as dB re 1 m".into()),
+            Some("m") if text.eq_ignore_ascii_case("dbm") => Err("dBm is the level of a power".into()),
+            Some(of) => Ok(Unit { decibel: true, ..self.ratio(of)? }),
+            None => self.ratio(text),
+        }
+    }
+
+    /// A unit, or one per drive.
+    fn ratio(&self, text: &str) -> Result<Unit, String> {
+        let Some((above, below)) = quotient(text) else { return self.plain(text) };
+        let of_drive = Self { possible: DRIVES, natural: None, share: false, per_drive: false };
+        let Ok(drive) = of_drive.plain(below) else { return self.plain(text) };
+        let size = drive.convert("1").map_err(|error| error.to_string())?;
+        Ok(Unit { over: Some(Over { si: Some(drive.si), size, text: drive.text }), ..self.plain(above)? })
+    }
+
+    fn plain(&self, text: &str) -> Result<Unit, String> {
         let si = self.natural.unwrap_or(self.possible[0]);
         if let (Some(prefix), true) = (gravity(text), self.possible.contains(&"m/s^2")) {
-            return Ok(Unit { text: text.into(), si: "m/s^2", relative: false, gravity: Some(prefix) });
+            return Ok(Unit { text: text.into(), gravity: Some(prefix), ..Unit::of("m/s^2") });
         }
         let mut text = spelt(text);
         if self.possible.contains(&"N m") && !self.possible.contains(&"m") {
@@ -86,7 +148,7 @@ impl Wanted {
         }
         if text == "%" {
             return if self.share {
-                Ok(Unit { text, si, relative: true, gravity: None })
+                Ok(Unit { text, relative: true, ..Unit::of(si) })
             } else {
                 Err(format!("a share in % serves only for the amplitude's standard deviation, {si} is needed here"))
             };
@@ -98,7 +160,7 @@ impl Wanted {
             named && units::parse(&format!("1 {text}"), si).is_ok()
         };
         if let Some(si) = self.possible.iter().find(|si| fits(si)) {
-            return Ok(Unit { text, si, relative: false, gravity: None });
+            return Ok(Unit { text, ..Unit::of(si) });
         }
         Err(match units::parse(&format!("1 {text}"), si) {
             Err(UnitError::Dimension { given, given_kind, .. }) if self.possible.len() > 1 => {
@@ -109,6 +171,28 @@ impl Wanted {
             Ok(_) => format!("`{text}` is no unit of {}", kind(si)),
         })
     }
+}
+
+/// What a level in decibels refers to; nothing where that is not stated.
+fn level(text: &str) -> Option<&str> {
+    let rest = text.get(..2).filter(|start| start.eq_ignore_ascii_case("db")).map(|_| text[2..].trim_start())?;
+    let words = ["rel.", "rel", "ref.", "ref", "re.", "re", ":"];
+    let rest = words.iter().find_map(|word| rest.strip_prefix(word)).unwrap_or(rest).trim_start();
+    let rest = rest.strip_prefix("1 ").unwrap_or(rest).trim();
+    Some(rest.strip_prefix('(').and_then(|inner| inner.strip_suffix(')')).unwrap_or(rest))
+}
+
+/// Both sides of a quotient of units, of `m/s^2/N` those of the last stroke; none of a speed or the like, which is one unit.
+fn quotient(text: &str) -> Option<(&str, &str)> {
+    let bare = |side: &'_ str| -> std::ops::Range<usize> {
+        let inner = side.trim();
+        let inner = inner.strip_prefix('(').and_then(|inner| inner.strip_suffix(')')).unwrap_or(inner);
+        let start = inner.as_ptr() as usize - side.as_ptr() as usize;
+        start..start + inner.len()
+    };
+    let (above, below) = text.rsplit_once('/')?;
+    let (above, below) = (&above[bare(above)], &below[bare(below)]);
+    (!above.is_empty() && !below.is_empty() && !below.starts_with('s')).then_some((above, below))
 }
 
 /// The prefix of a unit of standard gravity.

@@ -258,7 +258,7 @@ fn side(
         return None;
     }
     let unit = of.unit.as_str();
-    let wanted = Wanted { possible: possible(si), natural: Some(si), share: false };
+    let wanted = Wanted { possible: possible(si), natural: Some(si), share: false, per_drive: false };
     match wanted.unit(unit).map(|unit| unit.convert("1")) {
         Ok(Ok(size)) if !unit.is_empty() => Some((si, size)),
         _ if unit.is_empty() => {
