@@ -8,7 +8,7 @@ use crate::files;
 use crate::fit::resonance::{Resonance, of_all, resonance};
 use crate::fit::{robust_square, schwarz, typical_of};
 use crate::free_form;
-use crate::measurement::{Direction, Point, Series, Survey, Table, load, survey};
+use crate::measurement::{Direction, Mode, Point, Series, Survey, Table, load, modes, survey, survey_between};
 use crate::model::Model;
 use crate::scenario::diagnostic::whole_file;
 use crate::scenario::{Coordinate, Scenario, Signal};
@@ -61,13 +61,17 @@ impl Left {
 
 /// Looks at `table` and writes the scenario to `output`, or beside the table under its name.
 pub fn execute(table: &Path, output: Option<&Path>, global: &Global) -> Result<()> {
-    let seen = survey(table)?;
+    let mut seen = survey(table)?;
+    let modes = modes(&seen.table);
+    if let Some(strongest) = modes.first() {
+        seen = survey_between(table, strongest.band)?;
+    }
     let target = output.map_or_else(|| table.with_extension("toml"), PathBuf::from);
     if target.symlink_metadata().is_ok() {
         let title = format!("{} exists already, nothing was written", target.display());
         return Err(Error::Input(whole_file(&title, "name another file with -o, or move it away")));
     }
-    let draft = Draft::new(&seen, table)?;
+    let draft = Draft::new(&seen, table, &modes)?;
     let (text, chosen) = draft.best_scenario(&target)?;
     files::create(&target, text.as_bytes())?;
     for line in draft.description() {
@@ -99,6 +103,8 @@ struct Draft<'a> {
     /// The resonance with the contact stuck, where one is told by roller speeds or loads.
     stuck: Option<Resonance>,
     rolls: bool,
+    /// The resonances of the whole table, where there are several: the readings about the first are used.
+    modes: &'a [Mode],
 }
 
 /// A scenario in the making.
@@ -113,7 +119,7 @@ struct Written {
 }
 
 impl<'a> Draft<'a> {
-    fn new(seen: &'a Survey, table: &'a Path) -> Result<Self> {
+    fn new(seen: &'a Survey, table: &'a Path, modes: &'a [Mode]) -> Result<Self> {
         let refuse =
             |title: &str, help: &str| Err(Error::Input(whole_file(&format!("`{}`: {title}", table.display()), help)));
         let Some(coordinate) = seen.coordinate() else {
@@ -146,7 +152,7 @@ impl<'a> Draft<'a> {
             );
         };
         let stuck = if rolls { of(stuck) } else { None };
-        Ok(Self { seen, table, coordinate, resonance, stuck, rolls })
+        Ok(Self { seen, table, coordinate, resonance, stuck, rolls, modes })
     }
 
     fn signals(&self) -> (Signal, Signal) {
@@ -247,6 +253,17 @@ impl<'a> Draft<'a> {
     /// What the table lacks, and what that costs.
     fn lacking(&self) -> Vec<String> {
         let mut lacking = Vec::new();
+        if let [first, others @ ..] = self.modes {
+            let show = |f: f64| units::format(digits(f, 3), "Hz");
+            let others: Vec<String> = others.iter().map(|mode| show(mode.frequency)).collect();
+            lacking.push(format!(
+                "{} resonances: a scenario is of one mode, here of that near {}; for the others, near {}, change `frequency` in \
+                 [measurement]",
+                self.modes.len(),
+                show(first.frequency),
+                others.join(", ")
+            ));
+        }
         if self.resonance.phase.is_none() {
             lacking.push("no phases: delays cannot be told, damping and nonlinearity less well".into());
         }
@@ -352,6 +369,12 @@ impl<'a> Draft<'a> {
             let _ = write!(text, "\n[instrument]\n{instrument}");
         }
         let _ = write!(text, "\n[measurement]\nfile = \"{}\"\n", path_from(target, self.table));
+        if let Some(Mode { band: (from, to), .. }) = self.modes.first() {
+            let _ = writeln!(
+                text,
+                "frequency = {{ from = \"{from} Hz\", to = \"{to} Hz\" }}    # the readings that are used"
+            );
+        }
         if !self.seen.mapping.is_empty() {
             let pairs: Vec<String> =
                 self.seen.mapping.iter().map(|(key, header)| format!("{key} = {header:?}")).collect();

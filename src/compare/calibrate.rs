@@ -2,7 +2,9 @@
 
 use super::{Label, Outlier, Setting};
 use crate::fit::resonance;
-use crate::fit::{CONVERGED, Fit, Parameter, Problem, Settings, TAIL, minimise, parameter, robust_chi2, robust_square, typical_of};
+use crate::fit::{
+    CONVERGED, Fit, Parameter, Problem, Settings, TAIL, minimise, parameter, robust_chi2, robust_square, typical_of,
+};
 use crate::measurement::{Point, Series, Table};
 use crate::model::{Model, Operation};
 use crate::scenario::Scenario;

@@ -25,8 +25,8 @@ pub use shifts::shifts;
 pub use whiteness::{Whiteness, scatter, whiteness};
 
 use crate::fit::{
-    Correlation, Fit, Interval, Prediction, Problem, TAIL, approximate_intervals, correlations, profiled, read,
-    robust_chi2, typical_of,
+    Correlation, Fit, Interval, Prediction, Problem, TAIL, approximate_intervals, correlations, is_lost, profiled,
+    read_all, robust_chi2, typical_of,
 };
 use crate::measurement::{Point, Table};
 use crate::model::Model;
@@ -392,12 +392,12 @@ fn noise_scale(whiteness: &Whiteness) -> f64 {
 
 /// Measured points (in canonical order) beside what a model says of them.
 pub fn compared(points: &[Point], predictions: &[Prediction]) -> Vec<Compared> {
-    let beside = |(point, prediction): (&Point, &Prediction)| {
-        let (amplitude_residual, phase_residual) = read(point, prediction);
+    let left = read_all(|| points.iter().zip(predictions), is_lost(predictions));
+    let beside = |((point, prediction), (amplitude_residual, phase_residual)): ((&Point, &Prediction), _)| {
         let (condition, model) = (point.series, prediction.clone());
         Compared { point: point.clone(), condition, model, amplitude_residual, phase_residual }
     };
-    points.iter().zip(predictions).map(beside).collect()
+    points.iter().zip(predictions).zip(left).map(beside).collect()
 }
 
 fn standing_out(curve: &[&Compared], column: &'static str, noise: f64) -> Vec<Outlier> {

@@ -5,7 +5,7 @@ use super::known::{Entry, Known};
 use super::select::Search;
 use super::{Candidate, Discovery, Evidence, MARGIN, NotTestable, Step, Verdict, held_out, next, verdict};
 use crate::compare::{self, Calibration, Comparison};
-use crate::fit::{Interval, TAIL, approximate_intervals};
+use crate::fit::{Interval, TAIL, approximate_intervals, is_lost};
 use crate::measurement::Noise;
 use rayon::prelude::*;
 use std::sync::OnceLock;
@@ -15,11 +15,18 @@ const WORSE: f64 = 1.0;
 /// Rivals of the explanation whose prediction of left-out conditions and, where they are tied with it, profiles are computed.
 const RIVALS: usize = 3;
 
-/// Takes off the last additions as long as they raise the error of the amplitude, of what was fitted and of series that are left
+/// Takes off the last additions as long as they leave no steady state, or raise the error of the amplitude, of what was fitted and of series that are left
 /// out, where what is left is no noise: misfit of one cause, spread over many readings, makes terms significant that only follow
 /// it. Tells the first that was taken off.
 fn beyond_prediction(steps: &mut Vec<Step>) -> Option<String> {
     let mut first = None;
+    let lost = |step: &Step| is_lost(step.comparison.points.iter().map(|p| &p.model));
+    while let [.., before, last] = &steps[..]
+        && lost(last)
+        && !lost(before)
+    {
+        first = steps.pop()?.added;
+    }
     while let [.., before, last] = &steps[..]
         && last.comparison.overall.rms_error_percent > before.comparison.overall.rms_error_percent
         && let (Some(before), Some(last)) = (before.held_out, last.held_out)
@@ -121,7 +128,9 @@ impl Search<'_> {
             let more = best.hypothesis.additions.len().saturating_sub(end.hypothesis.additions.len());
             let takes = MARGIN + 2.0 * more as f64 * (pool.max(1) as f64).ln();
             let verdict = if let Some(further) = &further {
-                format!("but {further} raises the error of the amplitude, of series that are left out too")
+                format!(
+                    "but {further} leaves too few steady states, or raises the error of the amplitude, of series that are left out too"
+                )
             } else if above < takes {
                 format!("too little to decide for it: among {pool} that were looked at it takes {takes:.1}")
             } else {
@@ -145,7 +154,7 @@ impl Search<'_> {
         notes.extend(end.comparison.notes.iter().cloned());
         let troubled = end.hypothesis.fit.evaluation.troubled();
         if troubled > 0 {
-            notes.push(format!("{troubled} points have no steady state in the explanation; each counts as a misfit of 2 to 6 standard deviations"));
+            notes.push(format!("{troubled} points have no steady state in the explanation; each counts as a misfit of at least 2 standard deviations, and as the others where these are worse"));
         }
         Discovery {
             verdict,

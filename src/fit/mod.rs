@@ -10,5 +10,5 @@ pub mod resonance;
 
 pub use least_squares::{CONVERGED, Fit, Settings, TAIL, minimise, robust_chi2, robust_square, schwarz, typical_of};
 pub use parameter::{Parameter, parameter};
-pub use problem::{Evaluation, Prediction, Problem, TROUBLED, cost, operation, read};
+pub use problem::{Evaluation, Prediction, Problem, TROUBLED, cost, is_lost, operation, read_all};
 pub use profile::{Correlation, Identified, Interval, Profiles, approximate_intervals, correlations, profiled};

@@ -229,21 +229,10 @@ impl<'a> Problem<'a> {
             let predictions = solved.into_iter().map(|(p, _)| p).collect();
             return Evaluation { residuals, jacobian, predictions, lost };
         }
-        let steady = self.points.iter().zip(&solved).filter(|(_, (p, _))| p.status.is_steady());
-        let squares = steady.map(|(point, (prediction, _))| {
-            let (amplitude, phase) = read(point, prediction);
-            (amplitude.powi(2) + phase.map_or(0.0, |r| r.powi(2)), 1 + usize::from(phase.is_some()))
-        });
-        let (square, readings) = squares.fold((0.0, 0), |(square, count), (s, n)| (square + s, count + n));
-        let average = (square / readings.max(1) as f64).sqrt();
+        let pairs = || self.points.iter().copied().zip(solved.iter().map(|(prediction, _)| prediction));
+        let left = read_all(pairs, lost);
         let mut row = 0;
-        for (point, (prediction, gradient)) in self.points.iter().zip(&solved) {
-            let (amplitude, phase) = match prediction.status {
-                Status::Steady | Status::Stuck => read(point, prediction),
-                _ if lost => (LOST.1, point.phase.map(|_| LOST.1)),
-                _ if average > TROUBLED => (average, point.phase.map(|_| average)),
-                _ => read(point, prediction),
-            };
+        for ((point, (amplitude, phase)), (_, gradient)) in self.points.iter().zip(left).zip(&solved) {
             residuals[row] = amplitude;
             for (column, (by_amplitude, _)) in gradient.iter().enumerate() {
                 jacobian[(row, column)] = by_amplitude / point.amplitude_sd;
@@ -324,8 +313,39 @@ pub fn cost(model: &Model) -> u64 {
     if model.is_steep() { 8 * corners } else { corners }
 }
 
+/// Whether a model has no steady state at so many of some points that it explains none of them.
+pub fn is_lost<'p>(predictions: impl IntoIterator<Item = &'p Prediction>) -> bool {
+    let (mut troubled, mut all) = (0_usize, 0_usize);
+    for prediction in predictions {
+        troubled += usize::from(!prediction.status.is_steady());
+        all += 1;
+    }
+    troubled as f64 > LOST.0 * all as f64
+}
+
+/// Residuals of all points; those without a steady state are as bad as the others are on average, and the worst of a model that is
+/// lost.
+pub fn read_all<'p, I: Iterator<Item = (&'p Point, &'p Prediction)>>(
+    pairs: impl Fn() -> I,
+    lost: bool,
+) -> Vec<(f64, Option<f64>)> {
+    let squares = pairs().filter(|(_, prediction)| prediction.status.is_steady()).map(|(point, prediction)| {
+        let (amplitude, phase) = read(point, prediction);
+        (amplitude.powi(2) + phase.map_or(0.0, |r| r.powi(2)), 1 + usize::from(phase.is_some()))
+    });
+    let (square, readings) = squares.fold((0.0, 0), |(square, count), (s, n)| (square + s, count + n));
+    let average = (square / readings.max(1) as f64).sqrt();
+    let of = |(point, prediction): (&Point, &Prediction)| match prediction.status {
+        Status::Steady | Status::Stuck => read(point, prediction),
+        _ if lost => (LOST.1, point.phase.map(|_| LOST.1)),
+        _ if average > TROUBLED => (average, point.phase.map(|_| average)),
+        _ => read(point, prediction),
+    };
+    pairs().map(of).collect()
+}
+
 /// Residuals of amplitude and, where measured, phase in standard deviations.
-pub fn read(point: &Point, prediction: &Prediction) -> (f64, Option<f64>) {
+fn read(point: &Point, prediction: &Prediction) -> (f64, Option<f64>) {
     let amplitude = (prediction.amplitude - point.amplitude) / point.amplitude_sd;
     let phase = point.phase.zip(point.phase_sd).map(|(phase, sd)| wrap(prediction.phase - phase) / sd);
     match prediction.status {

@@ -15,6 +15,7 @@ mod file;
 mod frame;
 mod header;
 mod likely;
+mod modes;
 mod names;
 mod noise;
 mod parts;
@@ -35,12 +36,13 @@ use std::path::{Path, PathBuf};
 
 pub(crate) use file::bytes;
 pub(crate) use header::{plain, split};
+pub use modes::{Mode, modes};
 pub use noise::Noise;
 pub(crate) use rows::{decimal_commas, written};
 pub use scatter::{Scatter, Spread, scatter};
 pub use series::{Direction, Series, by_condition};
 pub(crate) use sheet::{Complaints, Row, Sheet};
-pub use survey::{Column, Survey, survey, survey_bytes};
+pub use survey::{Column, Survey, survey, survey_between, survey_bytes};
 pub(crate) use unit::{Unit, Wanted, suffix};
 
 use crate::error::{Error, Result};
@@ -269,6 +271,7 @@ fn read(wanted: &MeasurementSource, bytes: &[u8], frame: &Frame<'_>, sweep: Opti
             universal::readings(&source, wanted.record, frame, sweep, &mut notes)?
         }
     };
+    let readings = within(readings, wanted, &mut notes)?;
     unused_keys(wanted, format, &mut notes);
     let pool::Readings { signals, columns, choices, .. } = &readings;
     let (signals, columns, choices) = (*signals, columns.clone(), choices.clone());
@@ -292,6 +295,24 @@ fn read(wanted: &MeasurementSource, bytes: &[u8], frame: &Frame<'_>, sweep: Opti
     let file = wanted.file.clone();
     let table = Table { file, hash, points, series, signals, amplitude_noise, phase_noise, notes };
     Ok((table, columns, choices))
+}
+
+/// The readings that a scenario asks for.
+fn within(readings: pool::Readings, wanted: &MeasurementSource, notes: &mut Vec<String>) -> Result<pool::Readings> {
+    let Some((from, to)) = wanted.band else { return Ok(readings) };
+    let (mut kept, all) = (readings, |readings: &pool::Readings| readings.list.len());
+    let before = all(&kept);
+    kept.list.retain(|reading| (from..=to).contains(&reading.frequency));
+    let [from, to] = [from, to].map(|f| crate::units::format(f, "Hz"));
+    if kept.list.is_empty() {
+        let title = format!("`{}` has no reading between {from} and {to}", wanted.file.display());
+        return Err(Error::Input(whole_file(&title, "change `frequency` in [measurement]")));
+    }
+    let out = before - all(&kept);
+    if out > 0 {
+        notes.push(format!("{out} of {before} rows are not used: they lie outside {from} to {to}"));
+    }
+    Ok(kept)
 }
 
 /// Formats, by the extension of the file's name.

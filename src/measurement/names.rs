@@ -65,6 +65,7 @@ pub(crate) const ALIASES: &[Alias] = &[
     alias("magnitude", AMPLITUDE, &[], false),
     alias("mag", AMPLITUDE, &[], false),
     alias("gain", AMPLITUDE, &[], false),
+    alias("s21", AMPLITUDE, &[], false),
     alias("h", AMPLITUDE, &[], false),
     alias("|h|", AMPLITUDE, &[], false),
     alias("frf", AMPLITUDE, &[], false),

@@ -3,8 +3,8 @@
 use super::columns::{Layout, Slot, layout};
 use super::frame::{Frame, amplitude_header, kind};
 use super::header::{AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LOAD, MEAN, PHASE, PHASE_SD, SERIES, SPEED, SWEEP};
-use super::pool::{Reading, Readings};
 use super::parts::Parts;
+use super::pool::{Reading, Readings};
 use super::sheet::{Complaints, Row, Sheet};
 use super::unit::Unit;
 use super::{Column, Direction};
@@ -157,7 +157,8 @@ impl Cells<'_, '_> {
             Slot::Cells(_, unit) => unit.relative,
             Slot::Value(..) => false,
         });
-        let amplitude_sd = self.deviation(AMPLITUDE_SD, true).map(|sd| sd.map(|sd| sd * self.times(AMPLITUDE_SD, drive)));
+        let amplitude_sd =
+            self.deviation(AMPLITUDE_SD, true).map(|sd| sd.map(|sd| sd * self.times(AMPLITUDE_SD, drive)));
         let phase_sd = self.deviation(PHASE_SD, !matches!(phase, Some(None)));
         if let (Some(value), Some(sd)) = (amplitude, amplitude_sd) {
             self.zero(value, sd.is_none() || share);

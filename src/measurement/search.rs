@@ -80,7 +80,9 @@ impl Search<'_, '_> {
         let [real, imaginary] = [parts.real, parts.imaginary].map(|at| quote(&self.sheet.header.cells[at]));
         let unit = parts.unit.shown();
         let unit = if parts.stated { unit } else { format!("{unit}, no unit being stated") };
-        self.notes.push(format!("{real} and {imaginary} are read as what is in phase with the drive and 90° ahead of it, in {unit}"));
+        self.notes.push(format!(
+            "{real} and {imaginary} are read as what is in phase with the drive and 90° ahead of it, in {unit}"
+        ));
         self.slots[AMPLITUDE] = Some(Slot::Cells(parts.real, parts.unit.clone()));
         self.slots[PHASE] = Some(Slot::Cells(parts.imaginary, Unit::of("rad")));
         for (index, column) in [(parts.real, AMPLITUDE), (parts.imaginary, PHASE)] {
@@ -195,8 +197,7 @@ impl Search<'_, '_> {
             [] => {}
             [one] => {
                 let (header, key) = (header(one), COLUMNS[column]);
-                let unit =
-                    if one.stated { one.unit.shown() } else { format!("{}, no unit being stated", one.unit.si) };
+                let unit = if one.stated { one.unit.shown() } else { format!("{}, no unit being stated", one.unit.si) };
                 self.notes.push(format!("{header} is read as {key} in {unit}"));
                 self.taken[one.index] = true;
                 self.slots[column] = Some(Slot::Cells(one.index, one.unit.clone()));

@@ -58,7 +58,15 @@ impl Survey {
 /// # Errors
 /// As of [`super::load`].
 pub fn survey(path: impl AsRef<Path>) -> Result<Survey> {
-    survey_of(path.as_ref().to_path_buf(), file::bytes)
+    survey_of(path.as_ref().to_path_buf(), None, file::bytes)
+}
+
+/// The same of the readings between two frequencies \[Hz\].
+///
+/// # Errors
+/// As of [`survey`].
+pub fn survey_between(path: impl AsRef<Path>, band: (f64, f64)) -> Result<Survey> {
+    survey_of(path.as_ref().to_path_buf(), Some(band), file::bytes)
 }
 
 /// The same of bytes that are at hand; the name still tells their format.
@@ -66,16 +74,16 @@ pub fn survey(path: impl AsRef<Path>) -> Result<Survey> {
 /// # Errors
 /// As of [`survey`].
 pub fn survey_bytes(path: impl AsRef<Path>, bytes: &[u8]) -> Result<Survey> {
-    survey_of(path.as_ref().to_path_buf(), |_| Ok(bytes.to_vec()))
+    survey_of(path.as_ref().to_path_buf(), None, |_| Ok(bytes.to_vec()))
 }
 
-fn survey_of(file: PathBuf, bytes: impl Fn(&Path) -> Result<Vec<u8>>) -> Result<Survey> {
+fn survey_of(file: PathBuf, band: Option<(f64, f64)>, bytes: impl Fn(&Path) -> Result<Vec<u8>>) -> Result<Survey> {
     if Format::of(&file)? == Format::Universal {
         let title = format!("`{}` holds response per drive, and not how much drive there was", file.display());
         let help = "write a scenario that names it under [measurement], with one value for drive in [sweep]";
         return Err(Error::Input(whole_file(&title, help)));
     }
-    let wanted = MeasurementSource { file, columns: Vec::new(), record: None, sheet: None };
+    let wanted = MeasurementSource { file, columns: Vec::new(), record: None, sheet: None, band };
     let bytes = bytes(&wanted.file)?;
     let (table, columns, mapping) = read(&wanted, &bytes, &Frame::any(), None)?;
     Ok(Survey { table, columns, mapping })

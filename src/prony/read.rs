@@ -146,8 +146,12 @@ fn meaning(header: &str) -> Option<(usize, std::result::Result<Unit, String>)> {
     let name = plain(written);
     let whole = plain(header.trim());
     let find = |name: &str| QUANTITIES.iter().position(|quantity| quantity.names.contains(&name));
-    let wanted =
-        |what: usize| Wanted { possible: std::slice::from_ref(&QUANTITIES[what].si), natural: None, share: false, per_drive: false };
+    let wanted = |what: usize| Wanted {
+        possible: std::slice::from_ref(&QUANTITIES[what].si),
+        natural: None,
+        share: false,
+        per_drive: false,
+    };
     if let (Some(what), Some(text)) = (find(&name), bracket) {
         return Some((what, wanted(what).unit(text)));
     }

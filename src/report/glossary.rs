@@ -42,7 +42,12 @@ const SYMBOLS: &[(&str, &str, &str, &str)] = &[
     ("f1-f2", "f₁, f₂", "Hz", "lower and upper frequency at which the arm's speed amplitude bωα equals V"),
     ("sigma", "σ", "", "standard deviation of a reading: 1 in 20 errors of pure noise is larger than 2 σ"),
     ("chi2", "χ²", "", "mean square of the errors in standard deviations; noise alone gives 1"),
-    ("delta-bic", "ΔBIC", "", "Bayesian information criterion (Schwarz 1978) above that of the best candidate; below 6 the two are a tie"),
+    (
+        "delta-bic",
+        "ΔBIC",
+        "",
+        "Bayesian information criterion (Schwarz 1978) above that of the best candidate; below 6 the two are a tie",
+    ),
 ];
 
 /// The equations of the model without effects.

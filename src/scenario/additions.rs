@@ -4,7 +4,7 @@ use super::LoadOptions;
 use super::diagnostic::{nearest, quote, suggestion};
 use super::embedded;
 use super::formula;
-use super::parameters::{COLUMNS, CONTACT, RIG};
+use super::parameters::{COLUMNS, CONTACT, RIG, SWEEP};
 use super::reader::{Reader, Table, units};
 use super::rig::Rig;
 use super::source::Store;
@@ -131,7 +131,7 @@ pub(crate) fn measurement(
         return Some(None);
     }
     let table = reader.table(entries, "measurement")?;
-    reader.keys(&table, &[("file", "text")], &["columns", "record", "sheet"]);
+    reader.keys(&table, &[("file", "text")], &["columns", "record", "sheet", "frequency"]);
     let node = table.get("file")?;
     let name = reader.text("file", node)?;
     let folder = reader.source(&node.place).path.parent().unwrap_or(std::path::Path::new("")).to_path_buf();
@@ -157,7 +157,25 @@ pub(crate) fn measurement(
         Some(node) => Some(reader.text("sheet", node)?),
         None => None,
     };
-    Some(Some(MeasurementSource { file, columns, record, sheet }))
+    let band = match table.get("frequency") {
+        Some(_) => Some(band(reader, table.entries)?),
+        None => None,
+    };
+    Some(Some(MeasurementSource { file, columns, record, sheet, band }))
+}
+
+/// Between which frequencies readings are used.
+fn band(reader: &mut Reader<'_>, entries: &[Entry]) -> Option<(f64, f64)> {
+    let table = reader.table(entries, "frequency")?;
+    reader.keys(&table, &[("from", "Hz"), ("to", "Hz")], &[]);
+    let [from, to] = ["from", "to"].map(|key| table.get(key).and_then(|node| reader.quantity(node, &SWEEP[0])));
+    let (from, to) = (from?, to?);
+    if from >= to {
+        let help = "`frequency` of [measurement] keeps the readings of this range: write the lower frequency as `from`";
+        reader.fail(&table.place, "`from` needs to be less than `to`", "no frequency lies in this range", help);
+        return None;
+    }
+    Some((from, to))
 }
 
 /// Which function of a universal file.

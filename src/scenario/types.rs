@@ -138,6 +138,8 @@ pub struct MeasurementSource {
     pub record: Option<usize>,
     /// Which sheet of a workbook; the first where it is not said.
     pub sheet: Option<String>,
+    /// Lowest and highest frequency of the readings that are used \[Hz\]; all where it is not said.
+    pub band: Option<(f64, f64)>,
 }
 
 /// What has to hold for a run to pass; what is absent is not asked for.
