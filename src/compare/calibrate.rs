@@ -124,6 +124,9 @@ pub fn calibrate(model: &Model, keys: &[String], points: &[Point], tolerance: To
     Calibration { solved, ..best }
 }
 
+/// Most evaluations of the model that [`calibrate_about`] takes, but for a robust fit that goes on getting tighter.
+pub const MOST: usize = 1 + STARTS + (FOLLOWED + 1) * EVALUATIONS;
+
 /// A calibration as [`calibrate`] within the ranges about the values that the model has, and no further.
 pub fn calibrate_about(
     model: &Model,

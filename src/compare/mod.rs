@@ -15,7 +15,7 @@ mod whiteness;
 
 pub use budget::ErrorBudget;
 pub(crate) use calibrate::TIGHTER;
-pub use calibrate::{Calibration, calibrate, calibrate_about, problem, settings_of};
+pub use calibrate::{Calibration, MOST, calibrate, calibrate_about, problem, settings_of};
 pub use curves::{ModelCurve, model_curves};
 pub use fingerprint::{ContactPoint, fingerprint};
 pub use json::{ComparisonJson, ForceJson, ParameterJson, SCHEMA, SettingJson, json, of_contact, units_of_force};

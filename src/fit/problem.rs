@@ -165,7 +165,9 @@ impl<'a> Problem<'a> {
         let allowed = share * self.points.len() as f64;
         let troubled = AtomicUsize::new(0);
         let points = &self.points;
-        let integrated = AtomicU64::new(0);
+        let spent = AtomicU64::new(0);
+        // What was integrated comes on top; the balance of a mode alone costs what was expected, or more.
+        let least = if model.has_sliders() { 1 } else { cost(&model) };
         let solve = |(index, warm): (usize, &mut Warm)| -> (usize, Solved) {
             let point = points[index];
             warm.forget_orbit();
@@ -181,7 +183,8 @@ impl<'a> Problem<'a> {
                 );
             }
             let solution = solve_steady(&model, &operation(point), &tolerance, derivatives, warm);
-            integrated.fetch_add(solution.steps as u64, Relaxed);
+            let own = solution.steps as u64 / STEPS_A_STATE;
+            spent.fetch_add(if model.has_contact { least + own } else { least.max(own) }, Relaxed);
             let state = solution.state;
             if !state.status.is_steady() {
                 troubled.fetch_add(1, Relaxed);
@@ -201,8 +204,6 @@ impl<'a> Problem<'a> {
             let mut wanted = vec![false; points.len()];
             wave.iter().flatten().for_each(|&index| wanted[index] = true);
             let work: Vec<(usize, &mut Warm)> = self.warm.iter_mut().enumerate().filter(|(i, _)| wanted[*i]).collect();
-            let measured = model.has_sliders() || model.has_dry_friction();
-            self.solved += work.len() as u64 * if measured { 1 } else { cost(&model) };
             // One after the other where the first may tell enough of all, so that as many are solved on any number of threads.
             let found: Vec<(usize, Solved)> = if gives_up {
                 work.into_iter().map(solve).collect()
@@ -216,7 +217,7 @@ impl<'a> Problem<'a> {
             }
             wave = readings.iter().map(Reading::next).collect();
         }
-        self.solved += integrated.into_inner() / STEPS_A_STATE;
+        self.solved += spent.into_inner();
         readings.iter().for_each(|reading| reading.fill(points, &mut solved));
         let solved: Vec<Solved> = solved.into_iter().flatten().collect();
         let rows = self.points.iter().map(|p| 1 + usize::from(p.phase.is_some())).sum();

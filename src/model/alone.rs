@@ -7,6 +7,7 @@ use crate::dual::Dual;
 use crate::effects::Effect;
 use crate::effects::formula::Formula;
 use crate::parameter::FIRST_EFFECT_PARAMETER;
+use std::cell::Cell;
 
 /// The mode at one operating point.
 pub struct Alone {
@@ -14,6 +15,8 @@ pub struct Alone {
     pub lumps: Lumps,
     laws: Vec<(&'static dyn Effect, Vec<f64>, usize)>,
     columns: usize,
+    /// Multiplications that were done on it.
+    pub spent: Cell<usize>,
 }
 
 impl Alone {
@@ -27,7 +30,7 @@ impl Alone {
             }
             first += p.len();
         }
-        Self { lumps: Lumps::new(model, at), laws, columns: first }
+        Self { lumps: Lumps::new(model, at), laws, columns: first, spent: Cell::new(0) }
     }
 
     /// Whether the mode is linear, so that its motion is known in closed form.
@@ -52,6 +55,10 @@ impl Alone {
 }
 
 impl SingleMode for Alone {
+    fn spend(&self, multiplications: usize) {
+        self.spent.set(self.spent.get() + multiplications);
+    }
+
     fn linear(&self) -> [f64; 3] {
         [self.lumps.inertia.value, self.lumps.damping.value, self.lumps.stiffness.value]
     }

@@ -207,7 +207,12 @@ pub trait SingleMode {
     fn add_columns(&self, x: f64, v: f64, weight: f64, sums: &mut [f64]);
     /// Number of these parameters.
     fn columns(&self) -> usize;
+    /// Takes note of work that was done on it, in multiplications, about.
+    fn spend(&self, _multiplications: usize) {}
 }
+
+/// Multiplications that a force of the laws takes.
+pub const A_FORCE: usize = 20;
 
 /// Sliders in parallel between the arm and the roller, as pieces: what they share and what each obeys.
 pub trait SliderSystem {

@@ -10,7 +10,7 @@ pub mod fold;
 use super::describing::{companions, describing, is_odd, nearly};
 use super::joint::{Instant, pulls};
 use super::tolerance::Tolerance;
-use crate::model::system::SingleMode;
+use crate::model::system::{A_FORCE, SingleMode};
 use nalgebra::{DMatrix, DVector};
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -27,6 +27,8 @@ const INSTANTS_AT_CORNERS: (usize, usize) = (512, 64);
 const TAIL: f64 = 5e-5;
 /// The same below which the longest series is accepted.
 const LONGEST_TAIL: f64 = 1e-2;
+/// Multiplications for a slope of a force by an unknown.
+const SLOPE: usize = 6;
 /// Newton steps with one number of harmonics.
 const STEPS: usize = 40;
 /// Relative Newton step below which a balance that no step improves any more is as good as its kinks allow.
@@ -353,6 +355,7 @@ fn newton(
 fn evaluate(mode: &dyn SingleMode, laid: &Laid, series: &[f64]) -> Balance {
     let ([mass, damping, stiffness], omega, (re, im)) = (mode.linear(), mode.omega(), mode.drive());
     let (n, unknowns) = (laid.projected, series.len());
+    mode.spend(n * (A_FORCE + (SLOPE + unknowns) * unknowns));
     let z = DVector::from_column_slice(series);
     let (x, v) = (&laid.basis * &z, &laid.slopes * &z * omega);
     let mut force = DVector::zeros(n);

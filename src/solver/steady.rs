@@ -17,8 +17,8 @@ use std::cell::Cell;
 
 /// Distance of the starts of neighbouring motions, in units of the scales, from which on they may be on other branches.
 const NEIGHBOUR: f64 = 0.3;
-/// Forces of a mode that take as long as a step of an integration.
-const FORCES: usize = 32;
+/// Multiplications on a mode alone ([`SingleMode::spend`]) that take as long as a step of an integration.
+const WORK: usize = 640;
 /// Factor between the speeds of one step on the way down from full slip.
 const SLOWER: f64 = 0.8;
 /// A motion this many times larger than without contact has no bound.
@@ -376,10 +376,7 @@ fn alone(model: &Model, at: &Operation, with: &Search<'_>, warm: &mut Warm) -> S
     let steep = mode.is_steep() && mode.joint().is_none();
     let stops = mode.dry_friction() > 0.0 || (steep && !with.tolerance.gives_up());
     let (states, ends): (Vec<oscillator::Found>, Vec<f64>) = if stops {
-        let forces = Cell::new(0);
-        let states = stopping::states(&mode, with.tolerance, with.derivatives, &forces);
-        with.steps.set(with.steps.get() + forces.into_inner() / FORCES);
-        (states, Vec::new())
+        (stopping::states(&mode, with.tolerance, with.derivatives), Vec::new())
     } else {
         let (states, ends) = oscillator::states(&mode, with.tolerance);
         (states.iter().map(|state| state.found(lumps.omega)).collect(), ends)
@@ -393,6 +390,7 @@ fn alone(model: &Model, at: &Operation, with: &Search<'_>, warm: &mut Warm) -> S
         }
         warm.alone.map_or(0.0, |(x, y)| (re - x).hypot(im - y))
     };
+    with.steps.set(with.steps.get() + mode.spent.get() / WORK);
     let distances: Vec<f64> = states.iter().map(|state| distance(state.response)).collect();
     let nearest = (0..states.len()).min_by(|&i, &j| distances[i].total_cmp(&distances[j]));
     let mut others: Vec<(f64, f64)> = states.iter().map(|state| lumps.reading(state.response)).collect();

@@ -8,9 +8,8 @@
 use super::describing::{describing, nearly};
 use super::oscillator::{Found, flow};
 use super::tolerance::Tolerance;
-use crate::model::system::SingleMode;
+use crate::model::system::{A_FORCE, SingleMode};
 use crate::roots::regula_falsi;
-use std::cell::Cell;
 use std::f64::consts::TAU;
 
 /// Steps of a cycle, and of one with a slope without bound.
@@ -85,19 +84,17 @@ struct Shot<'a> {
     free: (f64, f64),
     fastest: f64,
     full: Carry,
-    /// Forces that were asked for.
-    forces: &'a Cell<usize>,
 }
 
 impl<'a> Shot<'a> {
-    fn new(mode: &'a dyn SingleMode, numbers: Numbers, steps: usize, forces: &'a Cell<usize>) -> Self {
+    fn new(mode: &'a dyn SingleMode, numbers: Numbers, steps: usize) -> Self {
         let [mass, damping, stiffness, re, im, _] = numbers.values;
         let omega = mode.omega();
         let (k, c) = (stiffness - mass * omega * omega, damping * omega);
         let square = k * k + c * c;
         let free = ((re * k + im * c) / square, (im * k - re * c) / square);
         let full = Carry { length: 0.0, flow: [[0.0; 2]; 2], by: [0.0; 2] };
-        let mut shot = Self { mode, numbers, steps, free, fastest: omega * free.0.hypot(free.1), full, forces };
+        let mut shot = Self { mode, numbers, steps, free, fastest: omega * free.0.hypot(free.1), full };
         shot.full = shot.carry(TAU / omega / steps as f64);
         shot
     }
@@ -120,7 +117,7 @@ impl<'a> Shot<'a> {
 
     /// Force of the laws with its slopes.
     fn force(&self, x: f64, v: f64) -> [f64; 3] {
-        self.forces.set(self.forces.get() + 1);
+        self.mode.spend(A_FORCE);
         let mut force = self.mode.force(x, v);
         if let Some((number, change)) = self.numbers.law {
             let mut by = vec![0.0; self.mode.columns()];
@@ -289,9 +286,8 @@ fn multiplier(map: &[Slope; 2]) -> f64 {
     if root >= 0.0 { 0.5 * trace.abs() + root.sqrt() } else { determinant.max(0.0).sqrt() }
 }
 
-/// All stable periodic states that are found, the smallest amplitude first; without any, the unstable ones. Counts the forces that
-/// it asks for.
-pub fn states(mode: &dyn SingleMode, tolerance: &Tolerance, derivatives: bool, forces: &Cell<usize>) -> Vec<Found> {
+/// All stable periodic states that are found, the smallest amplitude first; without any, the unstable ones.
+pub fn states(mode: &dyn SingleMode, tolerance: &Tolerance, derivatives: bool) -> Vec<Found> {
     let ([mass, damping, stiffness], (re, im), omega) = (mode.linear(), mode.drive(), mode.omega());
     let numbers = Numbers { values: [mass, damping, stiffness, re, im, mode.dry_friction()], law: None };
     if re.hypot(im) + mode.force(0.0, 0.0)[0].abs() <= mode.dry_friction() {
@@ -299,7 +295,7 @@ pub fn states(mode: &dyn SingleMode, tolerance: &Tolerance, derivatives: bool, f
     }
     let most = STEPS[usize::from(mode.is_steep())];
     let steps = ((most as f64 / tolerance.coarsening().powi(4)) as usize).max(FEWEST);
-    let shot = Shot::new(mode, numbers, steps, forces);
+    let shot = Shot::new(mode, numbers, steps);
     if !shot.fastest.is_finite() {
         return Vec::new();
     }
@@ -385,7 +381,7 @@ fn found(
         if change == 0.0 || !derivatives {
             return (0.0, 0.0);
         }
-        let moved = Shot::new(shot.mode, moved(change), shot.steps, shot.forces).cycle(start);
+        let moved = Shot::new(shot.mode, moved(change), shot.steps).cycle(start);
         let own = Slope::of(&moved, cycle, change);
         let along = carried(&map, own.end);
         let part = |i: usize| own.response[i] + map[0].response[i] * along[0] + map[1].response[i] * along[1];

@@ -7,6 +7,7 @@ mod hostile;
 mod laboratory;
 mod noise;
 mod oscillators;
+mod ratios;
 mod series;
 mod survey;
 mod universal;
