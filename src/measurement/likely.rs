@@ -68,6 +68,14 @@ pub(crate) fn likely(name: &str, bracket: Option<&str>) -> Option<(usize, Unit)>
     Some(column)
 }
 
+/// The unit of a column in hertz, whatever its name is but one of the others: nothing else is measured in that.
+pub(crate) fn in_hertz(name: &str, bracket: Option<&str>) -> Option<Unit> {
+    let other = name.split('_').any(|word| OTHER.iter().any(|beginning| word.starts_with(beginning)));
+    let wanted = Wanted { possible: &["Hz"], natural: None, share: false, per_drive: false };
+    let unit = wanted.unit(bracket?).ok()?;
+    (!other && unit.text.ends_with("Hz")).then_some(unit)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -12,6 +12,7 @@ mod columns;
 mod delimited;
 mod doubts;
 mod file;
+mod floor;
 mod frame;
 mod header;
 mod likely;

@@ -77,7 +77,8 @@ pub(crate) fn assign(
     } else {
         let (sd, source) = estimate("amplitude", amplitude_repeats, seen.amplitude, (file, signals), notes)?;
         for (point, own) in points.iter_mut().zip(&spreads) {
-            let pooled = sd * point.amplitude / (point.replicates as f64).sqrt();
+            let single = sd.at(point.amplitude) * point.amplitude;
+            let pooled = single.max(FLOOR * point.amplitude) / (point.replicates as f64).sqrt();
             point.amplitude_sd = pooled.max(own.amplitude.unwrap_or(0.0));
             if point.amplitude_sd <= 0.0 {
                 let title = format!("`{}`, line {}: the amplitude is zero", file.display(), point.line);
@@ -97,7 +98,7 @@ pub(crate) fn assign(
     } else {
         let (sd, source) = estimate("phase", phase_repeats, seen.phase, (file, signals), notes)?;
         for (point, own) in points.iter_mut().zip(&spreads) {
-            let pooled = sd / (own.phases.max(1) as f64).sqrt();
+            let pooled = sd.at(point.amplitude).max(FLOOR) / (own.phases.max(1) as f64).sqrt();
             point.phase_sd = point.phase.map(|_| pooled.max(own.phase.unwrap_or(0.0)));
         }
         source
@@ -105,19 +106,20 @@ pub(crate) fn assign(
     Ok((points, amplitude_noise, Some(phase_noise)))
 }
 
-/// Standard deviation of a single reading.
+/// Noise of a single reading.
 fn estimate(
     what: &str,
     repeats: Repeats,
     seen: Option<Spread>,
     (file, signals): (&Path, Signals),
     notes: &mut Vec<String>,
-) -> Result<(f64, NoiseSource)> {
+) -> Result<(Spread, NoiseSource)> {
+    let of = |sd: f64| Spread { sd, degrees_of_freedom: repeats.freedom, order: 0, parts: None };
     let repeated = || (repeats.squares / repeats.freedom as f64).sqrt().max(FLOOR);
     let (sd, source) = match seen {
-        _ if repeats.freedom >= ENOUGH_REPEATS => (repeated(), NoiseSource::Replicates),
-        Some(spread) => (spread.sd.max(FLOOR), NoiseSource::Estimated),
-        None if repeats.freedom > 0 => (repeated(), NoiseSource::Replicates),
+        _ if repeats.freedom >= ENOUGH_REPEATS => (of(repeated()), NoiseSource::Replicates),
+        Some(spread) => (Spread { sd: spread.sd.max(FLOOR), ..spread }, NoiseSource::Estimated),
+        None if repeats.freedom > 0 => (of(repeated()), NoiseSource::Replicates),
         None => {
             let title = format!("`{}` states no noise of the {what}, and it cannot be estimated", file.display());
             let column = if what == "phase" {
@@ -144,13 +146,25 @@ fn estimate(
             format!("the scatter about smooth curves ({} degrees of freedom)", seen.map_or(0, |s| s.degrees_of_freedom))
         }
     };
-    notes.push(format!("no noise of the {what} is stated: {} was estimated from {from}", shown(what, sd)));
+    let size = match sd.parts {
+        Some((share, floor)) => {
+            let of_phase = if what == "phase" { "that of " } else { "" };
+            let floor = crate::units::format(two_digits(floor), signals.reading.unit);
+            format!("{} and {of_phase}{floor}, which does not grow with the reading,", shown(what, share))
+        }
+        None => shown(what, sd.sd),
+    };
+    notes.push(format!("no noise of the {what} is stated: {size} was estimated from {from}"));
     Ok((sd, source))
 }
 
 fn shown(what: &str, sd: f64) -> String {
-    let digits = |value: f64| crate::units::format(format!("{value:.1e}").parse().unwrap_or(value), "1");
+    let digits = |value: f64| crate::units::format(two_digits(value), "1");
     if what == "phase" { format!("{} deg", digits(sd.to_degrees())) } else { format!("{} %", digits(100.0 * sd)) }
+}
+
+fn two_digits(value: f64) -> f64 {
+    format!("{value:.1e}").parse().unwrap_or(value)
 }
 
 /// Says where the stated noise is not what the readings show.

@@ -10,6 +10,7 @@
 use std::f64::consts::PI;
 
 use super::Point;
+use super::floor::{self, Group};
 use crate::statistics::median;
 
 /// The noise of single readings as the curves show it.
@@ -30,10 +31,22 @@ pub struct Spread {
     pub degrees_of_freedom: usize,
     /// Order of the differences that were decisive.
     pub order: usize,
+    /// The part in proportion to the reading, and the one that is the same at any reading, as that of an amplifier is \[times the unit of
+    /// the reading\], where the readings tell these apart.
+    pub parts: Option<(f64, f64)>,
+}
+
+impl Spread {
+    /// The standard deviation at an amplitude: relative, or of the phase.
+    pub fn at(&self, amplitude: f64) -> f64 {
+        self.parts.map_or(self.sd, |(share, floor)| share.hypot(floor / amplitude))
+    }
 }
 
 /// Fewest points of a curve that tell noise from shape.
 const MIN_CURVE: usize = 6;
+/// Readings of the shortest window.
+const SHORTEST: usize = 3;
 /// Deviations beyond this many standard deviations do not count.
 const CUT: f64 = 2.5;
 /// Variance of a normal distribution that is cut there.
@@ -54,6 +67,8 @@ struct Sample {
     amplitude: f64,
     phase: Option<f64>,
     readings: f64,
+    /// The amplitude as it was read.
+    read: f64,
 }
 
 /// Estimates the noise of single readings from the scatter of points about smooth curves of amplitude and phase against
@@ -64,22 +79,50 @@ pub fn scatter(points: &[Point]) -> Scatter {
     if curves.iter().all(|curve| curve.len() < MIN_CURVE) {
         return Scatter::default();
     }
+    let middle = |window: &[Sample]| window[window.len() / 2].read;
+    let all: Vec<f64> =
+        curves.iter().flat_map(|curve| curve.windows(SHORTEST).map(middle)).filter(|read| *read > 0.0).collect();
+    let [amplitude, phase] = of_windows(&curves, (0.0, f64::INFINITY));
+    let mut groups: [Vec<Group>; 2] = Default::default();
+    for (low, high) in floor::groups(all) {
+        let found = of_windows(&curves, (low, high));
+        for (groups, spread) in groups.iter_mut().zip(found) {
+            groups.extend(spread.map(|spread| Group {
+                reading: (low * high).sqrt(),
+                variance: spread.sd.powi(2),
+                degrees_of_freedom: spread.degrees_of_freedom as f64,
+            }));
+        }
+    }
+    let [of_amplitude, of_phase] = groups.map(|groups| floor::parts(&groups));
+    let with = |spread: Option<Spread>, parts| spread.map(|spread| Spread { parts, ..spread });
+    Scatter { amplitude: with(amplitude, of_amplitude), phase: with(phase, of_phase) }
+}
+
+/// Noise of amplitude and phase as the windows show it whose middle was read between these.
+fn of_windows(curves: &[Vec<Sample>], within: (f64, f64)) -> [Option<Spread>; 2] {
     let (mut amplitude, mut phase) = (Vec::new(), Vec::new());
     let with_phase: Vec<Vec<Sample>> =
         curves.iter().map(|curve| curve.iter().copied().filter(|sample| sample.phase.is_some()).collect()).collect();
     let phases = with_phase.iter().any(|curve| curve.len() >= MIN_CURVE);
     for order in 2..=5 {
-        amplitude.extend(plain(&curves, order, |s| (s.amplitude.ln(), 1.0)));
-        amplitude.extend(plain(&curves, order, |s| (s.amplitude.powi(-2), 2.0 * s.amplitude.powi(-2))));
+        amplitude.extend(plain(curves, order, within, |s| (s.amplitude.ln(), 1.0)));
+        amplitude.extend(plain(curves, order, within, |s| (s.amplitude.powi(-2), 2.0 * s.amplitude.powi(-2))));
         if phases {
-            phase.extend(plain(&with_phase, order, |s| (s.phase.unwrap_or(0.0), 1.0)));
-            if let Some((of_amplitude, of_phase)) = stiffness(&with_phase, order) {
+            phase.extend(plain(&with_phase, order, within, |s| (s.phase.unwrap_or(0.0), 1.0)));
+            if let Some((of_amplitude, of_phase)) = stiffness(&with_phase, order, within) {
                 amplitude.push(of_amplitude);
                 phase.push(of_phase);
             }
         }
     }
-    Scatter { amplitude: verdict(amplitude), phase: verdict(phase) }
+    [verdict(amplitude), verdict(phase)]
+}
+
+/// The windows of so many neighbours whose middle was read between these.
+fn windows(curves: &[Vec<Sample>], order: usize, (low, high): (f64, f64)) -> impl Iterator<Item = &[Sample]> {
+    let inside = move |window: &&[Sample]| (low..=high).contains(&window[window.len() / 2].read);
+    curves.iter().flat_map(move |curve| curve.windows(order + 1)).filter(inside)
 }
 
 /// Curves sorted by frequency, phases unwrapped, amplitudes, or amplitudes per drive, in units of the curve's largest.
@@ -104,7 +147,7 @@ fn curves(points: &[Point]) -> Vec<Vec<Sample>> {
                 continue;
             }
             let (amplitude, readings) = (size(point) / largest, point.replicates.max(1) as f64);
-            samples.push(Sample { frequency: point.frequency, amplitude, phase, readings });
+            samples.push(Sample { frequency: point.frequency, amplitude, phase, readings, read: point.amplitude });
         }
         samples
     };
@@ -122,7 +165,12 @@ fn weights(window: &[Sample]) -> Vec<f64> {
 }
 
 /// Scale of the differences of a real quantity; `of` gives it and its change per relative change of the reading.
-fn plain(curves: &[Vec<Sample>], order: usize, of: impl Fn(&Sample) -> (f64, f64)) -> Option<Trial> {
+fn plain(
+    curves: &[Vec<Sample>],
+    order: usize,
+    within: (f64, f64),
+    of: impl Fn(&Sample) -> (f64, f64),
+) -> Option<Trial> {
     let residual = |window: &[Sample]| {
         let (mut sum, mut variance) = (0.0, 0.0);
         for (weight, sample) in weights(window).iter().zip(window) {
@@ -132,12 +180,12 @@ fn plain(curves: &[Vec<Sample>], order: usize, of: impl Fn(&Sample) -> (f64, f64
         }
         sum / variance.sqrt()
     };
-    let residuals: Vec<f64> = curves.iter().flat_map(|curve| curve.windows(order + 1).map(residual)).collect();
+    let residuals: Vec<f64> = windows(curves, order, within).map(residual).collect();
     Some(Trial { sd: scale(&residuals)?, windows: residuals.len(), order })
 }
 
 /// Scales of the differences of the dynamic stiffness, of which the noise of amplitude and phase are the two parts.
-fn stiffness(curves: &[Vec<Sample>], order: usize) -> Option<(Trial, Trial)> {
+fn stiffness(curves: &[Vec<Sample>], order: usize, within: (f64, f64)) -> Option<(Trial, Trial)> {
     // Real and imaginary part against the middle of the window, and the squared weights along and across it.
     let part = |window: &[Sample]| {
         let middle = window[order / 2].phase.unwrap_or(0.0);
@@ -152,7 +200,7 @@ fn stiffness(curves: &[Vec<Sample>], order: usize) -> Option<(Trial, Trial)> {
         }
         found
     };
-    let parts: Vec<[f64; 4]> = curves.iter().flat_map(|curve| curve.windows(order + 1).map(part)).collect();
+    let parts: Vec<[f64; 4]> = windows(curves, order, within).map(part).collect();
     // The variance of phase over that of amplitude, found together with both.
     let mut ratio: f64 = 1.0;
     let mut found = (0.0, 0.0);
@@ -198,7 +246,7 @@ fn verdict(trials: Vec<Trial>) -> Option<Spread> {
     // Overlapping windows are correlated; this many of them count in the variance of their mean square.
     let independent = 1.0 / (PI * chosen.order as f64 / 2.0).sqrt();
     let degrees_of_freedom = ((chosen.windows as f64 * independent).round() as usize).max(1);
-    Some(Spread { sd, degrees_of_freedom, order: chosen.order })
+    Some(Spread { sd, degrees_of_freedom, order: chosen.order, parts: None })
 }
 
 #[cfg(test)]

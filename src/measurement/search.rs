@@ -2,7 +2,8 @@
 
 use super::columns::Slot;
 use super::frame::{Frame, kind};
-use super::header::{self, ALL, AMPLITUDE, DRIVE, LOAD, Meaning, NUMBERS, PHASE, SPEED};
+use super::header::{self, ALL, AMPLITUDE, DRIVE, FREQUENCY, LOAD, Meaning, NUMBERS, PHASE, SPEED};
+use super::likely::in_hertz;
 use super::parts::{Parts, parts};
 use super::sheet::{Complaints, Sheet};
 use super::swings::other_amplitude;
@@ -146,6 +147,7 @@ impl Search<'_, '_> {
                 self.choose(column, candidates);
             }
         }
+        self.find_hertz();
         for (index, column, why) in unsuited {
             if self.slots[column].is_none() && !self.told[column] {
                 match why {
@@ -154,6 +156,25 @@ impl Search<'_, '_> {
                 }
                 (self.taken[index], self.told[column]) = (true, true);
             }
+        }
+    }
+
+    /// The frequency by its unit alone, where one column has it and none a name.
+    fn find_hertz(&mut self) {
+        if self.slots[FREQUENCY].is_some() || self.told[FREQUENCY] {
+            return;
+        }
+        let sheet = self.sheet;
+        let unit = |index: &usize| {
+            let header = sheet.headed(*index);
+            let (name, bracket) = header::split(&header);
+            in_hertz(&header::plain(name), bracket)
+        };
+        let all = (0..self.taken.len()).filter(|index| !self.taken[*index]);
+        let found: Vec<(usize, Unit)> = all.filter_map(|index| Some((index, unit(&index)?))).collect();
+        if let [(index, unit)] = found.as_slice() {
+            let likely = vec![Candidate { index: *index, unit: unit.clone(), stated: true }];
+            self.choose_alias(FREQUENCY, likely, true);
         }
     }
 

@@ -1,0 +1,90 @@
+//! Noise that does not grow with the reading: what an amplifier adds, told from what is in proportion by the scatter of small readings
+//! beside that of large ones.
+
+/// Fewest windows of a group, and most groups.
+const GROUP: usize = 40;
+const GROUPS: usize = 8;
+/// Bayesian evidence of 20 to 1 for a second part, beside its price.
+const MARGIN: f64 = 6.0;
+/// Steps over the ratio of both parts, for a factor of ten.
+const STEPS: f64 = 20.0;
+
+/// Relative variance about readings of a size.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Group {
+    pub reading: f64,
+    pub variance: f64,
+    pub degrees_of_freedom: f64,
+}
+
+/// Ranges of readings with as many windows each; none where there are too few.
+pub(super) fn groups(mut readings: Vec<f64>) -> Vec<(f64, f64)> {
+    readings.sort_by(f64::total_cmp);
+    let count = (readings.len() / GROUP).min(GROUPS);
+    if count < 2 {
+        return Vec::new();
+    }
+    let at = |number: usize| readings[number * (readings.len() - 1) / count];
+    (0..count).map(|number| (at(number), at(number + 1))).collect()
+}
+
+/// Standard deviations in proportion to the reading and apart from it, where the variances v = s^2 + (c/reading)^2 are likelier so than
+/// all the same, by more than a second parameter costs.
+pub(super) fn parts(groups: &[Group]) -> Option<(f64, f64)> {
+    if groups.len() < 2 {
+        return None;
+    }
+    let freedom: f64 = groups.iter().map(|group| group.degrees_of_freedom).sum();
+    // Of variances in these proportions: the size of all, and -2 ln likelihood.
+    let fitted = |shape: &dyn Fn(&Group) -> f64| {
+        let each = groups.iter().map(|group| group.degrees_of_freedom * group.variance / shape(group));
+        let size = each.sum::<f64>() / freedom;
+        let log = |group: &Group| group.degrees_of_freedom * (size * shape(group)).ln();
+        (size, groups.iter().map(log).sum::<f64>() + freedom)
+    };
+    let alone = fitted(&|_| 1.0).1;
+    let least = groups.iter().map(|group| group.reading).fold(f64::INFINITY, f64::min);
+    let most = groups.iter().map(|group| group.reading).fold(0.0, f64::max);
+    let decades = (most / least).log10() + 2.0;
+    let number = (decades * STEPS) as usize;
+    // From a floor below the least reading to one above the largest, where it is all that there is.
+    let ratio = |step: usize| 0.1 * least * 10f64.powf(step as f64 / STEPS);
+    let of = |step: usize| {
+        let ratio = ratio(step);
+        (ratio, fitted(&|group: &Group| 1.0 + (ratio / group.reading).powi(2)))
+    };
+    let (ratio, (size, likelihood)) = (0..=number).map(of).min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
+    (likelihood + freedom.ln() + MARGIN < alone).then(|| (size.sqrt(), size.sqrt() * ratio))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(variance: impl Fn(f64) -> f64) -> Option<(f64, f64)> {
+        let group = |n: i32| {
+            let reading = 10f64.powf(-0.3 * f64::from(n));
+            // As far off as 20 degrees of freedom are.
+            let chance = 1.0 + 0.2 * f64::from(n % 3 - 1);
+            Group { reading, variance: chance * variance(reading), degrees_of_freedom: 20.0 }
+        };
+        parts(&(0..6).map(group).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn either_part_is_found_and_none_where_there_is_one() {
+        assert_eq!(of(|_| 1e-4), None);
+        let (share, floor) = of(|reading| 1e-4 + (1e-3 / reading).powi(2)).expect("two parts");
+        assert!((0.5..2.0).contains(&(share / 1e-2)) && (0.6..1.6).contains(&(floor / 1e-3)), "{share} {floor}");
+        let (share, floor) = of(|reading| (1e-3 / reading).powi(2)).expect("a floor");
+        assert!(share < 1.2e-3 && (0.7..1.4).contains(&(floor / 1e-3)), "{share} {floor}");
+        // What grows with the reading is no floor.
+        assert_eq!(of(|reading| 1e-4 * reading), None);
+    }
+
+    #[test]
+    fn too_few_windows_are_one_group() {
+        assert!(groups(vec![1.0; 2 * GROUP - 1]).is_empty());
+        assert_eq!(groups((0..100).map(f64::from).collect()), [(0.0, 49.0), (49.0, 99.0)]);
+    }
+}
