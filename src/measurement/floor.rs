@@ -2,8 +2,8 @@
 //! beside that of large ones.
 
 /// Fewest windows of a group, and most groups.
-const GROUP: usize = 40;
-const GROUPS: usize = 8;
+const GROUP: usize = 20;
+const GROUPS: usize = 16;
 /// Bayesian evidence of 20 to 1 for a second part, beside its price.
 const MARGIN: f64 = 6.0;
 /// Steps over the ratio of both parts, for a factor of ten.
@@ -17,15 +17,15 @@ pub(super) struct Group {
     pub degrees_of_freedom: f64,
 }
 
-/// Ranges of readings with as many windows each; none where there are too few.
-pub(super) fn groups(mut readings: Vec<f64>) -> Vec<(f64, f64)> {
+/// Ranges of readings with as many windows each, and the middle of each; none where there are too few.
+pub(super) fn groups(mut readings: Vec<f64>) -> Vec<((f64, f64), f64)> {
     readings.sort_by(f64::total_cmp);
     let count = (readings.len() / GROUP).min(GROUPS);
     if count < 2 {
         return Vec::new();
     }
-    let at = |number: usize| readings[number * (readings.len() - 1) / count];
-    (0..count).map(|number| (at(number), at(number + 1))).collect()
+    let at = |half: usize| readings[half * (readings.len() - 1) / (2 * count)];
+    (0..count).map(|number| ((at(2 * number), at(2 * number + 2)), at(2 * number + 1))).collect()
 }
 
 /// Standard deviations in proportion to the reading and apart from it, where the variances v = s^2 + (c/reading)^2 are likelier so than
@@ -53,7 +53,10 @@ pub(super) fn parts(groups: &[Group]) -> Option<(f64, f64)> {
         let ratio = ratio(step);
         (ratio, fitted(&|group: &Group| 1.0 + (ratio / group.reading).powi(2)))
     };
-    let (ratio, (size, likelihood)) = (0..=number).map(of).min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
+    let all: Vec<(f64, (f64, f64))> = (0..=number).map(of).collect();
+    let likelihood = all.iter().map(|(_, (_, likelihood))| *likelihood).fold(f64::INFINITY, f64::min);
+    // The largest share within a standard deviation: small readings hide it, and the largest ones would count too much without.
+    let (ratio, (size, _)) = *all.iter().find(|(_, (_, own))| *own <= likelihood + 1.0)?;
     (likelihood + freedom.ln() + MARGIN < alone).then(|| (size.sqrt(), size.sqrt() * ratio))
 }
 
@@ -85,6 +88,6 @@ mod tests {
     #[test]
     fn too_few_windows_are_one_group() {
         assert!(groups(vec![1.0; 2 * GROUP - 1]).is_empty());
-        assert_eq!(groups((0..100).map(f64::from).collect()), [(0.0, 49.0), (49.0, 99.0)]);
+        assert_eq!(groups((0..50).map(f64::from).collect()), [((0.0, 24.0), 12.0), ((24.0, 49.0), 36.0)]);
     }
 }

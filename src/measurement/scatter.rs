@@ -84,11 +84,11 @@ pub fn scatter(points: &[Point]) -> Scatter {
         curves.iter().flat_map(|curve| curve.windows(SHORTEST).map(middle)).filter(|read| *read > 0.0).collect();
     let [amplitude, phase] = of_windows(&curves, (0.0, f64::INFINITY));
     let mut groups: [Vec<Group>; 2] = Default::default();
-    for (low, high) in floor::groups(all) {
-        let found = of_windows(&curves, (low, high));
+    for (within, reading) in floor::groups(all) {
+        let found = of_windows(&curves, within);
         for (groups, spread) in groups.iter_mut().zip(found) {
             groups.extend(spread.map(|spread| Group {
-                reading: (low * high).sqrt(),
+                reading,
                 variance: spread.sd.powi(2),
                 degrees_of_freedom: spread.degrees_of_freedom as f64,
             }));

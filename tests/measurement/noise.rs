@@ -170,3 +170,50 @@ fn the_order_of_rows_does_not_change_estimates_by_a_bit() {
         assert_eq!(first.notes, again.notes);
     }
 }
+
+/// Resonances at 72 Hz with Q = 60 at three drives, 80 frequencies each: noise in proportion, and that of an amplifier in both parts.
+fn with_floor(noise: &mut Noise, share: f64, floor: f64) -> Vec<Point> {
+    let point = |row: usize| {
+        let (series, n) = (row / 80, row % 80);
+        let frequency = 66.0 + 0.15 * n as f64;
+        let (re, im) = (1.0 - (frequency / 72.0).powi(2), frequency / 72.0 / 60.0);
+        let drive = 3f64.powi(series as i32);
+        let (size, turn) = (drive / re.hypot(im), -im.atan2(re) + share * noise.normal());
+        let size = size * (1.0 + share * noise.normal());
+        let (x, y) = (size * turn.cos() + floor * noise.normal(), size * turn.sin() + floor * noise.normal());
+        Point {
+            row,
+            line: row,
+            speed: 0.0,
+            load: 0.0,
+            drive,
+            frequency,
+            amplitude: x.hypot(y),
+            phase: Some(y.atan2(x)),
+            amplitude_sd: f64::NAN,
+            phase_sd: None,
+            mean: None,
+            replicates: 1,
+            series,
+        }
+    };
+    (0..240).map(point).collect()
+}
+
+#[test]
+fn what_does_not_grow_with_the_reading_is_told_from_what_does() {
+    let (mut told, mut near, mut false_ones) = (0, 0, 0);
+    for seed in 1..=20 {
+        let mut noise = Noise(0x9e37_79b9_7f4a_7c15 ^ seed);
+        let Scatter { amplitude, phase } = scatter(&with_floor(&mut noise, 3e-3, 0.3));
+        for found in [amplitude, phase].map(|spread| spread.expect("noise")) {
+            told += usize::from(found.parts.is_some());
+            // From the smallest readings to the largest: 60, 5.8 and 3.1 thousandths.
+            let is_near = |(reading, size): &(f64, f64)| (0.5..2.0).contains(&(found.at(*reading) / size));
+            near += [(5.0, 0.06), (60.0, 5.83e-3), (400.0, 3.09e-3)].iter().filter(|one| is_near(one)).count();
+        }
+        let Scatter { amplitude, phase } = scatter(&with_floor(&mut noise, 1e-2, 0.0));
+        false_ones += [amplitude, phase].iter().flatten().filter(|spread| spread.parts.is_some()).count();
+    }
+    assert!(told >= 38 && near >= 108 && false_ones <= 1, "{told} told, {near} of 120 near, {false_ones} false");
+}
