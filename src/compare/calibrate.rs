@@ -1,10 +1,9 @@
 //! Moving the free parameters of a scenario to where its model fits best.
 
+use super::whiteness::EXCESS;
 use super::{Label, Outlier, Setting};
 use crate::fit::resonance;
-use crate::fit::{
-    CONVERGED, Fit, Parameter, Problem, Settings, TAIL, minimise, parameter, robust_chi2, robust_square, typical_of,
-};
+use crate::fit::{CONVERGED, Fit, Parameter, Problem, Settings, TAIL, minimise, parameter, robust_chi2, typical_of};
 use crate::measurement::{Point, Series, Table};
 use crate::model::{Model, Operation};
 use crate::scenario::Scenario;
@@ -103,7 +102,7 @@ pub fn calibrate(model: &Model, keys: &[String], points: &[Point], tolerance: To
     let mut solved = best.solved;
     if let Some(other) = started.map(|model| calibrate_about(&model, keys, points, tolerance, seed)) {
         solved += other.solved;
-        if fits_better(&other.fit, &best.fit) {
+        if other.fit.objective < best.fit.objective {
             best = other;
         }
     }
@@ -184,14 +183,16 @@ pub fn calibrate_about(
         fit
     };
     let mut fit = settled(best.unwrap_or_else(|| minimised(&starts[0], &SETTLE)));
-    if threshold(&fit) > TAIL {
-        // A stretch of readings that are far off may have carried the squares away, where the stated values fit most of the others.
+    let is_noise = |fit: &Fit| typical_of(&fit.evaluation.residuals).powi(2) <= EXCESS;
+    if !is_noise(&fit) {
+        // A stretch of readings that are far off may have carried the squares away, where the stated values leave of most others nothing
+        // but noise.
         let mut problem = stated.clone();
         let typical = typical_of(&problem.evaluate(&starts[0], false).residuals);
         solved.fetch_add(problem.solved, Relaxed);
         let robust = Settings { evaluations: EVALUATIONS, threshold: TAIL * typical, converged: CONVERGED };
         let other = settled(minimised(&starts[0], &robust));
-        if fits_better(&other, &fit) {
+        if is_noise(&other) {
             fit = other;
         }
     }
@@ -204,13 +205,6 @@ pub fn calibrate_about(
 }
 
 const SETTLE: Settings = Settings { evaluations: 1, threshold: f64::INFINITY, converged: CONVERGED };
-
-/// Whether the sum of squares of a fit is the smaller one, large residuals counted as beside the smaller typical ones.
-fn fits_better(one: &Fit, other: &Fit) -> bool {
-    let [one, other] = [one, other].map(|fit| &fit.evaluation.residuals);
-    let unit = typical_of(one).min(typical_of(other)).powi(2);
-    robust_square(one, unit) < robust_square(other, unit)
-}
 
 /// A quasi-random start within the ranges of the parameters.
 fn scattered(parameters: &[Parameter], number: u32, seed: u32) -> Vec<f64> {

@@ -94,7 +94,7 @@ pub fn scatter(points: &[Compared], table: &Table, fitted: usize) -> Option<Nois
 
 /// Mean square of the residuals beyond which they are more than a noise that was estimated from the scatter of the readings
 /// along series: that estimate is known to a fifth or so.
-const EXCESS: f64 = 2.0;
+pub(super) const EXCESS: f64 = 2.0;
 
 /// Tests the residuals of all series. `fitted` parameters have absorbed as many components; `source` is where the noise of the
 /// amplitudes comes from.

@@ -440,8 +440,14 @@ impl<'a> Search<'a> {
         let best = all.iter().map(bic).fold(f64::INFINITY, f64::min);
         let preferred = |h: &Hypothesis| h.additions.last().is_some_and(|a| a.is_effect() != first);
         let close: Vec<&Hypothesis> = all.iter().filter(|h| bic(h) - best < MARGIN).collect();
-        let simple = close.iter().filter(|h| preferred(h)).min_by(|a, b| bic(a).total_cmp(&bic(b)));
-        simple.or(close.iter().min_by(|a, b| bic(a).total_cmp(&bic(b)))).map(|h| (**h).clone())
+        // A formula that does what an effect of the catalogue does comes before it: its user asked for it.
+        let own = |h: &Hypothesis| {
+            h.additions.last().is_some_and(|a| self.data.base.candidates.iter().any(|e| e.name() == a.name()))
+        };
+        let order = |h: &Hypothesis| bic(h) - if own(h) { GAIN } else { 0.0 };
+        let least = |a: &&&Hypothesis, b: &&&Hypothesis| order(a).total_cmp(&order(b));
+        let simple = close.iter().filter(|h| preferred(h)).min_by(least);
+        simple.or(close.iter().min_by(least)).map(|h| (**h).clone())
     }
 
     /// Replaces every addition in turn by another that explains better beside the others, itself at another place included;
