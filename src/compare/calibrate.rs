@@ -1,6 +1,5 @@
 //! Moving the free parameters of a scenario to where its model fits best.
 
-use super::whiteness::EXCESS;
 use super::{Label, Outlier, Setting};
 use crate::fit::resonance;
 use crate::fit::{CONVERGED, Fit, Parameter, Problem, Settings, TAIL, minimise, parameter, robust_chi2, typical_of};
@@ -22,6 +21,9 @@ const RESTARTS: usize = 8;
 const LOWER: f64 = 1e-3;
 /// A robust fit is made again where what it leaves has become smaller than this share of what it was.
 pub(crate) const TIGHTER: f64 = 0.9;
+/// Mean square of the residuals beyond which they are more than a noise that was estimated from the scatter of the readings
+/// along series: that estimate is known to a fifth or so.
+pub(super) const EXCESS: f64 = 2.0;
 /// Evaluations of one fit at most.
 const EVALUATIONS: usize = 60;
 /// A residual this many times the scatter of its neighbours about a line, or the step from one to the next, away from that line

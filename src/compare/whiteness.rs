@@ -1,7 +1,7 @@
 //! Whether residuals look like noise: runs of signs, autocorrelation along the frequency, smooth components.
 
 use super::Compared;
-use super::calibrate::outliers;
+use super::calibrate::{EXCESS, outliers};
 use crate::measurement::{Noise, NoiseSource, Table};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, Normal};
 
@@ -91,10 +91,6 @@ pub fn scatter(points: &[Compared], table: &Table, fitted: usize) -> Option<Nois
     };
     (noise != Noise::STATED).then_some(noise)
 }
-
-/// Mean square of the residuals beyond which they are more than a noise that was estimated from the scatter of the readings
-/// along series: that estimate is known to a fifth or so.
-pub(super) const EXCESS: f64 = 2.0;
 
 /// Tests the residuals of all series. `fitted` parameters have absorbed as many components; `source` is where the noise of the
 /// amplitudes comes from.

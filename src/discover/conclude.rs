@@ -15,9 +15,9 @@ const WORSE: f64 = 1.0;
 /// Rivals of the explanation whose prediction of left-out conditions and, where they are tied with it, profiles are computed.
 const RIVALS: usize = 3;
 
-/// Takes off the last additions as long as they leave no steady state, or raise the error of the amplitude, of what was fitted and of series that are left
-/// out, where what is left is no noise: misfit of one cause, spread over many readings, makes terms significant that only follow
-/// it. Tells the first that was taken off.
+/// Takes off the last additions as long as they leave no steady state, or raise the error of the amplitude, of what was fitted and
+/// of series that are left out, where what is left is no noise: misfit of one cause, spread over many readings, makes terms
+/// significant that only follow it. Tells the first that was taken off.
 fn beyond_prediction(steps: &mut Vec<Step>) -> Option<String> {
     let mut first = None;
     let lost = |step: &Step| is_lost(step.comparison.points.iter().map(|p| &p.model));

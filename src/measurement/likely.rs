@@ -8,7 +8,7 @@ use super::unit::{Unit, Wanted, suffix};
 /// is another, the sampling.
 const OTHER: &[&str] = &[
     "sd", "std", "stdev", "error", "unc", "unsich", "sigma", "mean", "mittel", "harmon", "lag", "sampl", "abtast",
-    "pp", "p2p", "pk", "peak", "rms", "eff", "bandw", "temp",
+    "pp", "p2p", "pk", "peak", "rms", "eff", "bandw", "temp", "sensit", "calib",
 ];
 /// Beginnings of words that say what shakes the rig. They come before [`READS`]: the displacement of a base is a drive.
 const DRIVES_IT: &[&str] = &[
