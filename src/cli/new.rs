@@ -369,6 +369,9 @@ impl<'a> Draft<'a> {
             let _ = write!(text, "\n[instrument]\n{instrument}");
         }
         let _ = write!(text, "\n[measurement]\nfile = \"{}\"\n", path_from(target, self.table));
+        if let Some(record) = self.seen.record {
+            let _ = writeln!(text, "record = {record}");
+        }
         if let Some(Mode { band: (from, to), .. }) = self.modes.first() {
             let _ = writeln!(
                 text,

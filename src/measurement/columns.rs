@@ -108,9 +108,14 @@ fn per_drive(
     let other = over.si.zip(stated).is_some_and(|(over, stated)| over != stated);
     if other || stated.is_none() && sweep_values(DRIVE, sweep).len() != 1 {
         let si = over.si.or(frame.natural(DRIVE)).unwrap_or("V");
+        let name = |index: usize| quote(&sheet.header.cells[index]);
+        let unused = match &slots[DRIVE] {
+            Some(Slot::Cells(drive, unit)) => format!("; {}, in {}, is not used", name(*drive), unit.shown()),
+            _ => String::new(),
+        };
         notes.push(format!(
-            "{} is a ratio, and no drive is stated in {si}: readings of a drive of 1 {si}; what depends on its size cannot be told",
-            quote(&sheet.header.cells[*index])
+            "{} is a ratio, and no drive is stated in {si}: readings of a drive of 1 {si}; what depends on its size cannot be told{unused}",
+            name(*index)
         ));
         slots[DRIVE] = Some(Slot::Value(1.0, si));
     }
@@ -150,7 +155,7 @@ fn without_sensitivity(sheet: &Sheet, frame: &Frame<'_>, slots: &[Option<Slot>; 
 }
 
 /// The values that `[sweep]` gives for a column.
-fn sweep_values(column: usize, sweep: Option<&Sweep>) -> &[f64] {
+pub(crate) fn sweep_values(column: usize, sweep: Option<&Sweep>) -> &[f64] {
     match (column, sweep) {
         (SPEED, Some(sweep)) => &sweep.speed,
         (LOAD, Some(sweep)) => &sweep.load,

@@ -49,7 +49,7 @@ pub(crate) fn text(path: &Path, bytes: &[u8], notes: &mut Vec<String>) -> Result
     }
     let bytes = wide.as_deref().map_or(bytes, str::as_bytes);
     if let Some(at) = bytes.iter().position(|byte| *byte == 0) {
-        let help = "save the table as text: CSV, or a universal file in its ASCII form (dataset 58, not 58b)";
+        let help = "save the table as text: CSV, or a universal file (dataset 58)";
         return refuse(format!("`{name}` is a binary file: byte {at} is zero"), help);
     }
     let text = match std::str::from_utf8(bytes) {

@@ -268,7 +268,7 @@ fn read(wanted: &MeasurementSource, bytes: &[u8], frame: &Frame<'_>, sweep: Opti
             rows::readings(&sheet, &wanted.columns, frame, sweep, &mut notes)?
         }
         Format::Universal => {
-            let source = file::text(&wanted.file, bytes, &mut Vec::new())?;
+            let source = universal::source(&wanted.file, bytes)?;
             universal::readings(&source, wanted.record, frame, sweep, &mut notes)?
         }
     };

@@ -8,7 +8,7 @@ const HALF: f64 = 0.5 * std::f64::consts::LN_2;
 /// Between two modes the response falls below this share of the lower peak: what either adds to the peak of the other is of the
 /// order of what both add there. Nearer ones are one system of two modes, no two of one.
 const APART: f64 = 0.1;
-/// Fewest readings above half power that tell a peak from a reading that is far off, or from two branches in turn.
+/// Fewest readings on the upper half of its flanks that tell a peak from a reading that is far off, or from two branches in turn.
 const FEWEST: usize = 3;
 /// Fewest readings on which a mode can be fitted.
 const ENOUGH: usize = 12;
@@ -83,11 +83,14 @@ fn of_series(points: &[&Point]) -> Vec<Mode> {
         peaks.push(high);
     }
     valleys.push(if rising { y.len() - 1 } else { low });
-    // At an end of the band the flank of a peak may be cut short, down to half power.
-    let broad = |&(number, &peak): &(usize, &usize)| {
-        let above = |i: &usize| y[*i] > y[peak] - HALF;
+    // At an end of the band the flank of a peak may be cut short, down to half power. A sharp one may have a single reading above
+    // that, but has flanks on the way to the higher valley.
+    let has_flanks = |&(number, &peak): &(usize, &usize)| {
+        let valleys = [valleys[number], valleys[number + 1]].map(|valley| y[valley]);
+        let higher = 0.5 * (y[peak] + valleys[0].max(valleys[1]));
+        let above = |i: &usize| y[*i] > higher;
         let near = (0..peak).rev().take_while(above).count() + (peak..y.len()).take_while(above).count();
-        [valleys[number], valleys[number + 1]].iter().all(|valley| !above(valley)) && near >= FEWEST
+        valleys.iter().all(|valley| *valley < y[peak] - HALF) && near >= FEWEST
     };
     let mode = |(number, peak): (usize, &usize)| {
         let side = |valley: usize| 0.5 * (y[*peak] + y[valley]);
@@ -97,7 +100,7 @@ fn of_series(points: &[&Point]) -> Vec<Mode> {
         let band = (points[first].frequency, points[last].frequency);
         Mode { frequency: points[*peak].frequency, band, peak: y[*peak] }
     };
-    peaks.iter().enumerate().filter(broad).map(mode).collect()
+    peaks.iter().enumerate().filter(has_flanks).map(mode).collect()
 }
 
 #[cfg(test)]
@@ -142,6 +145,8 @@ mod tests {
     fn modes_far_apart_are_told_and_a_split_peak_is_one() {
         assert_eq!(found(&[(45.0, 60.0, 1.0)], 0.02), [45.0]);
         assert_eq!(found(&[(45.0, 60.0, 1.0), (160.0, 80.0, 1.0), (300.0, 50.0, 1.0)], 0.02), [45.0, 160.0, 300.0]);
+        // Half the width of the sharpest ones is less than what readings are apart.
+        assert_eq!(found(&[(45.0, 60.0, 1.0), (160.0, 2e3, 1.0), (300.0, 5e3, 1.0)], 0.02), [45.0, 160.0, 300.0]);
         assert_eq!(found(&[(100.0, 30.0, 1.0), (108.0, 30.0, 1.0)], 0.02).len(), 1);
         // Noise of half the reading between the peaks is no mode.
         assert_eq!(found(&[(45.0, 60.0, 1.0)], 0.5), [45.0]);

@@ -69,15 +69,12 @@ fn part(header: &str, frame: &Frame<'_>) -> Option<Part> {
     let of_name = || (1..words.len()).flat_map(|from| suffix(&words[from..])).find_map(|text| wanted.unit(&text).ok());
     let unit = unit.or_else(of_name).filter(serves);
     // Coordinates have these names, too.
-    if words.len() == 1
-        && ALONE.contains(&words[0])
-        && unit.as_ref().is_none_or(|unit| unit.si != "V" && unit.over.is_none())
-    {
+    let alone = words.len() == 1 && ALONE.contains(&words[0]);
+    if alone && unit.as_ref().is_none_or(|unit| unit.si != "V" && unit.over.is_none()) {
         return None;
     }
     let stem = words.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, word)| *word).collect::<Vec<_>>().join("_");
     // `Re(H)`: what stands in the brackets is no unit, but the name.
     let stem = if unit.is_none() { stem + bracket.unwrap_or_default() } else { stem };
-    let alone = words.len() == 1 && ALONE.contains(&words[0]);
     Some(Part { imaginary, stem: if alone { String::new() } else { stem }, unit })
 }

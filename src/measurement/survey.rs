@@ -3,9 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use super::frame::Frame;
-use super::{Format, Table, file, read};
-use crate::error::{Error, Result};
-use crate::scenario::diagnostic::whole_file;
+use super::{Format, Table, file, read, universal};
+use crate::error::Result;
 use crate::scenario::{Coordinate, MeasurementSource};
 
 /// A column of a file and what was made of it.
@@ -28,6 +27,8 @@ pub struct Survey {
     pub columns: Vec<Column>,
     /// Keys and headers that a scenario needs under `[measurement] columns`, as several columns could serve and one was chosen.
     pub mapping: Vec<(String, String)>,
+    /// Which function of a universal file it is, counted from 1, where there are several.
+    pub record: Option<usize>,
 }
 
 impl Survey {
@@ -78,13 +79,12 @@ pub fn survey_bytes(path: impl AsRef<Path>, bytes: &[u8]) -> Result<Survey> {
 }
 
 fn survey_of(file: PathBuf, band: Option<(f64, f64)>, bytes: impl Fn(&Path) -> Result<Vec<u8>>) -> Result<Survey> {
-    if Format::of(&file)? == Format::Universal {
-        let title = format!("`{}` holds response per drive, and not how much drive there was", file.display());
-        let help = "write a scenario that names it under [measurement], with one value for drive in [sweep]";
-        return Err(Error::Input(whole_file(&title, help)));
-    }
-    let wanted = MeasurementSource { file, columns: Vec::new(), record: None, sheet: None, band };
-    let bytes = bytes(&wanted.file)?;
+    let bytes = bytes(&file)?;
+    let record = match Format::of(&file)? {
+        Format::Universal => universal::record(&universal::source(&file, &bytes)?)?,
+        Format::Delimited | Format::Workbook => None,
+    };
+    let wanted = MeasurementSource { file, columns: Vec::new(), record, sheet: None, band };
     let (table, columns, mapping) = read(&wanted, &bytes, &Frame::any(), None)?;
-    Ok(Survey { table, columns, mapping })
+    Ok(Survey { table, columns, mapping, record })
 }

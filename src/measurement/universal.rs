@@ -1,13 +1,17 @@
-//! Universal files (UFF, UNV): frequency response functions of dataset 58 in its ASCII form.
+//! Universal files (UFF, UNV): frequency response functions of dataset 58, as text or in its binary form.
 //!
 //! The function is response over reference with the sign exp(+i omega t): its magnitude times the amplitude of the drive is the
-//! amplitude of the reading, its argument the phase. Drive, load and speed come from the scenario's `[sweep]`.
+//! amplitude of the reading, its argument the phase. Drive, load and speed come from the scenario's `[sweep]`; of an oscillator
+//! whose drive is not stated it is one.
 
+mod binary;
 mod dataset;
 
 use std::f64::consts::TAU;
+use std::path::Path;
 
-use super::columns::only_value;
+use super::columns::{only_value, sweep_values};
+use super::file;
 use super::frame::{DRIVES, Frame, READINGS, kind};
 use super::header::{AMPLITUDE, DRIVE, FREQUENCY, LOAD, SPEED};
 use super::pool::{Reading, Readings, wrap};
@@ -22,6 +26,21 @@ use crate::scenario::{Signals, Sweep};
 use crate::units;
 use dataset::{Characteristics, Dataset};
 
+/// The text of a file, the numbers of binary datasets written out.
+pub(crate) fn source(path: &Path, bytes: &[u8]) -> Result<Source> {
+    let written = binary::written_out(&path.display().to_string(), bytes)?;
+    file::text(path, &written, &mut Vec::new())
+}
+
+/// The number of the function that a file of several is looked at for: the first where response and reference are the same
+/// place in the same direction, else the first.
+pub(crate) fn record(source: &Source) -> Result<Option<usize>> {
+    let found = dataset::functions(source)?;
+    let functions: Vec<&Dataset> = found.iter().filter(|set| set.is_response()).collect();
+    let own = functions.iter().position(|set| set.response == set.reference);
+    Ok((functions.len() > 1).then(|| own.unwrap_or(0) + 1))
+}
+
 /// The readings of the one function of a file, or of the one that is chosen.
 pub(crate) fn readings(
     source: &Source,
@@ -34,7 +53,9 @@ pub(crate) fn readings(
     let chosen = choose(source, &found, record)?;
     let mut complaints = Complaints::of(source);
     let mut conditions = [0.0; 3];
-    let needed = [(SPEED, frame.has_contact()), (LOAD, frame.has_contact()), (DRIVE, true)];
+    // An oscillator is driven by one unit where nothing else is said; the actuator of an arm by what its stroke allows.
+    let driven = frame.is_arm() || sweep_values(DRIVE, sweep).len() == 1;
+    let needed = [(SPEED, frame.has_contact()), (LOAD, frame.has_contact()), (DRIVE, driven)];
     for (value, (column, _)) in conditions.iter_mut().zip(needed).filter(|(_, (_, needed))| *needed) {
         match only_value(column, frame, sweep, notes) {
             Ok(found) => *value = found,
@@ -47,10 +68,13 @@ pub(crate) fn readings(
             }
         }
     }
+    if !driven {
+        conditions[DRIVE] = 1.0;
+    }
     let [speed, load, drive] = conditions;
     let scale = match frame.is_arm() {
         true => scale(chosen, &mut complaints, notes),
-        false => ratio(chosen, frame, &mut complaints, notes),
+        false => ratio(chosen, frame, driven, &mut complaints, notes),
     };
     let values = chosen.values(source, &mut complaints);
     let (Some(scale), Some(values)) = (scale, values) else {
@@ -98,6 +122,10 @@ pub(crate) fn readings(
     if resting > 0 {
         notes.push("the value at 0 Hz is not used".into());
     }
+    if let Some(chosen) = record.filter(|_| frame.is_free()) {
+        let all = found.iter().filter(|set| set.is_response()).count();
+        notes.push(format!("function {chosen} of {all}; for another change `record` in [measurement]"));
+    }
     let signals = scale.signals;
     let source = source.clone();
     let (columns, choices) = (Vec::new(), Vec::new());
@@ -135,14 +163,17 @@ fn choose<'a>(source: &Source, found: &'a [Dataset], record: Option<usize>) -> R
     match (functions.as_slice(), record) {
         ([], _) if found.is_empty() => refuse(
             format!("`{name}` holds no dataset 58"),
-            "export the frequency response function as a universal file, dataset 58, ASCII".into(),
+            "export the frequency response function as a universal file, dataset 58".into(),
         ),
         ([], _) => {
             let kinds: Vec<_> =
                 found.iter().take(MAX_TOLD).map(|set| format!("line {}: {}", set.line, set.kind())).collect();
             refuse(
                 format!("`{name}` holds no frequency response function (function type 4)"),
-                format!("export the arm's angle over the actuator's displacement; there are {}", kinds.join("; ")),
+                format!(
+                    "export a response over what drives the rig, against frequency; there are {}",
+                    kinds.join("; ")
+                ),
             )
         }
         ([one], None) => Ok(one),
@@ -198,8 +229,14 @@ fn scale(set: &Dataset, complaints: &mut Complaints<'_>, notes: &mut Vec<String>
     Some(Scale { frequency, size, derivatives, signals: Signals::ARM })
 }
 
-/// The function of any other rig, of the quantities that the file says.
-fn ratio(set: &Dataset, frame: &Frame<'_>, complaints: &mut Complaints<'_>, notes: &mut Vec<String>) -> Option<Scale> {
+/// The function of any other rig, of the quantities that the file says; `driven` where the size of its drive is stated.
+fn ratio(
+    set: &Dataset,
+    frame: &Frame<'_>,
+    driven: bool,
+    complaints: &mut Complaints<'_>,
+    notes: &mut Vec<String>,
+) -> Option<Scale> {
     let abscissa = &set.characteristics[0];
     if !matches!(abscissa.kind, 0 | 18) {
         let title = format!("the abscissa has the specific data type {}, not 18 (frequency)", abscissa.kind);
@@ -218,8 +255,13 @@ fn ratio(set: &Dataset, frame: &Frame<'_>, complaints: &mut Complaints<'_>, note
         set.response,
         set.reference
     ));
+    if !driven {
+        notes.push(format!(
+            "no drive is stated: readings of a drive of 1 {drive}; what depends on its size cannot be told"
+        ));
+    }
     // A drive in [sweep] is the motion of the base itself, not its acceleration.
-    let natural = frame.natural(DRIVE).filter(|natural| drive == format!("{natural}/s^2"));
+    let natural = frame.natural(DRIVE).filter(|natural| driven && drive == format!("{natural}/s^2"));
     let derivatives = if natural.is_some() { -2 } else { 0 };
     let signals = frame.signals(natural.unwrap_or(drive), reading);
     matches!(abscissa.kind, 0 | 18).then_some(Scale { frequency, size: above / below, derivatives, signals })
@@ -233,10 +275,21 @@ fn side(
     complaints: &mut Complaints<'_>,
     notes: &mut Vec<String>,
 ) -> Option<(&'static str, f64)> {
-    let angle = frame.serving(column).iter().any(|si| si.contains("rad") || *si == "N m");
+    let unit = of.unit.as_str();
+    let torque = || units::parse(&format!("1 {unit}"), "N m").is_ok();
+    let angle = match frame.is_free() {
+        true => unit.contains("rad") || unit.contains("deg") || torque(),
+        false => frame.serving(column).iter().any(|si| si.contains("rad") || *si == "N m"),
+    };
     let role = if column == DRIVE { "reference" } else { "response" };
+    let of_unit = || {
+        let possible = if column == DRIVE { DRIVES } else { READINGS };
+        let wanted = Wanted { possible, natural: None, share: false, per_drive: false };
+        wanted.unit(unit).ok().filter(|_| !unit.is_empty()).map(|unit| unit.si)
+    };
     let si = match (of.kind, angle) {
-        (0 | 1, _) => frame.natural(column)?,
+        (0 | 1, _) if !frame.is_free() => frame.natural(column)?,
+        (0 | 1, _) if of_unit().is_some() => of_unit()?,
         (8, false) => "m",
         (8, true) => "rad",
         (11, false) if column == AMPLITUDE => "m/s",
@@ -257,7 +310,6 @@ fn side(
         complaints.add(&of.place(), &format!("the {role} {title}"), kind(si), &help);
         return None;
     }
-    let unit = of.unit.as_str();
     let wanted = Wanted { possible: possible(si), natural: Some(si), share: false, per_drive: false };
     match wanted.unit(unit).map(|unit| unit.convert("1")) {
         Ok(Ok(size)) if !unit.is_empty() => Some((si, size)),

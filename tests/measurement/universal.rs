@@ -1,6 +1,6 @@
 //! Universal files and workbooks.
 
-use stickslip::measurement::Table;
+use stickslip::measurement::{Table, survey_bytes};
 
 use super::{SWEEP, read};
 
@@ -135,7 +135,7 @@ fn response(response: (i64, &str), reference: (i64, &str)) -> String {
         .map(|n| format!("{:13.5e}{:20.11e}{:20.11e}\n", 50.0 + f64::from(n), 3.0, 4.0 + f64::from(n * n % 5)))
         .collect();
     format!(
-        "    -1\n    58\nA function\nNONE\nNONE\nNONE\nNONE\n{:>5}         0    0         0       BEAM         1   3      SHAKER         2   3\n\
+        "    -1\n    58\nA function\nNONE\nNONE\nNONE\nNONE\n{:>5}         0    0         0       BEAM         1   3     SHAKER         2   3\n\
          {:>10}{:>10}{:>10}  0.00000e+00  0.00000e+00  0.00000e+00\n{}{}{}{}{values}    -1\n",
         4,
         6,
@@ -178,5 +178,80 @@ fn functions_of_any_oscillator_are_read_as_they_are() {
     insta::assert_snapshot!("uff-of-another-drive", fails((8, "mm"), (12, "g"), "", sweep));
     insta::assert_snapshot!("uff-of-no-quantity", fails((15, "Pa"), (13, "N"), "", sweep));
     insta::assert_snapshot!("uff-unit-and-kind", fails((12, "mm"), (13, "N"), "", sweep));
-    insta::assert_snapshot!("uff-without-drive", fails((8, "mm"), (13, "N"), "", ""));
+}
+
+/// The same file in binary form.
+fn binary(text: &str, double: bool, little: bool) -> Vec<u8> {
+    let records: Vec<&str> = text.lines().collect();
+    let (head, body) = records[2..records.len() - 1].split_at(11);
+    let numbers =
+        body.iter().flat_map(|line| line.split_whitespace()).map(|text| text.parse::<f64>().expect("a number"));
+    let stored = |x: f64| match (double, little) {
+        (true, true) => x.to_le_bytes().to_vec(),
+        (true, false) => x.to_be_bytes().to_vec(),
+        (false, true) => (x as f32).to_le_bytes().to_vec(),
+        (false, false) => (x as f32).to_be_bytes().to_vec(),
+    };
+    let stored: Vec<u8> = numbers.flat_map(stored).collect();
+    let (order, length) = (if little { 1 } else { 2 }, stored.len());
+    let mut file = format!("    -1\n    58b{order:6}{:6}{:12}{length:12}     0     0           0           0\n", 2, 11);
+    for (number, record) in head.iter().enumerate() {
+        let of_kind = number == 6 && !double;
+        let record = if of_kind { record.replacen("         6", "         5", 1) } else { (*record).into() };
+        file += &format!("{record}\n");
+    }
+    [file.as_bytes(), &stored, b"\n    -1\n"].concat()
+}
+
+#[test]
+fn the_binary_form_is_read_as_the_text() {
+    let text = response((8, "mm"), (13, "N"));
+    let of = |bytes: &[u8]| survey_bytes("t.uff", bytes).unwrap_or_else(|error| panic!("{error}")).table.points;
+    let expected = of(text.as_bytes());
+    for (double, little) in [(true, true), (true, false), (false, true), (false, false)] {
+        // A second dataset begins where the first one's numbers end.
+        let one = binary(&text, double, little);
+        for bytes in [one.clone(), [one.as_slice(), one.as_slice()].concat()] {
+            let points = of(&bytes);
+            assert_eq!(points.len(), expected.len());
+            for (point, expected) in points.iter().zip(&expected) {
+                let within = if double { 1e-15 } else { 1e-6 };
+                assert!((point.amplitude / expected.amplitude - 1.0).abs() < within, "{double} {little}: {point:?}");
+                assert!((point.frequency / expected.frequency - 1.0).abs() < within, "{double} {little}: {point:?}");
+            }
+        }
+    }
+    let whole = binary(&text, true, true);
+    let fails = |bytes: &[u8]| survey_bytes("t.uff", bytes).expect_err("refused").to_string();
+    insta::assert_snapshot!("uff-binary-cut-off", fails(&whole[..whole.len() - 40]));
+    let other: Vec<u8> = whole.iter().enumerate().map(|(at, byte)| if at == 24 { b'3' } else { *byte }).collect();
+    insta::assert_snapshot!("uff-binary-of-another-form", fails(&other));
+}
+
+#[test]
+fn a_function_without_a_drive_is_of_one_unit_of_it() {
+    let text = response((12, "g"), (12, "g"));
+    let table = super::oscillators::load("t.uff", text.as_bytes(), "drive = 'base'", "").expect("sound");
+    assert_eq!((table.signals.drive.unit, table.points[0].drive), ("m/s^2", 1.0));
+    assert!((table.points[0].amplitude - 5.0).abs() < 1e-9, "{:?}", table.points[0]);
+    assert!(table.notes.iter().any(|note| note.contains("a drive of 1 m/s^2")), "{:?}", table.notes);
+    // By itself it says the same, and its units what it is of where it states no kind of data.
+    for ((above, unit), below, units, amplitude) in [
+        ((8, "mm"), (13, "N"), ("N", "m"), 5e-3),
+        ((8, "mrad"), (13, "Nm"), ("N m", "rad"), 5e-3),
+        ((1, "m/s^2"), (1, "kN"), ("N", "m/s^2"), 5e-3),
+        ((1, "g"), (1, "N"), ("N", "m/s^2"), 5.0 * 9.80665),
+    ] {
+        let of = |text: &str| survey_bytes("t.uff", text.as_bytes()).unwrap_or_else(|error| panic!("{error}"));
+        let text = response((above, unit), below);
+        let (one, twice) = (of(&text), of(&(response((above, unit), below) + &text)));
+        assert_eq!((one.table.signals.drive.unit, one.table.signals.reading.unit), units);
+        assert!((one.table.points[0].amplitude / amplitude - 1.0).abs() < 1e-9, "{:?}", one.table.points[0]);
+        assert_eq!((one.record, twice.record), (None, Some(1)), "the first of two");
+        // Where response and reference are one place it is the one to look at.
+        let driving = text.replace("     SHAKER         2   3", "       BEAM         1   3");
+        assert_eq!(of(&(text + &driving)).record, Some(2));
+    }
+    let unknown = survey_bytes("t.uff", response((1, ""), (1, "")).as_bytes()).expect_err("no quantity").to_string();
+    insta::assert_snapshot!("uff-survey-of-no-quantity", unknown);
 }

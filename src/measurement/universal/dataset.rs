@@ -182,12 +182,6 @@ pub(super) fn functions(source: &Source) -> Result<Vec<Dataset>> {
             }
         }
         let name = id.split_whitespace().next().unwrap_or("");
-        if name.starts_with("58b") {
-            let title =
-                format!("`{}`, line {}: dataset 58b is the binary form, which is not read", source.name, at + 1);
-            let help = "export the function again in ASCII (dataset 58)";
-            return Err(Error::Input(whole_file(&title, help)));
-        }
         if name == "58" {
             found.push(dataset(source, at + 2, &inside)?);
         }
