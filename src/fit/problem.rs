@@ -223,7 +223,9 @@ impl<'a> Problem<'a> {
         let rows = self.points.iter().map(|p| 1 + usize::from(p.phase.is_some())).sum();
         let mut residuals = DVector::zeros(rows);
         let mut jacobian = DMatrix::zeros(rows, indices.len());
-        let lost = troubled.into_inner() as f64 > allowed;
+        // Of all points, those between the ones that were solved too.
+        let missing = solved.iter().filter(|(prediction, _)| !prediction.status.is_steady()).count();
+        let lost = troubled.into_inner().max(missing) as f64 > allowed;
         if lost && gives_up {
             // Whichever points were solved before: the same for any order of them.
             residuals.fill(LOST.1);

@@ -1,13 +1,13 @@
 //! Which column of a table is which: by its header, by the scenario's mapping, or from the scenario where it is one value.
 
-use super::frame::Frame;
+use super::frame::{DRIVES, Frame};
 use super::header::{self, AMPLITUDE, DRIVE, FREQUENCY, LOAD, Meaning, NUMBERS, SERIES, SPEED, SWEEP};
 use super::parts::Parts;
 use super::samples;
 use super::search::{Found, column_of, search};
 use super::sheet::{Complaints, Sheet};
 use super::swings::{is_effective, is_peak_to_peak};
-use super::unit::Unit;
+use super::unit::{Unit, Wanted};
 use crate::scenario::Sweep;
 use crate::scenario::diagnostic::{MAX_TOLD, nearest, quote};
 use crate::scenario::parameters::COLUMNS;
@@ -46,6 +46,8 @@ pub(crate) struct Layout {
     pub choices: Vec<(String, String)>,
     /// The columns of amplitude and phase, where they hold their parts.
     pub parts: Option<Parts>,
+    /// Whether nothing states the drive, and one setting is taken for all rows.
+    pub drive_assumed: bool,
 }
 
 /// Finds the columns; problems are noted at the header.
@@ -70,7 +72,15 @@ pub(crate) fn layout(
     let named = mapping.iter().any(|(key, _)| column_of(key) == Some(FREQUENCY));
     if !named && !(0..sheet.header.cells.len()).any(known) && samples::refuse(sheet, complaints) {
         let slots = Default::default();
-        return Layout { slots, series: None, sweep: None, aside: Vec::new(), choices: Vec::new(), parts: None };
+        return Layout {
+            slots,
+            series: None,
+            sweep: None,
+            aside: Vec::new(),
+            choices: Vec::new(),
+            parts: None,
+            drive_assumed: false,
+        };
     }
     let Found { mut slots, words, taken, told, choices, parts } = search(sheet, mapping, frame, complaints, notes);
     per_drive(sheet, frame, sweep, &mut slots, notes);
@@ -85,13 +95,31 @@ pub(crate) fn layout(
             lacking.push(column);
         }
     }
-    if !lacking.is_empty() {
+    let drive_assumed = lacking == [DRIVE] && is_held(sheet, frame, sweep, &aside);
+    if drive_assumed {
+        slots[DRIVE] = Some(Slot::Value(1.0, "V"));
+        notes.push(
+            "no drive is stated: that of all rows is taken as one setting, 1 V, of which nothing is known".into(),
+        );
+    } else if !lacking.is_empty() {
         missing(sheet, frame, &lacking, sweep, &aside, complaints);
     }
     name_aside(sheet, frame, &slots, &aside, notes);
     without_contact(sheet, frame, &slots, notes);
     without_sensitivity(sheet, frame, &slots, notes);
-    Layout { slots, series: words[SERIES - NUMBERS], sweep: words[SWEEP - NUMBERS], aside, choices, parts }
+    let (series, sweep) = (words[SERIES - NUMBERS], words[SWEEP - NUMBERS]);
+    Layout { slots, series, sweep, aside, choices, parts, drive_assumed }
+}
+
+/// Whether a drive that nothing states may be taken as one setting: the rig may be driven by a voltage, and no column looks like its drive.
+fn is_held(sheet: &Sheet, frame: &Frame<'_>, sweep: Option<&Sweep>, aside: &[usize]) -> bool {
+    let wanted = Wanted { possible: DRIVES, natural: None, share: false, per_drive: false };
+    let may_be = |index: &usize| {
+        let (name, bracket) = header::split(&sheet.header.cells[*index]);
+        let near = [frame.standard(DRIVE), COLUMNS[DRIVE]].iter().any(|key| nearest(key, [name]).is_some());
+        near || bracket.is_some_and(|unit| wanted.unit(unit).is_ok())
+    };
+    frame.serving(DRIVE).contains(&"V") && sweep_values(DRIVE, sweep).is_empty() && !aside.iter().any(may_be)
 }
 
 /// A frequency response function is of one drive, of a size that it does not tell: where nothing states it, it is one.

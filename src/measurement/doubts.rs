@@ -23,7 +23,7 @@ const NAMED: usize = 5;
 /// Doubts about the sign of the phases and single readings; `arm` tells the paper's rig.
 pub(super) fn doubts(points: &[Point], arm: bool) -> Vec<String> {
     let mut doubts = Vec::new();
-    if turn(points).is_some_and(|turn| turn > TURNING.1) {
+    if counts_lags(points) {
         doubts.push(format!(
             "the phases rise with the frequency, where those of an {} that is driven fall through its resonance: an \
              instrument that counts a lag as positive needs the sign of its phases reversed",
@@ -52,6 +52,11 @@ pub(super) fn doubts(points: &[Point], arm: bool) -> Vec<String> {
         }
     }
     doubts
+}
+
+/// Whether phases rise with the frequency, as where a lag is counted positive.
+pub(super) fn counts_lags(points: &[Point]) -> bool {
+    turn(points).is_some_and(|turn| turn > TURNING.1)
 }
 
 /// Rows of the smallest amplitudes of a curve, fewer than half, where the gap to the others is wider than these spread, as a ratio.

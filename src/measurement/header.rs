@@ -120,7 +120,8 @@ fn by_alias(header: &str, name: &str, bracket: Option<&str>, frame: &Frame<'_>) 
         let possible = if alias.units.is_empty() { possible("", alias.column) } else { alias.units };
         let natural = frame.natural(alias.column).filter(|si| possible.contains(si));
         let wanted = Wanted { possible, natural, share: false, per_drive: alias.column == AMPLITUDE };
-        let of = |unit: Unit, stated| Some(Meaning::Alias(alias.column, unit, stated));
+        let negated = alias.name.ends_with("lag");
+        let of = |unit: Unit, stated| Some(Meaning::Alias(alias.column, unit.counted(negated), stated));
         let found = match (rest, bracket) {
             ("", Some(text)) => wanted.unit(text).ok().and_then(|unit| of(unit, true)),
             // A capital F is a force as well.
@@ -141,7 +142,7 @@ fn by_alias(header: &str, name: &str, bracket: Option<&str>, frame: &Frame<'_>) 
 /// The column of words that a name stands for.
 fn words(name: &str) -> Option<usize> {
     match name {
-        "series" => Some(SERIES),
+        "series" | "serie" => Some(SERIES),
         "sweep" => Some(SWEEP),
         _ => None,
     }

@@ -68,12 +68,22 @@ pub(crate) fn likely(name: &str, bracket: Option<&str>) -> Option<(usize, Unit)>
     Some(column)
 }
 
+/// Whether a name is of a column that is none of drive, frequency, amplitude and phase.
+pub(crate) fn is_other(name: &str) -> bool {
+    name.split('_').any(|word| OTHER.iter().any(|beginning| word.starts_with(beginning)))
+}
+
+/// Whether a name is that of the deviation of what has the other one.
+pub(crate) fn is_deviation(name: &str, of: &str) -> bool {
+    let rest = name.strip_suffix(of).map(|mark| mark.trim_end_matches('_'));
+    rest.is_some_and(|mark| ["d", "δ", "delta", "σ", "s", "sigma", "sd", "std", "u", "err", "error"].contains(&mark))
+}
+
 /// The unit of a column in hertz, whatever its name is but one of the others: nothing else is measured in that.
 pub(crate) fn in_hertz(name: &str, bracket: Option<&str>) -> Option<Unit> {
-    let other = name.split('_').any(|word| OTHER.iter().any(|beginning| word.starts_with(beginning)));
     let wanted = Wanted { possible: &["Hz"], natural: None, share: false, per_drive: false };
     let unit = wanted.unit(bracket?).ok()?;
-    (!other && unit.text.ends_with("Hz")).then_some(unit)
+    (!is_other(name) && unit.text.ends_with("Hz")).then_some(unit)
 }
 
 #[cfg(test)]

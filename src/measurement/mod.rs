@@ -276,6 +276,13 @@ fn read(wanted: &MeasurementSource, bytes: &[u8], frame: &Frame<'_>, sweep: Opti
     unused_keys(wanted, format, &mut notes);
     let pool::Readings { signals, columns, choices, .. } = &readings;
     let (signals, columns, choices) = (*signals, columns.clone(), choices.clone());
+    let sweeps = if readings.drive_assumed { series::sweeps(&readings.list) } else { 1 };
+    if sweeps > 1 {
+        let title = format!("`{}` holds {sweeps} sweeps, and no column states their drives", wanted.file.display());
+        let help = "name a column force_n, drive_g, drive_v or the like; of a drive that was the same in all of them its setting will do: \
+                    drive_v, the same number in every row";
+        return Err(Error::Input(whole_file(&title, help)));
+    }
     let mut pooled = pool::pool(readings, frame.is_arm(), &mut notes)?;
     let mut series = std::mem::take(&mut pooled.series);
     let (mut points, amplitude_noise, phase_noise) = noise::assign(pooled, &wanted.file, signals, &mut notes)?;

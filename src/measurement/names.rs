@@ -31,6 +31,9 @@ const fn alias(name: &'static str, column: usize, units: &'static [&'static str]
     Alias { name, column, units, bare }
 }
 
+/// A phase that is positive where the reading lags.
+pub(crate) const LAG: &str = "phase_lag";
+
 const LENGTH: &[&str] = &["m"];
 const VELOCITY: &[&str] = &["m/s"];
 const ACCELERATION: &[&str] = &["m/s^2"];
@@ -47,6 +50,11 @@ pub(crate) const ALIASES: &[Alias] = &[
     alias("frequenz", FREQUENCY, HERTZ, true),
     alias("drive_frequency", FREQUENCY, HERTZ, true),
     alias("excitation_frequency", FREQUENCY, HERTZ, true),
+    alias("omega", FREQUENCY, HERTZ, false),
+    alias("ω", FREQUENCY, HERTZ, false),
+    alias("w", FREQUENCY, HERTZ, false),
+    alias("angular_frequency", FREQUENCY, HERTZ, false),
+    alias("kreisfrequenz", FREQUENCY, HERTZ, false),
     alias("f", DRIVE, NEWTON, false),
     alias("force", DRIVE, NEWTON, false),
     alias("torque", DRIVE, TORQUE, false),
@@ -65,6 +73,7 @@ pub(crate) const ALIASES: &[Alias] = &[
     alias("magnitude", AMPLITUDE, &[], false),
     alias("mag", AMPLITUDE, &[], false),
     alias("gain", AMPLITUDE, &[], false),
+    alias("s11", AMPLITUDE, &[], false),
     alias("s21", AMPLITUDE, &[], false),
     alias("h", AMPLITUDE, &[], false),
     alias("|h|", AMPLITUDE, &[], false),
@@ -97,6 +106,8 @@ pub(crate) const ALIASES: &[Alias] = &[
     alias("ϕ", PHASE, RADIAN, true),
     alias("phase_angle", PHASE, RADIAN, true),
     alias("phasenwinkel", PHASE, RADIAN, true),
+    alias(LAG, PHASE, RADIAN, true),
+    alias("lag", PHASE, RADIAN, false),
     alias("roller_speed", SPEED, VELOCITY, false),
     alias("normal_load", LOAD, NEWTON, false),
     alias("normal_force", LOAD, NEWTON, false),

@@ -2,22 +2,16 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
-use std::ops::Range;
 
-use super::sheet::Complaints;
 use super::{Column, Direction, Point, Series, series};
 use crate::error::Result;
 use crate::scenario::Signals;
-use crate::scenario::diagnostic::Place;
-use crate::scenario::source::Source;
 
 /// One row as it was read, SI units and rad.
 #[derive(Debug, Clone)]
 pub(crate) struct Reading {
     pub row: usize,
     pub line: usize,
-    /// Byte range of the row in the source's text.
-    pub span: Range<usize>,
     pub speed: f64,
     pub load: f64,
     pub drive: f64,
@@ -40,7 +34,6 @@ pub(crate) struct Reading {
 /// The readings of a file and what it states about their noise.
 #[derive(Debug)]
 pub(crate) struct Readings {
-    pub source: Source,
     pub list: Vec<Reading>,
     /// What drive and amplitude are.
     pub signals: Signals,
@@ -48,6 +41,8 @@ pub(crate) struct Readings {
     pub columns: Vec<Column>,
     /// Keys and headers that a scenario has to map, as several columns could serve.
     pub choices: Vec<(String, String)>,
+    /// Whether nothing states the drive, and one setting is taken for all rows.
+    pub drive_assumed: bool,
     pub amplitude_stated: bool,
     pub phase_stated: bool,
 }
@@ -93,9 +88,9 @@ pub(crate) fn wrap(angle: f64) -> f64 {
     if turned <= -PI { turned + TAU } else { turned }
 }
 
-/// Finds the series, sorts, refuses copies of rows, unites repetitions. `arm` tells the paper's rig.
+/// Finds the series, sorts, leaves out copies of rows, unites repetitions. `arm` tells the paper's rig.
 pub(crate) fn pool(readings: Readings, arm: bool, notes: &mut Vec<String>) -> Result<Pooled> {
-    let Readings { source, mut list, amplitude_stated, phase_stated, .. } = readings;
+    let Readings { mut list, amplitude_stated, phase_stated, .. } = readings;
     let axes: [fn(&mut Reading) -> &mut f64; 4] =
         [|r| &mut r.load, |r| &mut r.speed, |r| &mut r.drive, |r| &mut r.frequency];
     for axis in axes {
@@ -106,7 +101,7 @@ pub(crate) fn pool(readings: Readings, arm: bool, notes: &mut Vec<String>) -> Re
         let keys = key(a).into_iter().zip(key(b)).map(|(a, b)| a.total_cmp(&b));
         keys.fold(std::cmp::Ordering::Equal, std::cmp::Ordering::then).then_with(|| a.row.cmp(&b.row))
     });
-    refuse_copies(&source, &list)?;
+    let list = without_copies(list, notes);
     let mut pooled = Pooled {
         series,
         points: Vec::new(),
@@ -152,30 +147,35 @@ fn snap(list: &mut [Reading], axis: fn(&mut Reading) -> &mut f64) {
     }
 }
 
-/// A row that says the same as another is a slip of the pen, not a second reading.
-fn refuse_copies(source: &Source, list: &[Reading]) -> Result<()> {
-    let mut copies = Vec::new();
-    for group in list.chunk_by(|a, b| key(a) == key(b)) {
-        let mut seen: BTreeMap<(Option<u64>, &str), usize> = BTreeMap::new();
-        for reading in group {
-            let said = (reading.mean.map(|mean| (mean + 0.0).to_bits()), reading.aside.as_str());
-            match seen.get(&said) {
-                Some(first) => copies.push((reading, *first)),
-                None => _ = seen.insert(said, reading.line),
+/// A row that says the same as another, be it a slip of the pen or a reading of few digits, is used once.
+fn without_copies(list: Vec<Reading>, notes: &mut Vec<String>) -> Vec<Reading> {
+    let mut copies: Vec<(usize, usize)> = Vec::new();
+    let mut kept: Vec<Reading> = Vec::with_capacity(list.len());
+    let mut seen: BTreeMap<(Option<u64>, String), usize> = BTreeMap::new();
+    for reading in list {
+        if kept.last().is_none_or(|last| key(last) != key(&reading)) {
+            seen.clear();
+        }
+        let said = (reading.mean.map(|mean| (mean + 0.0).to_bits()), reading.aside.clone());
+        match seen.get(&said) {
+            Some(first) => copies.push((reading.line, *first)),
+            None => {
+                seen.insert(said, reading.line);
+                kept.push(reading);
             }
         }
     }
-    copies.sort_by_key(|(reading, _)| reading.line);
-    let mut complaints = Complaints::of(source);
-    for (reading, first) in copies {
-        let place = Place { file: 0, span: reading.span.clone() };
-        let help = "remove one of the two; a repeated reading differs in its last digits, \
-                    or tell them apart by a column of your own such as `run`";
-        let label = format!("duplicate of line {first}");
-        let words = ["the row repeats another, number by number", &label, help];
-        complaints.add_row((0, "copy"), reading.line, &place, words);
+    copies.sort_unstable();
+    if let [(line, first), others @ ..] = copies.as_slice() {
+        let what = match others.len() {
+            0 => format!("line {line} repeats line {first}, number by number, and is not used"),
+            more => format!(
+                "line {line} repeats line {first}, number by number, and {more} more lines others: each is used once"
+            ),
+        };
+        notes.push(what + "; a column of your own such as `run` tells readings apart");
     }
-    complaints.check()
+    kept
 }
 
 /// Weighted mean, its standard deviation from the weights, and that from the spread of three or more.

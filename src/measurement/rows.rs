@@ -45,11 +45,11 @@ pub(crate) fn readings(
     let stated = |column: usize| layout.slots[column].is_some();
     let si = |column: usize| layout.slots[column].as_ref().map_or("", Slot::si);
     Ok(Readings {
-        source: sheet.source.clone(),
         list,
         signals: frame.signals(si(DRIVE), si(AMPLITUDE)),
         columns: used(sheet, &layout),
         choices: layout.choices,
+        drive_assumed: layout.drive_assumed,
         amplitude_stated: stated(AMPLITUDE_SD),
         phase_stated: stated(PHASE_SD),
     })
@@ -170,7 +170,6 @@ impl Cells<'_, '_> {
         Some(Reading {
             row: number,
             line: self.row.line,
-            span: self.sheet.row_place(self.row).span,
             speed: speed?,
             load: load?,
             drive: drive?,

@@ -1,13 +1,16 @@
 //! The search for columns: those that the scenario maps, then those whose headers say what they are.
 
 use super::columns::Slot;
-use super::frame::{Frame, kind};
-use super::header::{self, ALL, AMPLITUDE, DRIVE, FREQUENCY, LOAD, Meaning, NUMBERS, PHASE, SPEED};
-use super::likely::in_hertz;
+use super::frame::{Frame, READINGS, kind};
+use super::header::{
+    self, ALL, AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LOAD, Meaning, NUMBERS, PHASE, PHASE_SD, SPEED,
+};
+use super::likely::{in_hertz, is_deviation, is_other};
+use super::names::LAG;
 use super::parts::{Parts, parts};
-use super::sheet::{Complaints, Sheet};
+use super::sheet::{Complaints, Row, Sheet};
 use super::swings::other_amplitude;
-use super::unit::Unit;
+use super::unit::{Unit, Wanted};
 use crate::scenario::diagnostic::{nearest, quote};
 use crate::scenario::parameters::{COLUMNS, MEASURED};
 
@@ -105,6 +108,7 @@ impl Search<'_, '_> {
             }
             match header::meaning(&self.sheet.headed(index), self.frame) {
                 Meaning::Column(column, unit, stated) if !self.told[column] => {
+                    let unit = self.of_phase(index, column, unit, stated);
                     if self.frame.serving(column).contains(&unit.si) {
                         candidates[column].push(Candidate { index, unit, stated });
                     } else {
@@ -114,6 +118,7 @@ impl Search<'_, '_> {
                 Meaning::Alias(column, unit, stated)
                     if !self.told[column] && self.frame.serving(column).contains(&unit.si) =>
                 {
+                    let unit = self.of_phase(index, column, unit, stated);
                     aliases[column].push(Candidate { index, unit, stated });
                 }
                 Meaning::Likely(column, unit)
@@ -148,6 +153,8 @@ impl Search<'_, '_> {
             }
         }
         self.find_hertz();
+        self.find_reading(with_speed);
+        self.find_deviations();
         for (index, column, why) in unsuited {
             if self.slots[column].is_none() && !self.told[column] {
                 match why {
@@ -157,6 +164,17 @@ impl Search<'_, '_> {
                 (self.taken[index], self.told[column]) = (true, true);
             }
         }
+    }
+
+    /// The unit of a column: of phases that state none, degrees where a number is more than two turns of the circle in radians.
+    fn of_phase(&self, index: usize, column: usize, unit: Unit, stated: bool) -> Unit {
+        let most = MEASURED[PHASE].maximum;
+        let number = |cell: &String| cell.replace('−', "-").replace(',', ".").parse::<f64>().ok();
+        let degrees = |row: Row| row.cells.get(index).and_then(number).is_some_and(|value| value.abs() > most);
+        if column == PHASE && !stated && self.sheet.rows().any(degrees) {
+            return unit.spelt("deg");
+        }
+        unit
     }
 
     /// The frequency by its unit alone, where one column has it and none a name.
@@ -178,6 +196,53 @@ impl Search<'_, '_> {
         }
     }
 
+    /// Columns without a use, their plain names and their units where they have one that a reading may have.
+    fn unnamed(&self) -> Vec<(usize, String, Unit)> {
+        let wanted = Wanted { possible: READINGS, natural: None, share: false, per_drive: false };
+        let of = |index: usize| {
+            let header = self.sheet.headed(index);
+            let (name, bracket) = header::split(&header);
+            Some((index, header::plain(name), wanted.unit(bracket?).ok()?))
+        };
+        (0..self.taken.len()).filter(|index| !self.taken[*index]).filter_map(of).collect()
+    }
+
+    /// The reading by its unit alone, where one column has such a unit, its deviation apart, and none a name.
+    fn find_reading(&mut self, with_speed: bool) {
+        let named = |column: usize| self.slots[column].is_some() || self.told[column];
+        if named(AMPLITUDE) || !named(FREQUENCY) {
+            return;
+        }
+        let all = self.unnamed();
+        let deviation = |name: &str| all.iter().any(|(_, of, _)| is_deviation(name, of));
+        let serves = |(_, name, unit): &&(usize, String, Unit)| {
+            self.frame.serving(AMPLITUDE).contains(&unit.si) && !deviation(name) && !is_other(name)
+        };
+        let found: Vec<_> = all.iter().filter(serves).collect();
+        if let [(index, _, unit)] = found[..] {
+            let likely = vec![Candidate { index: *index, unit: unit.clone(), stated: true }];
+            self.choose_alias(AMPLITUDE, likely, with_speed);
+        }
+    }
+
+    /// Standard deviations by the names of what they are of, `dA` beside `A`, `Δφ` beside `φ`.
+    fn find_deviations(&mut self) {
+        for (column, of) in [(AMPLITUDE_SD, AMPLITUDE), (PHASE_SD, PHASE)] {
+            let Some(Slot::Cells(at, unit)) = &self.slots[of] else { continue };
+            if self.slots[column].is_some() || self.told[column] {
+                continue;
+            }
+            let (header, si) = (self.sheet.headed(*at), unit.si);
+            let name = header::plain(header::split(&header).0);
+            let mut found = self.unnamed();
+            found.retain(|(_, other, unit)| is_deviation(other, &name) && unit.si == si);
+            if let [(index, _, unit)] = &found[..] {
+                let likely = vec![Candidate { index: *index, unit: unit.clone(), stated: true }];
+                self.choose_alias(column, likely, true);
+            }
+        }
+    }
+
     /// The column that is used of those that could be; volts only where nothing else is there.
     fn choose(&mut self, column: usize, mut candidates: Vec<Candidate>) {
         if self.frame.is_free() {
@@ -194,7 +259,7 @@ impl Search<'_, '_> {
             }
             if !stated {
                 let header = quote(&self.sheet.header.cells[index]);
-                self.notes.push(format!("{header} states no unit and is read in {}", unit.si));
+                self.notes.push(format!("{header} states no unit and is read in {}", unit.shown()));
             }
             self.slots[column] = Some(Slot::Cells(index, unit));
         }
@@ -218,8 +283,9 @@ impl Search<'_, '_> {
             [] => {}
             [one] => {
                 let (header, key) = (header(one), COLUMNS[column]);
-                let unit = if one.stated { one.unit.shown() } else { format!("{}, no unit being stated", one.unit.si) };
-                self.notes.push(format!("{header} is read as {key} in {unit}"));
+                let unit = one.unit.shown() + if one.stated { "" } else { ", no unit being stated" };
+                let lag = if one.unit.negated { ", a lag positive," } else { "" };
+                self.notes.push(format!("{header} is read as {key}{lag} in {unit}"));
                 self.taken[one.index] = true;
                 self.slots[column] = Some(Slot::Cells(one.index, one.unit.clone()));
             }
@@ -341,10 +407,11 @@ impl Search<'_, '_> {
             match header::mapped(&sheet.headed(index), key, column, frame) {
                 Ok((unit, _)) if !frame.serving(column).contains(&unit.si) => self.unsuited(index, column, unit.si),
                 Ok((unit, stated)) => {
+                    let unit = self.of_phase(index, column, unit, stated).counted(key == LAG);
                     let read = if stated {
                         format!("in {}", unit.shown())
                     } else {
-                        format!("in {}, no unit being stated", unit.si)
+                        format!("in {}, no unit being stated", unit.shown())
                     };
                     self.notes.push(format!("{} is read as {key} {read}", quote(&headers[index])));
                     self.notes.extend(other_amplitude(&headers[index], column));
@@ -365,6 +432,7 @@ impl Search<'_, '_> {
 pub(crate) fn column_of(key: &str) -> Option<usize> {
     match key {
         "force" | "torque" => Some(DRIVE),
+        LAG => Some(PHASE),
         _ => COLUMNS[..ALL].iter().position(|name| *name == key),
     }
 }

@@ -117,6 +117,12 @@ pub(super) fn group(list: &mut [Reading], arm: bool) -> Vec<Series> {
     series.into_iter().map(|(series, _)| series).collect()
 }
 
+/// How many sweeps rows of one drive are, each of enough of them to be told.
+pub(super) fn sweeps(list: &[Reading]) -> usize {
+    let rows: Vec<usize> = (0..list.len()).collect();
+    passes(list, &rows).iter().filter(|pass| pass.len() >= SWEPT).count()
+}
+
 /// What is said of a sweep; the order of rows tells nothing where it is `unordered`.
 fn one(list: &[Reading], rows: &[usize], unordered: bool) -> Series {
     let first = &list[rows[0]];

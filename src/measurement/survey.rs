@@ -3,8 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use super::frame::Frame;
-use super::{Format, Table, file, read, universal};
+use super::header::PHASE;
+use super::names::LAG;
+use super::{Format, Table, doubts, file, read, universal};
 use crate::error::Result;
+use crate::scenario::parameters::COLUMNS;
 use crate::scenario::{Coordinate, MeasurementSource};
 
 /// A column of a file and what was made of it.
@@ -84,7 +87,18 @@ fn survey_of(file: PathBuf, band: Option<(f64, f64)>, bytes: impl Fn(&Path) -> R
         Format::Universal => universal::record(&universal::source(&file, &bytes)?)?,
         Format::Delimited | Format::Workbook => None,
     };
-    let wanted = MeasurementSource { file, columns: Vec::new(), record, sheet: None, band };
-    let (table, columns, mapping) = read(&wanted, &bytes, &Frame::any(), None)?;
+    let mut wanted = MeasurementSource { file, columns: Vec::new(), record, sheet: None, band };
+    let (mut table, mut columns, mut mapping) = read(&wanted, &bytes, &Frame::any(), None)?;
+    let phase = columns.iter().find(|column| column.key == Some("phase")).map(|column| column.header.clone());
+    // Whatever it is called: those of a column of lags may be negative where the reading lags.
+    for (key, sign) in [(LAG, "as lags"), (COLUMNS[PHASE], "as they are, negative where the reading lags")] {
+        let Some(header) = phase.clone().filter(|_| doubts::counts_lags(&table.points)) else { break };
+        wanted.columns = vec![(key.to_string(), header)];
+        (table, columns, mapping) = read(&wanted, &bytes, &Frame::any(), None)?;
+        table.notes.push(format!(
+            "the phases rose with the frequency, where those of an oscillator that is driven fall through its resonance: they are read {sign}"
+        ));
+        mapping.extend(wanted.columns.clone());
+    }
     Ok(Survey { table, columns, mapping, record })
 }

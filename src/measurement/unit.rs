@@ -24,6 +24,8 @@ pub(crate) struct Unit {
     pub relative: bool,
     /// What its numbers are per, of a frequency response function.
     pub over: Option<Over>,
+    /// Whether its numbers count the other way round, as a lag does.
+    pub negated: bool,
     /// The prefix of a unit of standard gravity.
     gravity: Option<&'static str>,
     /// Whether its numbers are levels, 20 log10 of the size.
@@ -43,7 +45,17 @@ pub(crate) struct Over {
 impl Unit {
     /// A unit in SI.
     pub fn of(si: &'static str) -> Self {
-        Self { text: si.into(), si, relative: false, over: None, gravity: None, decibel: false }
+        Self { text: si.into(), si, relative: false, over: None, negated: false, gravity: None, decibel: false }
+    }
+
+    /// The same, its numbers counted the other way round if so.
+    pub fn counted(self, negated: bool) -> Self {
+        Self { negated, ..self }
+    }
+
+    /// The same quantity in another unit.
+    pub fn spelt(self, text: &str) -> Self {
+        Self { text: text.into(), ..self }
     }
 
     /// A number of this unit in SI, rounded once.
@@ -54,7 +66,8 @@ impl Unit {
             Some(prefix) => GRAVITY * units::parse(&format!("{size} {prefix}m/s^2"), self.si)?,
             None => units::parse(&format!("{size} {}", self.text), if self.relative { "1" } else { self.si })?,
         };
-        Ok(self.over.as_ref().map_or(value, |over| value / over.size))
+        let value = self.over.as_ref().map_or(value, |over| value / over.size);
+        Ok(if self.negated { -value } else { value })
     }
 
     /// As it is told.

@@ -102,7 +102,6 @@ pub(crate) fn readings(
         list.push(Reading {
             row: at + 1,
             line: value.line,
-            span: value.span.clone(),
             speed,
             load,
             drive,
@@ -127,9 +126,8 @@ pub(crate) fn readings(
         notes.push(format!("function {chosen} of {all}; for another change `record` in [measurement]"));
     }
     let signals = scale.signals;
-    let source = source.clone();
     let (columns, choices) = (Vec::new(), Vec::new());
-    Ok(Readings { source, list, signals, columns, choices, amplitude_stated: false, phase_stated: false })
+    Ok(Readings { list, signals, columns, choices, drive_assumed: false, amplitude_stated: false, phase_stated: false })
 }
 
 fn within(column: usize, value: f64, frame: &Frame<'_>, place: &Place, complaints: &mut Complaints<'_>) -> bool {

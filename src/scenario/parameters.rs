@@ -202,6 +202,7 @@ pub const COLUMNS: &[&str] = &[
     "sweep",
     "force",
     "torque",
+    "phase_lag",
 ];
 
 /// What the columns of numbers hold, in the same order; units without prefix, those of drive and reading as of the paper's rig.

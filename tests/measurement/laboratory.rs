@@ -2,6 +2,7 @@
 
 use super::oscillators::load;
 use super::{SWEEP, read};
+use stickslip::measurement::survey_bytes;
 
 #[test]
 fn headers_of_many_kinds_are_one_table() {
@@ -168,11 +169,20 @@ fn equal_problems_are_one_message() {
         load("t.csv", format!("frequency_hz,force_n,amplitude_m\n{rows}80,1,\n").as_bytes(), "", "")
             .expect_err("refused")
     );
-    let copies = "80,1,2\n".repeat(5);
-    insta::assert_snapshot!(
-        "one-message-for-copies",
-        load("t.csv", format!("frequency_hz,force_n,amplitude_m\n{copies}").as_bytes(), "", "").expect_err("refused")
+}
+
+#[test]
+fn a_row_that_repeats_another_is_used_once() {
+    let header = "frequency_hz,force_n,amplitude_m,amplitude_sd_percent,run\n";
+    let of = |rows: &str| load("t.csv", format!("{header}{rows}").as_bytes(), "", "").expect("sound");
+    let table = of("80,1,2,1,\n81,1,3,1,\n80.0,1,2,1,\n80,1,2,1,\n");
+    assert_eq!(table.points.iter().map(|p| (p.row, p.replicates)).collect::<Vec<_>>(), [(1, 1), (2, 1)]);
+    let note = &table.notes[1];
+    assert!(
+        note.starts_with("line 4 repeats line 2, number by number, and 1 more lines others: each is used once"),
+        "{note}"
     );
+    assert_eq!(of("80,1,2,1,first\n80,1,2,1,second\n").points[0].replicates, 2);
 }
 
 #[test]
@@ -197,4 +207,70 @@ fn samples_in_time_are_recognised() {
     let message =
         load("t.csv", format!("time,force_n,amplitude_m\n{odd}").as_bytes(), "", "").expect_err("no frequency");
     assert!(message.contains("no column for frequency"), "{message}");
+}
+
+/// A resonance as students write it down: frequency, amplitude in cm, its deviation and a phase in degrees, in the rows of `header`.
+fn written(header: &str, sign: f64) -> String {
+    driven(header, sign, 0.2)
+}
+
+fn driven(header: &str, sign: f64, drive: f64) -> String {
+    let row = |n: i32| {
+        let f = 0.5 + 0.02 * f64::from(n);
+        let (x, y) = (0.7 * 0.7 - f * f, 0.7 * f / 8.0);
+        let noise = 1.0 + 0.004 * f64::from(n * n % 5);
+        let (size, phase) = (drive * noise / x.hypot(y), sign * f64::atan2(-y, x).to_degrees());
+        let cells = [format!("{f:.4}"), format!("{size:.4}"), format!("{:.4}", 0.01 * size), format!("{phase:.2}")];
+        cells[..if header.is_empty() { 4 } else { header.split(',').count() }].join(",")
+    };
+    format!("{header}\n{}\n", (0..24).map(row).collect::<Vec<_>>().join("\n"))
+}
+
+#[test]
+fn a_table_without_a_drive_is_of_one_setting() {
+    let text = written("f [Hz],A [cm],dA [cm],phi", 1.0);
+    let table = survey_bytes("t.csv", text.as_bytes()).unwrap_or_else(|error| panic!("{error}")).table;
+    let (point, signals) = (&table.points[0], table.signals);
+    assert_eq!((signals.drive.unit, signals.reading.unit, point.drive), ("V", "m", 1.0));
+    assert!((point.amplitude_sd / point.amplitude - 0.01).abs() < 1e-4, "{point:?}");
+    assert!(point.phase.is_some_and(|phase| phase < 0.0 && phase > -1.0), "degrees by their size: {point:?}");
+    let told = |note: &str| assert!(table.notes.iter().any(|told| told.contains(note)), "{note}: {:?}", table.notes);
+    told("no drive is stated");
+    told("`A [cm]` is read as amplitude in cm");
+    told("`dA [cm]` is read as amplitude_sd in cm");
+    told("`phi` is read as phase in deg, no unit being stated");
+    // Two sweeps may have had two drives, and a column in volts may be it.
+    let larger = driven("", 1.0, 0.9);
+    let twice = text.clone() + larger.trim_start();
+    let refused = |text: &str| survey_bytes("t.csv", text.as_bytes()).expect_err("refused").to_string();
+    insta::assert_snapshot!("no-drive-in-two-sweeps", refused(&twice));
+    insta::assert_snapshot!("no-drive-beside-volts", refused(&written("f [Hz],amplitude [cm],U [V]", 1.0)));
+    let stated = load("t.csv", text.as_bytes(), "", "[sweep]\nfrequency = 0.7\ndrive = '3 N'").expect("sound");
+    assert_eq!((stated.signals.drive.unit, stated.points[0].drive), ("N", 3.0), "of the sweep");
+}
+
+#[test]
+fn an_angular_frequency_is_a_frequency() {
+    for name in ["omega [rad/s]", "ω / rad/s", "w (rad/s)", "Kreisfrequenz [rad/s]", "angular frequency (rad/s)"] {
+        let text = written(&format!("{name},A [cm]"), 1.0);
+        let table = survey_bytes("t.csv", text.as_bytes()).unwrap_or_else(|error| panic!("{name}: {error}")).table;
+        assert!((table.points[0].frequency - 0.5 / std::f64::consts::TAU).abs() < 1e-12, "{name}");
+    }
+}
+
+#[test]
+fn lags_are_phases_of_the_other_sign() {
+    let first = |header: &str, sign: f64| {
+        let survey = survey_bytes("t.csv", written(header, sign).as_bytes()).unwrap_or_else(|error| panic!("{error}"));
+        (survey.table.points[0].phase.expect("a phase"), survey.mapping)
+    };
+    let (plain, mapping) = first("f [Hz],A [cm],dA [cm],phase [deg]", 1.0);
+    assert!(plain < 0.0 && mapping.is_empty());
+    assert_eq!(first("f [Hz],A [cm],dA [cm],phase lag [deg]", -1.0), (plain, vec![]));
+    // What the numbers say counts for more than what the column is called.
+    let of = |key: &str, header: &str| vec![(key.to_string(), header.to_string())];
+    for (header, sign, key) in [("phase [deg]", -1.0, "phase_lag"), ("phase lag [deg]", 1.0, "phase")] {
+        let (phase, mapping) = first(&format!("f [Hz],A [cm],dA [cm],{header}"), sign);
+        assert_eq!((phase, mapping), (plain, of(key, header)), "{header}");
+    }
 }

@@ -70,7 +70,6 @@ fn every_broken_table_has_its_message() {
         ("table-unit-in-a-cell", "20 mm/s,20,2.5e-6,61,1.5e-6,1.5e-8,-0.1,0.01"),
         ("table-row-too-short", "0.02,20,2.5e-6,61,1.5e-6"),
         ("table-row-too-long", "0,02,20,2.5e-6,61,1.5e-6,1.5e-8,-0.1,0.01"),
-        ("table-row-twice", "# a remark\n\n0.02,20,2.5e-6,60.0,1.50e-6,1.5e-8,-0.1,0.01"),
         ("table-several-problems", "0.02,20,2.5e-6,-1,x,1.5e-8,-0.1,\n0.02,W,2.5e-6,60,1,1.5e-8,-0.1,0.01"),
     ];
     for (name, row) in rows {

@@ -86,7 +86,7 @@ fn what_a_survey_cannot_tell_is_an_error() {
     let fails =
         |header: &str, columns: usize| survey("t.csv", &format!("{header}\n{}", rows(columns))).expect_err("refused");
     insta::assert_snapshot!("survey-no-unit", fails("frequency,drive,amplitude", 2));
-    insta::assert_snapshot!("survey-no-drive", fails("frequency_hz,amplitude_m", 1));
+    insta::assert_snapshot!("survey-no-drive", fails("frequency_hz,amplitude_m,U [V]", 2));
     insta::assert_snapshot!("survey-bad-unit", fails("frequency_hz,force_n,amplitude_kg", 2));
     insta::assert_snapshot!("survey-samples", fails("t,x,y", 2).replace("80", "…"));
     let few = "frequency_hz,force_n,amplitude_m\n80,1,1\n81,1,2\n";
