@@ -45,7 +45,7 @@ pub fn execute(job: &Job<'_>, global: &Global) -> Result<()> {
     let (scenario, table) = with_measurements(job.path)?;
     let effect = known(job.effect, &scenario)?;
     check_applicable(job, &scenario)?;
-    let places: Vec<_> = table.points.iter().map(operation).collect();
+    let places: Vec<_> = table.points.iter().map(|point| (operation(point), point.amplitude)).collect();
     if !job.remove && !has_size(&Model::new(&scenario).scaled_at(&places), effect) {
         let title = format!("the measurements leave {} nothing to act on", quote(effect.name()));
         return Err(Error::Input(whole_file(&title, "it takes readings with a load on the contact")));

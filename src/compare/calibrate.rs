@@ -97,7 +97,7 @@ pub fn problem<'a>(
 /// than [`Tolerance::FIT`]: at full accuracy, points without a steady state that it passes take seconds each. Residuals and
 /// derivatives at its end are as accurate as `tolerance` says.
 pub fn calibrate(model: &Model, keys: &[String], points: &[Point], tolerance: Tolerance, seed: u32) -> Calibration {
-    let operations: Vec<Operation> = points.iter().map(crate::fit::operation).collect();
+    let operations: Vec<(Operation, f64)> = points.iter().map(|p| (crate::fit::operation(p), p.amplitude)).collect();
     let model = model.clone().scaled_at(&operations);
     let mut best = calibrate_about(&model, keys, points, tolerance, seed);
     let started = resonance::started(&model, keys, points).map(|model| model.scaled_at(&operations));
@@ -165,7 +165,8 @@ pub fn calibrate_about(
         .par_iter()
         .take(if parameters.is_empty() { 1 } else { FOLLOWED })
         .map(|&(_, index)| {
-            let settings = Settings { evaluations: EVALUATIONS, threshold: f64::INFINITY, converged: CONVERGED };
+            let settings =
+                Settings { evaluations: EVALUATIONS, threshold: f64::INFINITY, converged: CONVERGED, states: u64::MAX };
             minimised(&starts[index], &settings)
         })
         .collect();
@@ -175,7 +176,8 @@ pub fn calibrate_about(
     let settled = |mut fit: Fit| {
         let mut threshold_of = threshold(&fit);
         while fit.evaluation.residuals.amax() > threshold_of {
-            let robust = Settings { evaluations: EVALUATIONS, threshold: threshold_of, converged: CONVERGED };
+            let robust =
+                Settings { evaluations: EVALUATIONS, threshold: threshold_of, converged: CONVERGED, states: u64::MAX };
             fit = minimised(&fit.values, &robust);
             if threshold(&fit) > TIGHTER * threshold_of {
                 break;
@@ -192,7 +194,8 @@ pub fn calibrate_about(
         let mut problem = stated.clone();
         let typical = typical_of(&problem.evaluate(&starts[0], false).residuals);
         solved.fetch_add(problem.solved, Relaxed);
-        let robust = Settings { evaluations: EVALUATIONS, threshold: TAIL * typical, converged: CONVERGED };
+        let robust =
+            Settings { evaluations: EVALUATIONS, threshold: TAIL * typical, converged: CONVERGED, states: u64::MAX };
         let other = settled(minimised(&starts[0], &robust));
         if is_noise(&other) {
             fit = other;
@@ -206,7 +209,7 @@ pub fn calibrate_about(
     Calibration { base: model.clone(), fit, threshold, solved: solved.into_inner() }
 }
 
-const SETTLE: Settings = Settings { evaluations: 1, threshold: f64::INFINITY, converged: CONVERGED };
+const SETTLE: Settings = Settings { evaluations: 1, threshold: f64::INFINITY, converged: CONVERGED, states: u64::MAX };
 
 /// A quasi-random start within the ranges of the parameters.
 fn scattered(parameters: &[Parameter], number: u32, seed: u32) -> Vec<f64> {

@@ -27,10 +27,13 @@ fn beyond_prediction(steps: &mut Vec<Step>) -> Option<String> {
     {
         first = steps.pop()?.added;
     }
+    // Of a single series nothing is left out.
+    let predicts_worse = |before: &Step, last: &Step| {
+        before.held_out.zip(last.held_out).is_none_or(|(before, last)| last.rms_percent > before.rms_percent)
+    };
     while let [.., before, last] = &steps[..]
         && last.comparison.overall.rms_error_percent > before.comparison.overall.rms_error_percent
-        && let (Some(before), Some(last)) = (before.held_out, last.held_out)
-        && last.rms_percent > before.rms_percent
+        && predicts_worse(before, last)
     {
         first = steps.pop()?.added;
     }

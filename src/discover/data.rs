@@ -44,6 +44,8 @@ pub struct Effort {
     pub points: usize,
     /// Evaluations.
     pub evaluations: usize,
+    /// Steady states, each counted as what it costs: the fit ends with the evaluation that reaches so many.
+    pub states: u64,
 }
 
 impl<'a> Data<'a> {
@@ -130,11 +132,32 @@ impl<'a> Data<'a> {
         self.counter.fetch_add(solved, Relaxed);
     }
 
-    /// Whether a fit costs no more than its share of the budget, one of so many: what does is not begun, so that no round costs more
-    /// than the budget. The same whatever was done before.
-    pub fn affords(&self, model: &Model, effort: Effort, among: usize) -> bool {
+    /// What the search may solve yet, which leaves a part of the budget for intervals.
+    pub fn left(&self) -> u64 {
+        (self.budget - self.budget / INTERVALS).saturating_sub(self.solved())
+    }
+
+    /// A fit to all points, one of so many that are made at once, with its share of what is left: asked while none is under way, so that
+    /// it is the same for any number of threads.
+    pub fn effort(&self, evaluations: usize, among: usize) -> Effort {
+        Effort { points: self.points.len(), evaluations, states: self.share(among) }
+    }
+
+    /// The same of a fit that has to be made, however little is left.
+    pub fn last_effort(&self, evaluations: usize) -> Effort {
+        let effort = self.effort(evaluations, 1);
+        Effort { states: effort.states.max(self.budget / (INTERVALS * SHARE)), ..effort }
+    }
+
+    /// Steady states that each of so many fits may solve.
+    pub fn share(&self, among: usize) -> u64 {
+        self.left() / SHARE.max(among as u64)
+    }
+
+    /// Whether a fit is expected to cost no more than it may: what does is not begun.
+    pub fn affords(&self, model: &Model, effort: Effort) -> bool {
         let points = effort.points.min(self.points.len()).min(DENSE * self.series);
-        (points * effort.evaluations) as u64 * cost(model) < self.budget / SHARE.max(among as u64)
+        (points * effort.evaluations) as u64 * cost(model) < effort.states
     }
 
     /// Parameters that move where these are added: those of an effect with the signs that the model has, all others about the
@@ -161,10 +184,11 @@ impl<'a> Data<'a> {
         let mut values = start.to_vec();
         loop {
             let left = effort.evaluations.saturating_sub(problem.evaluations).max(1);
-            let fit = minimise(&mut problem, &values, &Settings { evaluations: left, threshold, converged });
+            let settings = Settings { evaluations: left, threshold, converged, states: effort.states };
+            let fit = minimise(&mut problem, &values, &settings);
             let tighter = TAIL * typical_of(&fit.evaluation.residuals);
             let pulled = fit.evaluation.residuals.amax() > tighter && tighter < TIGHTER * threshold;
-            if !pulled || problem.evaluations >= effort.evaluations {
+            if !pulled || problem.evaluations >= effort.evaluations || problem.solved >= effort.states {
                 self.count(problem.solved);
                 return Fit { evaluations: problem.evaluations, ..fit };
             }
@@ -173,9 +197,8 @@ impl<'a> Data<'a> {
     }
 
     /// A hypothesis fitted to all points from the values that it has.
-    pub fn fitted(&self, hypothesis: Hypothesis, evaluations: usize) -> Hypothesis {
+    pub fn fitted(&self, hypothesis: Hypothesis, effort: Effort) -> Hypothesis {
         let Hypothesis { model, fit, .. } = &hypothesis;
-        let effort = Effort { points: self.points.len(), evaluations };
         let typical = typical_of(&fit.evaluation.residuals);
         let found = self.fit(model, &fit.parameters, &fit.values, typical, effort);
         let mut better = Hypothesis { fit: found, estimate: None, ..hypothesis.clone() };
@@ -186,7 +209,9 @@ impl<'a> Data<'a> {
     }
 }
 
-/// Largest part of the budget that one fit may cost, one over this, however few there are.
+/// Part of the budget that is kept for intervals, one over this.
+const INTERVALS: u64 = 4;
+/// Largest part of what is left that one fit may cost, one over this, however few there are.
 const SHARE: u64 = 4;
 /// Steady states that a densely measured series takes, about.
 const DENSE: usize = 100;

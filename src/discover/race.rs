@@ -10,8 +10,8 @@ pub struct Round {
     pub points: usize,
     /// Evaluations of one fit.
     pub evaluations: usize,
-    /// Competitors that work.
-    pub among: usize,
+    /// Steady states that each may solve.
+    pub states: u64,
 }
 
 /// Something that gets better with work.
@@ -50,15 +50,15 @@ pub struct Result<C> {
 }
 
 impl Race {
-    /// Runs the race; `goes_on` is asked before each round.
-    pub fn run<C: Competitor>(&self, mut field: Vec<C>, goes_on: impl Fn() -> bool) -> Result<C> {
+    /// Runs the race; before each round `share` is asked how many steady states each of so many may solve.
+    pub fn run<C: Competitor>(&self, mut field: Vec<C>, share: impl Fn(usize) -> u64) -> Result<C> {
         let mut round = self.first;
         let mut dropped = Vec::new();
         loop {
-            if !goes_on() {
+            round.states = share(field.len());
+            if round.states == 0 {
                 break;
             }
-            round.among = field.len();
             field.par_iter_mut().for_each(|competitor| competitor.advance(round));
             // What is left after the last halving on all points goes to its end elsewhere.
             if round.points >= self.points && self.share(field.len()) <= self.survivors {
@@ -146,7 +146,7 @@ mod tests {
     }
 
     const RULES: Race =
-        Race { first: Round { points: 64, evaluations: 4, among: 1 }, points: 312, kept: 0.25, survivors: 3 };
+        Race { first: Round { points: 64, evaluations: 4, states: 0 }, points: 312, kept: 0.25, survivors: 3 };
 
     fn field(total: &AtomicUsize) -> Vec<Fake<'_>> {
         let of = |i: usize| Fake {
@@ -166,7 +166,7 @@ mod tests {
         let mut all = field(&total);
         all[7].end = 1.0;
         all[7].start = 4000.0;
-        let ended = RULES.run(all, || true);
+        let ended = RULES.run(all, |_| u64::MAX);
         assert_eq!(ended.survivors.len(), 3);
         assert_eq!(ended.survivors[0].of, 7);
         assert_eq!(ended.survivors.len() + ended.dropped.len(), 200);
@@ -175,7 +175,7 @@ mod tests {
     #[test]
     fn rounds_cost_about_the_same_and_far_less_than_working_on_all() {
         let total = AtomicUsize::new(0);
-        RULES.run(field(&total), || true);
+        RULES.run(field(&total), |_| u64::MAX);
         let first = 200 * 64 * 4;
         assert!(total.load(Relaxed) < 4 * first, "{}", total.load(Relaxed));
     }
@@ -187,7 +187,7 @@ mod tests {
         (all[0].of, all[1].of, all[2].of, all[3].of) = (50, 50, 50, 50);
         all[5].hopeless = true;
         let rules = Race { survivors: 8, kept: 1.0, ..RULES };
-        let ended = rules.run(all, || true);
+        let ended = rules.run(all, |_| u64::MAX);
         let of = |group: &[Fake<'_>]| group.iter().map(|c| c.of).collect::<Vec<_>>();
         assert_eq!(of(&ended.survivors), [50, 4, 6, 7]);
         assert_eq!(ended.dropped.iter().filter(|c| c.of == 50).count(), 3);
@@ -205,27 +205,27 @@ mod tests {
             hopeless: false,
             total: &total,
         };
-        let ended = RULES.run((0..8).map(of).collect(), || true);
+        let ended = RULES.run((0..8).map(of).collect(), |_| u64::MAX);
         assert_eq!(ended.survivors.iter().map(|c| c.of).collect::<Vec<_>>(), [0, 1]);
     }
 
     #[test]
     fn without_a_budget_nothing_is_worked_on_and_the_order_is_that_of_the_start() {
         let total = AtomicUsize::new(0);
-        let ended = RULES.run(field(&total), || false);
+        let ended = RULES.run(field(&total), |_| 0);
         assert_eq!(total.load(Relaxed), 0);
         assert_eq!(ended.survivors[0].of, 199);
     }
 
-    /// Tells of every round how many it was told to share the budget with.
-    struct Sharing<'a>(usize, &'a std::sync::Mutex<Vec<usize>>);
+    /// Tells of every round how much it may work.
+    struct Sharing<'a>(usize, &'a std::sync::Mutex<Vec<u64>>);
 
     impl Competitor for Sharing<'_> {
         fn of(&self) -> usize {
             self.0
         }
         fn advance(&mut self, round: Round) {
-            self.1.lock().expect("no panic").push(round.among);
+            self.1.lock().expect("no panic").push(round.states);
         }
         fn typical(&self) -> f64 {
             1.0
@@ -239,13 +239,13 @@ mod tests {
     }
 
     #[test]
-    fn all_of_a_round_share_the_budget() {
+    fn all_of_a_round_share_what_is_left() {
         let told = std::sync::Mutex::default();
-        RULES.run((0..40).map(|of| Sharing(of, &told)).collect(), || true);
+        RULES.run((0..40).map(|of| Sharing(of, &told)).collect(), |among| 4000 / among as u64);
         let told = told.into_inner().expect("no panic");
-        let first = told[0];
-        assert_eq!((first, told.iter().filter(|among| **among == first).count()), (40, 40));
-        let rounds: std::collections::BTreeSet<usize> = told.iter().copied().collect();
-        assert!(rounds.len() > 1 && rounds.iter().all(|among| told.iter().filter(|t| *t == among).count() == *among));
+        assert_eq!((told[0], told.iter().filter(|states| **states == 100).count()), (100, 40));
+        let rounds: std::collections::BTreeSet<u64> = told.iter().copied().collect();
+        let share = |states: u64| told.iter().filter(|t| **t == states).count() as u64 * states;
+        assert!(rounds.len() > 1 && rounds.iter().all(|&states| share(states) <= 4000));
     }
 }

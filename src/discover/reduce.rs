@@ -1,6 +1,5 @@
 //! Backward steps of the selection: fewer additions, or simpler ones in their place.
 
-use super::data::Effort;
 use super::hypothesis::{Addition, Hypothesis, compatible, extended};
 use super::known::Known;
 use super::options::MARGIN;
@@ -34,7 +33,7 @@ impl Search<'_> {
 
     /// The hypothesis with only these additions, fitted from the values it has.
     pub(super) fn refit(&self, from: &Hypothesis, additions: Vec<Addition>) -> Hypothesis {
-        self.data.fitted(self.moved(from, &from.fitted(), additions), CONTINUED)
+        self.data.fitted(self.moved(from, &from.fitted(), additions), self.data.last_effort(CONTINUED))
     }
 
     /// The hypothesis with these additions in place of its own, at the values that it has and that effects have in a model.
@@ -76,11 +75,11 @@ impl Search<'_> {
                 continue;
             }
             let simpler = self.moved(&chosen, &model, additions);
-            let effort = Effort { points: self.data.points.len(), evaluations: CONTINUED };
-            if !self.data.affords(&simpler.model, effort, 1) {
+            let effort = self.data.effort(CONTINUED, 1);
+            if !self.data.affords(&simpler.model, effort) {
                 continue;
             }
-            let mut simpler = self.data.fitted(simpler, CONTINUED);
+            let mut simpler = self.data.fitted(simpler, effort);
             self.settle_all(vec![&mut simpler], &chosen);
             known.improve(&simpler);
             let unit = self.unit(&chosen);

@@ -155,12 +155,12 @@ impl Competitor for Runner<'_, '_> {
         self.of
     }
 
-    fn advance(&mut self, Round { points, evaluations, among }: Round) {
+    fn advance(&mut self, Round { points, evaluations, states }: Round) {
         let typical = if self.fit.is_some() { typical_of(&self.residuals) } else { f64::INFINITY };
         let all = self.data.points.len();
         let points = if self.model.has_sliders() && points < all { points / COSTLY } else { points };
-        let effort = Effort { points, evaluations };
-        if !self.data.affords(&self.model, effort, among) {
+        let effort = Effort { points, evaluations, states };
+        if !self.data.affords(&self.model, effort) {
             return;
         }
         let unit = self.bar.unit();

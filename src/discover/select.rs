@@ -1,7 +1,7 @@
 //! Forward selection with a beam, exchange and backward elimination, from the calibrated base to the explanation.
 
 use super::Discovery;
-use super::data::{Data, Effort};
+use super::data::Data;
 use super::hypothesis::{Addition, Hypothesis, additions, compatible, extended};
 use super::known::{Entry, Known};
 use super::look::{Count, Look, Parent, look};
@@ -25,8 +25,6 @@ pub(super) const CONTINUED: usize = 15;
 /// A fit that ended for want of evaluations goes on while that gains more than this in the criterion, and may bring it level with
 /// the best.
 const GAIN: f64 = 0.1;
-/// Part of the budget that is kept for intervals, one over this.
-const INTERVALS: u64 = 4;
 
 /// Finds what is missing in the model of a scenario, given its measurements.
 pub fn discover(scenario: &Scenario, table: &Table, options: &SearchOptions) -> Discovery {
@@ -50,7 +48,8 @@ pub fn discover_counted(
     // It goes on with the standard deviations that the readings scatter by.
     let table = table.rescaled(noise);
     let search = search.over(&table);
-    let [start, chosen] = [start, chosen].map(|h| search.data.fitted(search.data.reweighted(h, noise), CONTINUED));
+    let [start, chosen] = [start, chosen]
+        .map(|h| search.data.fitted(search.data.reweighted(h, noise), search.data.last_effort(CONTINUED)));
     let again = search.goes_on();
     let mut known = known.map(|entry| search.reweighted(entry, noise, again));
     let chosen = search.forward(&search.eliminate(chosen), &mut known);
@@ -143,7 +142,7 @@ impl<'a> Search<'a> {
         let Entry { hypothesis, visibility, strongest } = entry;
         let mut hypothesis = self.data.reweighted(hypothesis, noise);
         if again && hypothesis.is_full(self.data.points.len()) {
-            hypothesis = self.data.fitted(hypothesis, CONTINUED);
+            hypothesis = self.data.fitted(hypothesis, self.data.effort(CONTINUED, 1));
         }
         let phases = self.readings() - self.data.points.len();
         let factor = noise.together(self.data.points.len(), phases);
@@ -169,7 +168,7 @@ impl<'a> Search<'a> {
 
     /// Whether there is anything left to spend on the search; the rest is for intervals.
     pub(super) fn goes_on(&self) -> bool {
-        self.data.solved() < self.data.budget - self.data.budget / INTERVALS
+        self.data.left() > 0
     }
 
     /// Adds to a hypothesis as long as that pays, and removes what that makes needless: all candidates race beside the leading
@@ -266,19 +265,18 @@ impl<'a> Search<'a> {
             Field::Best(_) => (o.kept, o.survivors),
             Field::Each(_) => (1.0, field.len()),
         };
-        let first = Round { points: o.first_points.min(all), evaluations: o.first_evaluations, among: field.len() };
-        let ended = Race { first, points: all, kept, survivors }.run(field, || self.goes_on());
+        let first = Round { points: o.first_points.min(all), evaluations: o.first_evaluations, states: 0 };
+        let ended = Race { first, points: all, kept, survivors }.run(field, |among| self.data.share(among));
         for runner in ended.dropped.iter().chain(&ended.survivors) {
             entries[runner.of].keep(runner.hypothesis(false));
         }
         let full = |r: &Runner<'_, '_>| r.fit.as_ref().is_some_and(|fit| fit.evaluation.predictions.len() == all);
-        let effort = Effort { points: all, evaluations: CONTINUED };
         let mut fitted: Vec<(usize, Hypothesis)> =
             ended.survivors.iter().map(|runner| (runner.of, runner.hypothesis(full(runner)))).collect();
-        let among = fitted.len();
-        fitted.retain(|(_, h)| h.is_full(all) || self.data.affords(&h.model, effort, among));
+        let effort = self.data.effort(CONTINUED, fitted.len());
+        fitted.retain(|(_, h)| h.is_full(all) || self.data.affords(&h.model, effort));
         fitted.par_iter_mut().filter(|(_, h)| !h.is_full(all)).for_each(|(_, h)| {
-            *h = self.data.fitted(h.clone(), CONTINUED);
+            *h = self.data.fitted(h.clone(), effort);
         });
         if let Some(best) = Hypothesis::best_fit(fitted.iter().map(|(_, h)| h.clone())) {
             self.settle_all(fitted.iter_mut().map(|(_, h)| h).collect(), &best);
@@ -411,14 +409,17 @@ impl<'a> Search<'a> {
     pub(super) fn settle_all(&self, mut all: Vec<&mut Hypothesis>, best: &Hypothesis) {
         let unit = self.unit(best);
         let best = self.bic(unit, best);
-        let effort = Effort { points: self.data.points.len(), evaluations: CONTINUED };
-        let among = all.len();
-        all.retain(|h| h.fit.is_exhausted() && self.data.affords(&h.model, effort, among));
+        all.retain(|h| h.fit.is_exhausted());
         // In step, so that the budget is asked of the same count for any number of threads.
-        while !all.is_empty() && self.goes_on() {
+        loop {
+            let effort = self.data.effort(CONTINUED, all.len());
+            all.retain(|h| self.data.affords(&h.model, effort));
+            if all.is_empty() {
+                break;
+            }
             let continued = all.into_par_iter().filter_map(|h| {
                 let before = self.bic(unit, h);
-                *h = self.data.fitted(h.clone(), CONTINUED);
+                *h = self.data.fitted(h.clone(), effort);
                 let gain = before - self.bic(unit, h);
                 let goes_on = gain >= GAIN && before - 2.0 * gain <= best + MARGIN && h.fit.is_exhausted();
                 goes_on.then_some(h)

@@ -81,14 +81,14 @@ impl Effect for PowerDamping {
             let linear = if exponent == 1.0 { -d / at } else { 0.0 };
             return Some(Law { d_second: linear, ..Law::default() });
         }
-        let share = (w / at).abs();
-        let unit = share.powf(exponent).copysign(w);
+        let log = (w / at).abs().ln();
+        let unit = (exponent * log).exp().copysign(w);
         let value = -d * unit;
         Some(Law {
             value,
             d_first: 0.0,
             d_second: exponent * value / w,
-            d_parameters: [-unit, value * share.ln(), -exponent * value / at, 0.0],
+            d_parameters: [-unit, value * log, -exponent * value / at, 0.0],
         })
     }
     fn dry_friction(&self, p: &[Dual]) -> Option<Dual> {

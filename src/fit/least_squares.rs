@@ -19,6 +19,8 @@ pub struct Settings {
     pub threshold: f64,
     /// Relative change of the sum of squares at which it is done.
     pub converged: f64,
+    /// Steady states, each counted as what it costs: it ends with the evaluation that reaches so many.
+    pub states: u64,
 }
 
 /// A finished fit.
@@ -97,6 +99,7 @@ pub fn minimise(problem: &mut Problem<'_>, start: &[f64], settings: &Settings) -
     let u = DVector::from_iterator(start.len(), parameters.iter().zip(start).zip(&held).map(coordinate));
     let mut target = Target::new(problem, parameters, settings.threshold);
     target.held = held.iter().map(Option::is_some).collect();
+    target.states = settings.states;
     target.set_params(&u);
     let patience = settings.evaluations / (start.len() + 1);
     let method = LevenbergMarquardt::new()
@@ -137,6 +140,7 @@ struct Target<'p, 'a> {
     threshold: f64,
     /// Which parameters stay.
     held: Vec<bool>,
+    states: u64,
     u: DVector<f64>,
     evaluation: Option<Evaluation>,
     best: (f64, Vec<f64>, Evaluation),
@@ -152,7 +156,7 @@ impl<'p, 'a> Target<'p, 'a> {
         };
         let best = (f64::INFINITY, Vec::new(), nothing);
         let held = vec![false; parameters.len()];
-        Self { problem, parameters, threshold, held, u: DVector::zeros(0), evaluation: None, best }
+        Self { problem, parameters, threshold, held, states: u64::MAX, u: DVector::zeros(0), evaluation: None, best }
     }
 }
 
@@ -179,7 +183,11 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Target<'_, '_> {
         self.u.clone()
     }
 
+    /// None once the steady states allowed are solved, which ends the fit.
     fn residuals(&self) -> Option<DVector<f64>> {
+        if self.problem.solved >= self.states {
+            return None;
+        }
         Some(self.evaluation.as_ref()?.residuals.map(|r| soften(r, self.threshold).0))
     }
 

@@ -1,7 +1,7 @@
 //! A rig without a contact, or at a load of zero: one mode with the torques of the effects and slip elements to ground.
 
 use super::lumps::Lumps;
-use super::system::SingleMode;
+use super::system::{A_FORCE, A_POWER, SingleMode};
 use super::{Model, Operation};
 use crate::dual::Dual;
 use crate::effects::Effect;
@@ -17,6 +17,8 @@ pub struct Alone {
     columns: usize,
     /// Multiplications that were done on it.
     pub spent: Cell<usize>,
+    /// Multiplications after which its motion is given up.
+    pub patience: usize,
 }
 
 impl Alone {
@@ -30,7 +32,7 @@ impl Alone {
             }
             first += p.len();
         }
-        Self { lumps: Lumps::new(model, at), laws, columns: first, spent: Cell::new(0) }
+        Self { lumps: Lumps::new(model, at), laws, columns: first, spent: Cell::new(0), patience: usize::MAX }
     }
 
     /// Whether the mode is linear, so that its motion is known in closed form.
@@ -59,6 +61,13 @@ impl SingleMode for Alone {
         self.spent.set(self.spent.get() + multiplications);
     }
 
+    fn is_given_up(&self) -> bool {
+        self.spent.get() > self.patience
+    }
+    fn force_cost(&self) -> usize {
+        let powers = self.laws.iter().filter(|(effect, p, _)| effect.torque_is_rough(p) || effect.torque_is_steep(p));
+        A_FORCE + A_POWER * powers.count()
+    }
     fn linear(&self) -> [f64; 3] {
         [self.lumps.inertia.value, self.lumps.damping.value, self.lumps.stiffness.value]
     }

@@ -9,22 +9,26 @@ use crate::statistics::median;
 const UNDAMPED: f64 = 1e9;
 
 impl Model {
-    /// The model with the scales that it has at these operating points, its rig and contact being as stated.
-    pub fn scaled_at(mut self, points: &[Operation]) -> Self {
+    /// The model with the scales that it has at these operating points and amplitudes of the reading, its rig and contact being as stated.
+    pub fn scaled_at(mut self, points: &[(Operation, f64)]) -> Self {
         self.scales = self.scales(points);
         self
     }
 
-    fn scales(&self, points: &[Operation]) -> Scales {
-        let Some(first) = points.first() else { return self.scales };
+    fn scales(&self, points: &[(Operation, f64)]) -> Scales {
+        let Some((first, _)) = points.first() else { return self.scales };
         let lumps = Lumps::new(self, first);
         let (k, m, c) = (lumps.stiffness.value, lumps.inertia.value, lumps.damping.value);
-        let motion = |at: &Operation| {
-            let (re, im): (f64, f64) = Lumps::new(self, at).free_response();
-            re.hypot(im)
-        };
-        let motion = points.iter().map(motion).filter(|x| x.is_finite()).fold(0.0, f64::max);
-        let loads: Vec<f64> = points.iter().map(|at| at.load).filter(|load| *load > 0.0).collect();
+        // Without what is looked for, and as read.
+        let motions = points.iter().map(|(at, reading)| {
+            let lumps = Lumps::new(self, at);
+            let (re, im): (f64, f64) = lumps.free_response();
+            [re.hypot(im), reading / lumps.amplitude_gain.value]
+        });
+        let largest = |of: usize| motions.clone().map(|both| both[of]).filter(|x| x.is_finite()).fold(0.0, f64::max);
+        // A contact may have kept the motion small; a resonance that bends away never has that of a linear one.
+        let motion = if self.has_contact { largest(0) } else { largest(0).min(largest(1)) };
+        let loads: Vec<f64> = points.iter().map(|(at, _)| at.load).filter(|load| *load > 0.0).collect();
         let load = if loads.is_empty() { 0.0 } else { median(loads) };
         Scales {
             omega: (k / m).sqrt(),
@@ -35,7 +39,7 @@ impl Model {
             contact_stiffness: lumps.contact_stiffness.value,
             friction_force: lumps.friction.value * load,
             load,
-            roller_speed: points.iter().map(|at| at.speed).fold(0.0, f64::max),
+            roller_speed: points.iter().map(|(at, _)| at.speed).fold(0.0, f64::max),
             has_contact: self.has_contact,
         }
     }
@@ -51,7 +55,7 @@ mod tests {
         for drive in [2.5e-6, 7.5e-6] {
             for step in 0..24 {
                 let frequency = 52.0 + 2.0 * f64::from(step);
-                points.push(Operation { speed: 0.1, load: 20.0, drive, frequency });
+                points.push((Operation { speed: 0.1, load: 20.0, drive, frequency }, 1e-9));
             }
         }
         let found = Model::new(&crate::scenario::paper()).scaled_at(&points).scales;

@@ -209,10 +209,20 @@ pub trait SingleMode {
     fn columns(&self) -> usize;
     /// Takes note of work that was done on it, in multiplications, about.
     fn spend(&self, _multiplications: usize) {}
+    /// Whether more was done on it than a fit spends on a motion.
+    fn is_given_up(&self) -> bool {
+        false
+    }
+    /// Multiplications that take as long as its force.
+    fn force_cost(&self) -> usize {
+        A_FORCE
+    }
 }
 
 /// Multiplications that a force of the laws takes.
 pub const A_FORCE: usize = 20;
+/// The same of a power that is not whole, beside it.
+pub const A_POWER: usize = 60;
 
 /// Sliders in parallel between the arm and the roller, as pieces: what they share and what each obeys.
 pub trait SliderSystem {

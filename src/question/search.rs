@@ -30,7 +30,7 @@ const FOLLOWED: usize = 3;
 /// Samples, and those followed, of a continuum of sliders, which takes long.
 const COSTLY: (usize, usize) = (4, 1);
 /// How hard a fit tries.
-const EFFORT: Settings = Settings { evaluations: 15, threshold: f64::INFINITY, converged: 1e-5 };
+const EFFORT: Settings = Settings { evaluations: 15, threshold: f64::INFINITY, converged: 1e-5, states: u64::MAX };
 /// Bisections of the box.
 const BISECTIONS: usize = 6;
 /// First and last step of a compass search, in shares of the range of a parameter, and its evaluations at most.

@@ -10,7 +10,7 @@ pub mod fold;
 use super::describing::{companions, describing, is_odd, nearly};
 use super::joint::{Instant, pulls};
 use super::tolerance::Tolerance;
-use crate::model::system::{A_FORCE, SingleMode};
+use crate::model::system::SingleMode;
 use nalgebra::{DMatrix, DVector};
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -330,7 +330,7 @@ fn newton(
             let next = evaluate(mode, laid, &moved);
             let reached = next.residual.norm();
             let left = step.norm() / size;
-            if !left.is_finite() {
+            if !left.is_finite() || mode.is_given_up() {
                 return None;
             }
             if reached <= norm || left < tolerance.left() {
@@ -355,7 +355,7 @@ fn newton(
 fn evaluate(mode: &dyn SingleMode, laid: &Laid, series: &[f64]) -> Balance {
     let ([mass, damping, stiffness], omega, (re, im)) = (mode.linear(), mode.omega(), mode.drive());
     let (n, unknowns) = (laid.projected, series.len());
-    mode.spend(n * (A_FORCE + (SLOPE + unknowns) * unknowns));
+    mode.spend(n * (mode.force_cost() + (SLOPE + unknowns) * unknowns));
     let z = DVector::from_column_slice(series);
     let (x, v) = (&laid.basis * &z, &laid.slopes * &z * omega);
     let mut force = DVector::zeros(n);

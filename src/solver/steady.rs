@@ -19,6 +19,9 @@ use std::cell::Cell;
 const NEIGHBOUR: f64 = 0.3;
 /// Multiplications on a mode alone ([`SingleMode::spend`]) that take as long as a step of an integration.
 const WORK: usize = 640;
+/// Steps of an integration, or the work of as many, after which a fit gives up a motion without a contact: a thousand times what
+/// others take. What needs that much has none, or costs more than all others together.
+const PATIENCE: usize = 32_000;
 /// Factor between the speeds of one step on the way down from full slip.
 const SLOWER: f64 = 0.8;
 /// A motion this many times larger than without contact has no bound.
@@ -364,7 +367,10 @@ fn differences(model: &Model, at: &Operation) -> Vec<(f64, f64)> {
 /// what was measured, else to the motion before, else the smallest. Where the end of a branch that is not reached is nearer to
 /// what was measured, that is taken, as far off as it is.
 fn alone(model: &Model, at: &Operation, with: &Search<'_>, warm: &mut Warm) -> Solution {
-    let mode = Alone::new(model, at);
+    let mut mode = Alone::new(model, at);
+    if with.tolerance.gives_up() {
+        mode.patience = WORK * PATIENCE;
+    }
     let lumps = &mode.lumps;
     if mode.is_linear() {
         let response = lumps.free_response();

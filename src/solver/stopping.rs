@@ -8,7 +8,7 @@
 use super::describing::{describing, nearly};
 use super::oscillator::{Found, flow};
 use super::tolerance::Tolerance;
-use crate::model::system::{A_FORCE, SingleMode};
+use crate::model::system::SingleMode;
 use crate::roots::regula_falsi;
 use std::f64::consts::TAU;
 
@@ -117,7 +117,7 @@ impl<'a> Shot<'a> {
 
     /// Force of the laws with its slopes.
     fn force(&self, x: f64, v: f64) -> [f64; 3] {
-        self.mode.spend(A_FORCE);
+        self.mode.spend(self.mode.force_cost());
         let mut force = self.mode.force(x, v);
         if let Some((number, change)) = self.numbers.law {
             let mut by = vec![0.0; self.mode.columns()];
@@ -352,7 +352,7 @@ fn periodic(shot: &Shot<'_>, start: [f64; 2], tolerance: &Tolerance, derivatives
     for corrections in 1..=CORRECTIONS {
         let size = cycle.response[0].hypot(cycle.response[1]);
         let residual = left(start, &cycle);
-        if !(size > 0.0 && large(residual).is_finite()) {
+        if !(size > 0.0 && large(residual).is_finite()) || shot.mode.is_given_up() {
             return None;
         }
         let map = shot.slopes(start, &cycle, size);
