@@ -243,3 +243,37 @@ fn the_sign_of_an_even_force_is_hidden_beside_odd_ones_alone() {
     assert!(!with(bare(), "cubic-stiffness", &[1.0]).hides_sign(0));
     assert!(!with(with_sign(1.0, 0.0), "asymmetric-stiffness", &[1.0]).hides_sign(0));
 }
+
+/// y [1 + Gamma r^2/(1 - r^2 + i r/Q)] is what a place of a base-driven structure does in space, Gamma 1 of a mass on a spring.
+#[test]
+fn a_place_of_a_base_driven_structure_moves_as_its_participation_says() {
+    let text = "title = 'x'\nprovenance = 'x'\n[rig]\nkind = 'oscillator'\ndrive = 'base'\nreading = 'absolute'\n\
+                natural_frequency = 80\nquality_factor = 50\nparticipation = 1.57\n[sweep]\nfrequency = 80\ndrive = 1e-3\n";
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("beam.toml");
+    std::fs::write(&path, text).expect("a file");
+    let model = Model::new(&scenario::load(&path).unwrap_or_else(|error| panic!("{error}")));
+    for frequency in [60.0, 79.0, 80.0, 81.5, 120.0] {
+        let found = solved(&model, &at(1e-3, frequency), &mut Warm::default());
+        let r: f64 = frequency / 80.0;
+        let (re, im) = (1.0 - r * r, r / 50.0);
+        let share = 1.57 * r * r / (re * re + im * im);
+        let (x, y) = (1e-3 * (1.0 + share * re), -1e-3 * share * im);
+        assert!((found.state.amplitude / x.hypot(y) - 1.0).abs() < 1e-12, "{frequency}");
+        assert!((found.state.phase - y.atan2(x)).abs() < 1e-9, "{frequency}");
+        // By the participation as by differences.
+        let (key, index, _) = model.base_parameters().into_iter().find(|(key, ..)| key.ends_with("tion")).expect("one");
+        let moved = |by: f64| {
+            let (mut model, mut at) = (model.clone(), at(1e-3, frequency));
+            *model.parameter(&mut at, index).expect("a parameter") += by;
+            solved(&model, &at, &mut Warm::default()).state.amplitude
+        };
+        let slope = (moved(1e-5) - moved(-1e-5)) / 2e-5;
+        let told = found.derivatives.as_ref().expect("derivatives")[index].0;
+        assert!((told - slope).abs() < 1e-6 * slope.abs(), "{key} at {frequency}: {told} {slope}");
+    }
+    // Relative to the base it would be a gain.
+    std::fs::write(&path, text.replace("absolute", "relative")).expect("a file");
+    let refused = scenario::load(&path).expect_err("refused").to_string();
+    assert!(refused.contains("`participation` belongs to reading = \"absolute\""), "{refused}");
+}

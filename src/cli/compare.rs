@@ -130,7 +130,7 @@ pub(super) fn uncalibrated(scenario: &Scenario) -> Option<String> {
 }
 
 /// chi2 per reading without what stands out, in words.
-pub(super) fn without_outliers(c: &Comparison) -> Option<String> {
+fn without_outliers(c: &Comparison) -> Option<String> {
     Some(format!("{:.2} without {}", c.chi2_without_outliers()?, outlier_words(c.outliers.len())))
 }
 

@@ -2,15 +2,13 @@
 
 use super::bounds::Limits;
 use super::changed_scenario::{Edit, Rewriting};
-use super::compare::{
-    interval_words, parameter, stands_out, uncalibrated, verdict, with_measurements, without_outliers,
-};
+use super::compare::{interval_words, parameter, stands_out, uncalibrated, verdict, with_measurements};
 use super::figure_output::FigureOutput;
 use super::folder::Folder;
 use super::gates::{self, GateLimits, Verdicts};
 use super::plot::{self, Plot};
 use super::{Global, Json, Stamped, page, progress, say, simulate};
-use crate::compare;
+use crate::compare::{self, outlier_words};
 use crate::discover::{self, Addition, Basis, Candidate, Discovery, SearchOptions, Verdict};
 use crate::error::Result;
 use crate::fit::Correlation;
@@ -172,7 +170,9 @@ pub(super) fn words(d: &Discovery, output: Option<&Path>) -> Vec<String> {
         lines.push(format!("  {name:<32} {:>9.2} {:>9.2} % {held_out:>9}", c.chi2_per_point, c.rms_error_percent));
     }
     let c = &end.comparison;
-    lines.extend(without_outliers(c).map(|without| format!("  the last with a chi2 of {without}")));
+    let without: Option<Vec<String>> =
+        d.steps.iter().map(|step| Some(format!("{:.2}", step.comparison.chi2_without(c)?))).collect();
+    lines.extend(without.map(|all| format!("  chi2 without {}: {}", outlier_words(c.outliers.len()), all.join(", "))));
     lines.push(format!("parameters ({}):", interval_words(c)));
     lines.extend(c.fit.parameters.iter().zip(&c.intervals).map(|(p, i)| format!("  {}", parameter(p, i))));
     lines.extend(tied(d));
@@ -204,7 +204,7 @@ pub(super) fn words(d: &Discovery, output: Option<&Path>) -> Vec<String> {
     if d.outliers.len() > outliers {
         lines.push(format!("and {} more readings that stand out (see --json)", d.outliers.len() - outliers));
     }
-    if d.verdict == Verdict::Unexplained {
+    if d.verdict == Verdict::Unexplained && !c.regions.is_empty() {
         lines.push("where the best model still fails:".into());
         lines.extend(c.regions.iter().take(SHOWN).map(|region| format!("  {}", region.sentence)));
     }

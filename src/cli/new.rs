@@ -350,7 +350,7 @@ impl<'a> Draft<'a> {
         let mut written = Written { text: self.heading(absolute), ..Written::default() };
         written.free.extend(["rig.natural_frequency", "rig.quality_factor"]);
         let ratio = r.peak / self.expected_peak();
-        self.write_size(&mut written, ratio, order);
+        self.write_size(&mut written, ratio, Kind { order, absolute });
         if let Some(offset) = self.phase_offset().map(|offset| wrap(offset - FRAC_PI_2 * f64::from(order))) {
             let inverted = offset.abs() > FRAC_PI_2;
             let remark = if inverted { "    # the reading has the opposite sign" } else { "" };
@@ -416,7 +416,7 @@ impl<'a> Draft<'a> {
 
     /// What the size of the readings tells: the mass, or a sensitivity where drive or reading is a voltage. `ratio` is the peak
     /// over that of a single mass.
-    fn write_size(&self, Written { text, instrument, free }: &mut Written, ratio: f64, order: u8) {
+    fn write_size(&self, Written { text, instrument, free }: &mut Written, ratio: f64, Kind { order, absolute }: Kind) {
         let (drive, reading) = self.signals();
         let volts = (drive.unit == "V", reading.unit == "V");
         let number = |value: f64| digits(value, 5);
@@ -442,6 +442,14 @@ impl<'a> Draft<'a> {
                 let value = number(1.0 / ratio);
                 let _ = writeln!(instrument, "drive_sensitivity = \"{value} {force}\"    # reading per force");
                 free.push("instrument.drive_sensitivity");
+            }
+            (true, _) if absolute => {
+                let value = number(ratio);
+                let _ = writeln!(
+                    text,
+                    "participation = {value}    # motion of the place that is read over that of a single mass"
+                );
+                free.insert(0, "rig.participation");
             }
             (true, _) => {
                 let value = number(ratio);

@@ -251,11 +251,16 @@ impl Comparison {
 
     /// chi2 per reading without the readings that stand out; `None` where there are none.
     pub fn chi2_without_outliers(&self) -> Option<f64> {
-        let out = |p: &Compared, phase: bool| self.stands_out(p.point.row, phase);
+        self.chi2_without(self)
+    }
+
+    /// chi2 per reading without the readings that stand out of another comparison; `None` where there are none.
+    pub fn chi2_without(&self, other: &Self) -> Option<f64> {
+        let out = |p: &Compared, phase: bool| other.stands_out(p.point.row, phase);
         let amplitudes = self.points.iter().filter(|p| !out(p, false)).map(|p| p.amplitude_residual);
         let phases = self.points.iter().filter(|p| !out(p, true)).filter_map(|p| p.phase_residual);
         let (sum, count) = amplitudes.chain(phases).fold((0.0, 0), |(sum, n), r| (sum + r * r, n + 1));
-        (!self.outliers.is_empty() && count > 0).then(|| sum / f64::from(count))
+        (!other.outliers.is_empty() && count > 0).then(|| sum / f64::from(count))
     }
 }
 

@@ -231,7 +231,9 @@ impl Search<'_> {
             a.bic.total_cmp(&b.bic).then(by_basis).then_with(|| a.label().cmp(&b.label()))
         });
         let best = all.first().map_or(0.0, |(h, _)| h.bic);
-        let total: f64 = all.iter().map(|(h, _)| (-0.5 * (h.bic - best)).exp()).sum();
+        // An estimate that was not allowed to be better has no share in the evidence: that was not looked at.
+        let evidence = |h: &Hypothesis| if full(h) || h.bic > least { (-0.5 * (h.bic - best)).exp() } else { 0.0 };
+        let total: f64 = all.iter().map(|(h, _)| evidence(h)).sum();
         all.into_iter()
             .enumerate()
             .map(|(rank, (hypothesis, testable))| {
@@ -250,7 +252,7 @@ impl Search<'_> {
                 };
                 Candidate {
                     delta_bic: hypothesis.bic - best,
-                    weight: (-0.5 * (hypothesis.bic - best)).exp() / total,
+                    weight: evidence(&hypothesis) / total,
                     testable,
                     chi2_per_point: hypothesis.chi2() / self.readings() as f64,
                     intervals,

@@ -6,6 +6,8 @@ use super::{Dependence, FreeForm, Standing};
 
 /// Shapes named on a terminal.
 const SHAPES: usize = 4;
+/// All of the misfit \[%\]: an effect that leaves it has not the shape.
+const WHOLE: f64 = 100.0;
 
 impl Dependence {
     /// The variables in words.
@@ -117,9 +119,11 @@ pub fn lines(found: &FreeForm, with_table: bool) -> Vec<String> {
         lines.push(format!("  {name:<30} {left:>8.1} % {explained:>9} {predicted:>9}{standing}"));
     }
     if !found.shapes.is_empty() {
-        let named = found.shapes.iter().take(SHAPES);
+        let named = found.shapes.iter().take(SHAPES).filter(|s| s.left_rms_percent < WHOLE);
         let named = named.map(|s| format!("{} (leaves {:.1} %)", s.effect, s.left_rms_percent));
-        lines.push(format!("  nearest in shape: {}", named.collect::<Vec<_>>().join(", ")));
+        let named: Vec<String> = named.collect();
+        let none = || "none of the catalogue".into();
+        lines.push(format!("  nearest in shape: {}", if named.is_empty() { none() } else { named.join(", ") }));
     }
     if with_table {
         lines.extend(found.notes.iter().map(|note| format!("  note: {note}")));

@@ -209,6 +209,8 @@ pub(crate) fn time_unit(header: &str) -> Option<String> {
     let (name, bracket) = split(header);
     let name = plain(name);
     let wanted = Wanted { possible: &["s"], natural: Some("s"), share: false, per_drive: false };
+    // Word and symbol, as in `Zeit t / s`.
+    let name = name.strip_suffix("_t").filter(|word| ["time", "zeit"].contains(word)).unwrap_or(&name);
     if let Some(rest) = ["timestamp", "time", "zeit", "t"].iter().find_map(|key| name.strip_prefix(key)) {
         return match (rest, bracket) {
             ("", None) => Some("s".into()),

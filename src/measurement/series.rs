@@ -62,6 +62,8 @@ pub fn by_condition(points: &mut [Point]) -> Vec<Series> {
 const SEVERAL: usize = 3;
 /// Rows of a sweep, at least, that is told from others by the order of the rows.
 const SWEPT: usize = 4;
+/// A way back that covers less than this share of the way is none, but a frequency that wavers.
+const WAVERS: f64 = 0.1;
 /// Relative change of the drive, as a logarithm, that may be another level.
 const LEVEL: f64 = 0.18;
 /// ... where it is this many times the usual change from row to row.
@@ -197,6 +199,13 @@ fn is_one_sweep(list: &[Reading], rows: &[usize], levels: usize) -> bool {
     levels > SEVERAL && !is_interleaved(list, rows, levels) && passes(list, rows).len() == 1
 }
 
+/// How far the frequency goes within some rows \[Hz\].
+fn span(list: &[Reading], rows: &[usize]) -> f64 {
+    let all = rows.iter().map(|row| list[*row].frequency);
+    let (low, high) = all.fold((f64::INFINITY, 0.0f64), |(a, b), f| (a.min(f), b.max(f)));
+    high - low
+}
+
 /// Sweeps up and down within the rows of one level; nothing where all go one way, or none is told.
 fn both_ways(list: &[Reading], rows: &[usize]) -> Vec<Vec<usize>> {
     if list[rows[0]].sweep.is_some() {
@@ -205,7 +214,14 @@ fn both_ways(list: &[Reading], rows: &[usize]) -> Vec<Vec<usize>> {
     let passes = passes(list, rows);
     let ways: Vec<Direction> = passes.iter().map(|pass| direction(list, pass)).collect();
     let both = ways.contains(&Direction::Up) && ways.contains(&Direction::Down);
-    if !both || passes.iter().any(|pass| pass.len() < SWEPT) || ways.contains(&Direction::Unknown) {
+    let spans: Vec<f64> = passes.iter().map(|pass| span(list, pass)).collect();
+    let (least, most) = spans.iter().fold((f64::INFINITY, 0.0f64), |(a, b), span| (a.min(*span), b.max(*span)));
+    // Read frequencies that waver turn, too.
+    if !both
+        || least < WAVERS * most
+        || passes.iter().any(|pass| pass.len() < SWEPT)
+        || ways.contains(&Direction::Unknown)
+    {
         return Vec::new();
     }
     let of = |way: Direction| {

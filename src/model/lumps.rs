@@ -259,7 +259,7 @@ impl Mode {
     /// Any oscillator; `drive` is a force, or the motion of base or spring differentiated `order` times.
     fn of_oscillator(
         of: &Oscillator,
-        [mass, elasticity, dissipation, spring, dashpot, factor, _]: [Dual; RIG_PARAMETERS],
+        [mass, elasticity, dissipation, spring, dashpot, factor, participation]: [Dual; RIG_PARAMETERS],
         drive: Dual,
         order: u8,
         omega: f64,
@@ -278,7 +278,7 @@ impl Mode {
         let none = Dual::constant(0.0);
         let torque = match of.excitation {
             Excitation::Force => (drive, none),
-            Excitation::Base => (mass * moved * (omega * omega), none),
+            Excitation::Base => (participation * mass * moved * (omega * omega), none),
             Excitation::Spring => (spring * moved, dashpot * moved * omega),
         };
         let base_motion = of.absolute.then_some((moved, none));

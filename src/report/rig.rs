@@ -60,7 +60,10 @@ impl Of<'_> {
         let (of, right) = match o.excitation {
             Excitation::Force if self.angle() => ("the oscillator, driven by a torque", "T₀ sin(ωt)".to_string()),
             Excitation::Force => ("the oscillator, driven by a force", "F₀ sin(ωt)".into()),
-            Excitation::Base => ("the oscillator, driven by the motion y of its base, x from that", "−My″".into()),
+            Excitation::Base => (
+                "the oscillator, driven by the motion y of its base, x from that",
+                if o.absolute { "−ΓMy″" } else { "−My″" }.into(),
+            ),
             Excitation::Spring => ("the oscillator, driven through a spring whose end moves by u", "kₛu + cₛu′".into()),
         };
         let mut list =
@@ -173,6 +176,10 @@ impl Of<'_> {
             list.push(("sensitivity".into(), "S", "", "voltage read per motion".into()));
         }
         list.push(("phase".into(), "φ", "rad", format!("phase of the {}, relative to the drive", reading.name)));
+        if o.absolute {
+            let meaning = "participation: motion of the place that is read over that of a mass on a spring, both relative to the base";
+            list.push(("participation".into(), "Γ", "", meaning.into()));
+        }
         if self.contact {
             let contact = [
                 ("factor", "q", unit("", "m/rad"), "motion at the contact per unit of the coordinate"),
@@ -218,6 +225,7 @@ mod tests {
                         spring_stiffness: 1.0,
                         spring_damping: 0.0,
                         contact_factor: 1.0,
+                        participation: 1.0,
                     };
                     let signals = Rig::Oscillator(oscillator).signals();
                     let of = Of { oscillator: &oscillator, signals: &signals, contact };

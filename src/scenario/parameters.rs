@@ -59,6 +59,11 @@ const FREQUENCY_OF_MODE: ParameterInfo =
 const QUALITY_FACTOR: ParameterInfo = info(("quality_factor", "Q", "1"), POSITIVE, "quality factor of the resonance");
 const DAMPING_RATIO: ParameterInfo =
     info(("damping_ratio", "ζ", "1"), ZERO_OR_MORE, "damping over the critical damping, 1/(2Q)");
+const PARTICIPATION: ParameterInfo = info(
+    ("participation", "Γ", "1"),
+    POSITIVE,
+    "motion of the place that is read over that of a mass on a spring, both relative to the base",
+);
 
 /// The numbers of the table `[rig]` of kind `oscillator` for a displacement.
 const OF_DISPLACEMENT: &[ParameterInfo] = &[
@@ -71,6 +76,7 @@ const OF_DISPLACEMENT: &[ParameterInfo] = &[
     info(("spring_stiffness", "k_s", "N/m"), POSITIVE, "stiffness of the driving spring, part of the stiffness"),
     info(("spring_damping", "c_s", "N s/m"), ZERO_OR_MORE, "damping of the driving spring, part of the damping"),
     info(("contact_factor", "q", "1"), POSITIVE, "motion at the contact per unit of the coordinate"),
+    PARTICIPATION,
 ];
 
 /// The same for an angle.
@@ -84,6 +90,7 @@ const OF_ANGLE: &[ParameterInfo] = &[
     info(("spring_stiffness", "k_s", "N m/rad"), POSITIVE, "stiffness of the driving spring, part of the stiffness"),
     info(("spring_damping", "c_s", "N m s/rad"), ZERO_OR_MORE, "damping of the driving spring, part of the damping"),
     info(("contact_factor", "q", "m/rad"), POSITIVE, "motion at the contact per unit of the coordinate"),
+    PARTICIPATION,
 ];
 
 /// The numbers of the table `[rig]` of kind `oscillator`.

@@ -129,9 +129,15 @@ fn mode(reader: &mut Reader<'_>, table: &Table<'_>, entries: &[Entry]) -> Option
     let dissipation = stated(&["quality_factor", "damping_ratio", "damping"], true);
     let spring = excitation == Excitation::Spring;
     let (stiffness, dashpot) = (stated(&["spring_stiffness"], spring), stated(&["spring_damping"], false));
-    let factor = stated(&["contact_factor"], false);
+    let (factor, participation) = (stated(&["contact_factor"], false), stated(&["participation"], false));
     let (mass, elasticity, dissipation) = (mass?, elasticity??, dissipation??);
-    let (stiffness, dashpot, factor) = (stiffness?, dashpot?, factor?);
+    let (stiffness, dashpot, factor, participation) = (stiffness?, dashpot?, factor?, participation?);
+    if participation.is_some() && !absolute {
+        let place = table.get("participation").map_or(table.place.clone(), |node| node.place.clone());
+        let help = "remove it: of a reading relative to the base it is the amplitude_gain of [instrument]";
+        reader.fail(&place, "`participation` belongs to reading = \"absolute\"", "not read in space", help);
+        return None;
+    }
     if !spring && (stiffness.is_some() || dashpot.is_some()) {
         let key = if stiffness.is_some() { "spring_stiffness" } else { "spring_damping" };
         let place = table.get(key).map_or(table.place.clone(), |node| node.place.clone());
@@ -160,6 +166,7 @@ fn mode(reader: &mut Reader<'_>, table: &Table<'_>, entries: &[Entry]) -> Option
         spring_stiffness: of(stiffness, 0.0),
         spring_damping: of(dashpot, 0.0),
         contact_factor: of(factor, if contact { 1.0 } else { 0.0 }),
+        participation: of(participation, 1.0),
     })
 }
 

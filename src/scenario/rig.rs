@@ -62,6 +62,9 @@ pub struct Oscillator {
     pub spring_damping: f64,
     /// q, motion at the contact per unit of the coordinate \[-, m/rad\].
     pub contact_factor: f64,
+    /// Gamma, modal participation of the base's motion times the mode's shape where it is read: 1 of a mass on a spring, 1.57 at the tip of
+    /// a clamped beam (Erturk and Inman 2008).
+    pub participation: f64,
 }
 
 /// How an oscillator is driven (right-hand side of the equation of motion).
@@ -70,7 +73,7 @@ pub struct Oscillator {
 pub enum Excitation {
     /// A force or torque f(t).
     Force,
-    /// Motion y of the base: -M y''.
+    /// Motion y of the base: -Gamma M y''.
     Base,
     /// Motion u of the end of a spring: k_s u + c_s u'.
     Spring,
@@ -307,6 +310,8 @@ impl Rig {
             spring.then_some("spring_stiffness"),
             spring.then_some("spring_damping"),
             (oscillator.contact_factor != 0.0).then_some("contact_factor"),
+            // Of a relative reading it is the gain.
+            oscillator.absolute.then_some("participation"),
         ];
         let infos = super::parameters::oscillator(oscillator.coordinate);
         let named = |key: &str| infos.iter().find(|info| info.key == key);
@@ -333,6 +338,7 @@ impl Rig {
                 3 => &mut rig.spring_stiffness,
                 4 => &mut rig.spring_damping,
                 5 => &mut rig.contact_factor,
+                6 => &mut rig.participation,
                 _ => return None,
             }),
         }

@@ -49,6 +49,7 @@ pub fn oscillator(mass: f64, frequency: f64, quality: f64) -> Model {
         spring_stiffness: 0.0,
         spring_damping: 0.0,
         contact_factor: 0.0,
+        participation: 1.0,
     });
     Model {
         rig,
