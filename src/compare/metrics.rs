@@ -66,7 +66,7 @@ impl Metrics {
             (n > 0).then(|| sum / f64::from(n))
         };
         let residuals = || points.clone().flat_map(|p| [Some(p.amplitude_residual), p.phase_residual]).flatten();
-        let relative = |p: &Compared| (p.model.amplitude / p.point.amplitude - 1.0).powi(2);
+        let relative = |p: &Compared| (0.01 * p.error_percent()).powi(2);
         let phase = |p: &Compared| p.phase_error().map(|e| e.to_degrees().powi(2));
         let noise = |p: &Point| (p.amplitude_sd / p.amplitude).powi(2);
         let root = |x: Option<f64>| x.map(f64::sqrt);
@@ -83,6 +83,22 @@ impl Metrics {
             )),
         }
     }
+}
+
+/// Root mean square of the relative error in amplitude \[%\], the model at no point better than `base` where it has no steady state: an error
+/// does not fall by what is not predicted. Both are of the same points.
+pub fn rms_error_beside<'a>(
+    points: impl Iterator<Item = &'a Compared>,
+    base: impl Iterator<Item = &'a Compared>,
+) -> f64 {
+    let of =
+        |(own, base): (&Compared, &Compared)| if own.model.status.is_steady() { own } else { base }.error_percent();
+    let (sum, count) = points
+        .zip(base)
+        .map(of)
+        .filter(|error| error.is_finite())
+        .fold((0.0, 0), |(sum, count), error| (sum + error * error, count + 1));
+    (sum / f64::from(count)).sqrt()
 }
 
 impl ConditionMetrics {

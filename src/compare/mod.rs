@@ -19,7 +19,7 @@ pub use calibrate::{Calibration, MOST, calibrate, calibrate_about, problem, sett
 pub use curves::{ModelCurve, model_curves};
 pub use fingerprint::{ContactPoint, fingerprint};
 pub use json::{ComparisonJson, ForceJson, ParameterJson, SCHEMA, SettingJson, json, of_contact, units_of_force};
-pub use metrics::{ConditionMetrics, Metrics, Peak, peak};
+pub use metrics::{ConditionMetrics, Metrics, Peak, peak, rms_error_beside};
 pub use regions::{Region, regions, words};
 pub use shifts::shifts;
 pub use whiteness::{Whiteness, scatter, whiteness};

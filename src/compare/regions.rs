@@ -236,7 +236,7 @@ pub(super) fn drive(value: f64, signal: &Signal) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Metrics;
+    use super::super::{Metrics, rms_error_beside};
     use super::*;
     use crate::fit::Prediction;
     use crate::measurement::Point;
@@ -290,6 +290,16 @@ mod tests {
             measured_width: 0.0,
         };
         regions(&points, &[condition], 1.0).remove(0)
+    }
+
+    #[test]
+    fn an_error_does_not_fall_by_what_is_not_predicted() {
+        let base: Vec<Compared> = (0..4).map(|row| point(row, true)).collect();
+        let mut own: Vec<Compared> = (0..4).map(|row| point(row, row > 0)).collect();
+        own[1..].iter_mut().for_each(|p| p.model.amplitude = p.point.amplitude);
+        let error = rms_error_beside(own.iter(), base.iter());
+        assert!((error - 15.0).abs() < 1e-9, "{error}");
+        assert!(Metrics::over(own.iter()).rms_error_percent < 1e-9);
     }
 
     #[test]

@@ -73,6 +73,12 @@ impl Search<'_> {
         };
         let mut steps: Vec<Step> = ladder.into_par_iter().enumerate().map(compared).collect();
         steps.push(step(steps.len(), chosen.clone(), explanation));
+        if let [base, others @ ..] = &mut steps[..] {
+            for step in others {
+                let c = &mut step.comparison;
+                c.overall.rms_error_percent = compare::rms_error_beside(c.points.iter(), base.comparison.points.iter());
+            }
+        }
         let unit = self.unit(chosen);
         let candidates = self.rank(&steps, known, ties, unit);
         let further = if self.structured(chosen) { beyond_prediction(&mut steps) } else { None };

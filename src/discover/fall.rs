@@ -6,7 +6,7 @@
 use super::hypothesis::{Addition, Hypothesis};
 use super::select::Search;
 use super::{Discovery, SearchOptions, Step};
-use crate::compare::{self, Metrics};
+use crate::compare::{self, Compared, Metrics};
 use crate::fit::{Parameter, Prediction, Problem};
 use crate::measurement::Point;
 use crate::solver::cycle::Tolerance;
@@ -95,7 +95,8 @@ pub(super) fn fall(d: &Discovery) -> Option<Fall> {
         let mut all = vec![predicted(base)];
         all.extend(between.collect::<Vec<_>>());
         all.push(last);
-        Part { members, states: all.into_iter().map(|predictions| state(&table.points, predictions)).collect() }
+        let state = |predictions| state(&base.comparison.points, &table.points, predictions);
+        Part { members, states: all.into_iter().map(state).collect() }
     };
     let parts = parts(end.additions.len()).into_par_iter().map(part).collect();
     Some(Fall { additions: end.additions.iter().map(|a| a.name().to_string()).collect(), parts })
@@ -113,9 +114,10 @@ fn predicted(step: &Step) -> Vec<Prediction> {
     step.comparison.points.iter().map(|p| p.model.clone()).collect()
 }
 
-fn state(points: &[Point], predictions: Vec<Prediction>) -> State {
+fn state(base: &[Compared], points: &[Point], predictions: Vec<Prediction>) -> State {
     let compared = compare::compared(points, &predictions);
-    let Metrics { chi2_per_point, rms_error_percent, .. } = Metrics::over(compared.iter());
+    let Metrics { chi2_per_point, .. } = Metrics::over(compared.iter());
+    let rms_error_percent = compare::rms_error_beside(compared.iter(), base.iter());
     State { chi2_per_point, rms_error_percent, predictions }
 }
 

@@ -176,7 +176,9 @@ impl Table {
         if let Some(source) = self.phase_noise {
             let phase = median(self.points.iter().filter_map(|point| point.phase_sd)).to_degrees();
             let word = if source == self.amplitude_noise { String::new() } else { format!("{} ", source.word()) };
-            noise += &format!(" and {word}{phase:.2} deg");
+            // Two decimals, or two digits of what is smaller.
+            let decimals = if phase > 0.0 { (1.0 - phase.log10().floor()).max(2.0) as usize } else { 2 };
+            noise += &format!(" and {word}{phase:.decimals$} deg");
         }
         let number = |value| crate::units::format(value, "1");
         let span =

@@ -112,6 +112,9 @@ impl Frequencies {
 
     /// A difference of two, with a digit less.
     pub fn difference(&self, frequency: f64) -> String {
-        format!("{:.*} {}", self.decimals.saturating_sub(1).max(1), frequency / self.factor, self.unit)
+        let shown = frequency / self.factor;
+        // Never nothing of what is more than that.
+        let first = if shown > 0.0 { (-shown.log10().floor()).max(0.0) as usize } else { 0 };
+        format!("{shown:.*} {}", self.decimals.saturating_sub(1).max(1).max(first), self.unit)
     }
 }
