@@ -99,10 +99,10 @@ pub fn problem<'a>(
 pub fn calibrate(model: &Model, keys: &[String], points: &[Point], tolerance: Tolerance, seed: u32) -> Calibration {
     let operations: Vec<(Operation, f64)> = points.iter().map(|p| (crate::fit::operation(p), p.amplitude)).collect();
     let model = model.clone().scaled_at(&operations);
-    let mut best = calibrate_about(&model, keys, points, tolerance, seed);
+    let mut best = calibrate_about(&model, keys, points, tolerance, (seed, u64::MAX));
     let started = resonance::started(&model, keys, points).map(|model| model.scaled_at(&operations));
     let mut solved = best.solved;
-    if let Some(other) = started.map(|model| calibrate_about(&model, keys, points, tolerance, seed)) {
+    if let Some(other) = started.map(|model| calibrate_about(&model, keys, points, tolerance, (seed, u64::MAX))) {
         solved += other.solved;
         if other.fit.objective < best.fit.objective {
             best = other;
@@ -114,7 +114,7 @@ pub fn calibrate(model: &Model, keys: &[String], points: &[Point], tolerance: To
             break;
         }
         let there = problem(&best.base, keys, [], tolerance).model(&best.fit.values).scaled_at(&operations);
-        let other = calibrate_about(&there, keys, points, tolerance, seed);
+        let other = calibrate_about(&there, keys, points, tolerance, (seed, u64::MAX));
         solved += other.solved;
         // Of a number that the data do not determine any value does.
         if other.fit.objective > best.fit.objective * (1.0 - LOWER) {
@@ -128,13 +128,14 @@ pub fn calibrate(model: &Model, keys: &[String], points: &[Point], tolerance: To
 /// Most evaluations of the model that [`calibrate_about`] takes, but for a robust fit that goes on getting tighter.
 pub const MOST: usize = 1 + STARTS + (FOLLOWED + 1) * EVALUATIONS;
 
-/// A calibration as [`calibrate`] within the ranges about the values that the model has, and no further.
+/// A calibration as [`calibrate`] within the ranges about the values that the model has, and no further; every fit of it ends with the
+/// evaluation that reaches so many steady states.
 pub fn calibrate_about(
     model: &Model,
     keys: &[String],
     points: &[Point],
     tolerance: Tolerance,
-    seed: u32,
+    (seed, states): (u32, u64),
 ) -> Calibration {
     let stated = problem(model, keys, points, tolerance.for_search());
     let parameters = stated.parameters().to_vec();
@@ -166,7 +167,7 @@ pub fn calibrate_about(
         .take(if parameters.is_empty() { 1 } else { FOLLOWED })
         .map(|&(_, index)| {
             let settings =
-                Settings { evaluations: EVALUATIONS, threshold: f64::INFINITY, converged: CONVERGED, states: u64::MAX };
+                Settings { evaluations: EVALUATIONS, threshold: f64::INFINITY, converged: CONVERGED, states };
             minimised(&starts[index], &settings)
         })
         .collect();
@@ -176,8 +177,7 @@ pub fn calibrate_about(
     let settled = |mut fit: Fit| {
         let mut threshold_of = threshold(&fit);
         while fit.evaluation.residuals.amax() > threshold_of {
-            let robust =
-                Settings { evaluations: EVALUATIONS, threshold: threshold_of, converged: CONVERGED, states: u64::MAX };
+            let robust = Settings { evaluations: EVALUATIONS, threshold: threshold_of, converged: CONVERGED, states };
             fit = minimised(&fit.values, &robust);
             if threshold(&fit) > TIGHTER * threshold_of {
                 break;
@@ -194,8 +194,7 @@ pub fn calibrate_about(
         let mut problem = stated.clone();
         let typical = typical_of(&problem.evaluate(&starts[0], false).residuals);
         solved.fetch_add(problem.solved, Relaxed);
-        let robust =
-            Settings { evaluations: EVALUATIONS, threshold: TAIL * typical, converged: CONVERGED, states: u64::MAX };
+        let robust = Settings { evaluations: EVALUATIONS, threshold: TAIL * typical, converged: CONVERGED, states };
         let other = settled(minimised(&starts[0], &robust));
         if is_noise(&other) {
             fit = other;

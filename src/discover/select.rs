@@ -228,16 +228,17 @@ impl<'a> Search<'a> {
     /// A hypothesis where a calibration from starting points about its fit takes it, if that is better.
     fn calibrated(&self, hypothesis: &Hypothesis) -> Hypothesis {
         let keys: Vec<String> = hypothesis.fit.parameters.iter().map(|p| p.key.clone()).collect();
-        // One evaluation tells what all will cost.
         let model = hypothesis.fitted();
+        // One evaluation tells what all will cost; elsewhere more of a dense series may have to be solved.
         let mut problem = compare::problem(&model, &keys, &self.table.points, Tolerance::FIT);
         problem.evaluate(&problem.values(), true);
         self.data.count(problem.solved);
-        if problem.solved * compare::MOST as u64 > self.data.budget.saturating_sub(self.data.solved()) {
+        let one = problem.solved.max(self.table.points.len() as u64 * cost(&model));
+        if one * compare::MOST as u64 > self.data.left() {
             return hypothesis.clone();
         }
-        let found =
-            compare::calibrate_about(&model, &keys, &self.table.points, Tolerance::default(), self.options.seed);
+        let how = (self.options.seed, self.data.share(1));
+        let found = compare::calibrate_about(&model, &keys, &self.table.points, Tolerance::default(), how);
         self.data.count(found.solved);
         let moved = Hypothesis { model: found.base, fit: found.fit, ..hypothesis.clone() };
         if moved.fits_better_than(hypothesis) { moved } else { hypothesis.clone() }

@@ -111,7 +111,9 @@ pub fn minimise(problem: &mut Problem<'_>, start: &[f64], settings: &Settings) -
     let (target, report) = method.minimize(target);
     let Target { problem, parameters, best, .. } = target;
     let (objective, values, evaluation) = best;
-    let termination = format!("{:?}", report.termination);
+    let spent = problem.solved >= settings.states;
+    let termination =
+        if spent { "its share of the budget is spent".into() } else { format!("{:?}", report.termination) };
     Fit { parameters, values, evaluation, objective, evaluations: problem.evaluations - before, termination }
 }
 
