@@ -142,7 +142,9 @@ pub fn reading(signals: &Signals) -> String {
 pub fn reading_per_drive(signals: &Signals) -> String {
     let (drive, reading) = (&signals.drive, &signals.reading);
     let name = if signals.of_arm() { "amplitude" } else { reading.name };
-    format!("{name} per {} {}/{}", drive.name, reading.symbol, drive.symbol)
+    // The symbol says of which kind; a longer name does not fit beside a small panel.
+    let per = if drive.order == 0 { drive.name } else { "drive" };
+    format!("{name} per {per} {}/{}", reading.symbol, drive.symbol)
 }
 
 /// How the frequencies of an outcome are written; those of the paper's rig as the paper has them.
