@@ -33,6 +33,9 @@ pub(super) fn written_out(name: &str, bytes: &[u8]) -> Result<Vec<u8>> {
         out.extend_from_slice(b"    58\n");
         let mut kind = String::new();
         for number in 0..records {
+            if rest.is_empty() {
+                return refuse("is cut off");
+            }
             let record = next_line(&mut rest);
             if number == 6 {
                 kind = String::from_utf8_lossy(record).chars().take(10).collect();
