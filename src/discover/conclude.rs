@@ -80,7 +80,8 @@ impl Search<'_> {
             }
         }
         let unit = self.unit(chosen);
-        let candidates = self.rank(&steps, known, ties, unit);
+        let showing = self.showing(chosen, known);
+        let candidates = self.rank(&steps, (known, &showing), ties, unit);
         let further = if self.structured(chosen) { beyond_prediction(&mut steps) } else { None };
         let last = steps.len() - 1;
         let end = &steps[last];
@@ -100,7 +101,7 @@ impl Search<'_> {
             indistinguishable.push(tied.iter().filter_map(|h| Some(h.additions.last()?.name().to_string())).collect());
         }
         let outliers = end.comparison.outliers.clone();
-        let not_testable = self.not_testable(&candidates, known);
+        let not_testable = self.not_testable(&candidates, known, &showing);
         let next_measurement = self.next(&end.hypothesis, &rivals, &candidates);
         let correlations = end.comparison.correlations.clone();
         let mut notes = Vec::new();
@@ -194,7 +195,13 @@ impl Search<'_> {
     }
 
     /// All hypotheses of the first round and those about the explanation, the best first.
-    fn rank(&self, steps: &[Step], known: &Known, ties: &[Vec<Hypothesis>], unit: f64) -> Vec<Candidate> {
+    fn rank(
+        &self,
+        steps: &[Step],
+        (known, showing): (&Known, &[Addition]),
+        ties: &[Vec<Hypothesis>],
+        unit: f64,
+    ) -> Vec<Candidate> {
         let mut all: Vec<(Hypothesis, bool)> = Vec::new();
         let mut add = |hypothesis: &Hypothesis, testable: bool| {
             if !all.iter().any(|(known, _)| known.same_additions(hypothesis)) {
@@ -209,7 +216,7 @@ impl Search<'_> {
         for entry in &known.entries {
             let hypothesis = &entry.hypothesis;
             if hypothesis.additions.len() == 1 || hypothesis.estimate.is_none() {
-                add(hypothesis, self.testable(entry));
+                add(hypothesis, hypothesis.additions.last().is_none_or(|a| showing.contains(a)));
             }
         }
         // What contains a smaller hypothesis can do whatever that does: where its own fit is worse it is counted as if.
@@ -273,20 +280,38 @@ impl Search<'_> {
             .collect()
     }
 
-    /// Whether the strongest plausible form of an addition would be found.
-    fn testable(&self, entry: &Entry) -> bool {
-        let hypothesis = &entry.hypothesis;
-        let Some(addition) = hypothesis.additions.last() else { return true };
-        let parameters = count(&extended(&self.data.base, &[*addition]), &addition.keys()) as f64;
-        entry.visibility > parameters * (self.readings() as f64).ln() + MARGIN
+    /// Additions of which the strongest plausible form would be found beside something: what was fitted, or the explanation.
+    fn showing(&self, chosen: &Hypothesis, known: &Known) -> Vec<Addition> {
+        let shows = |addition: Addition, visibility: f64| {
+            let parameters = count(&extended(&self.data.base, &[addition]), &addition.keys()) as f64;
+            visibility > parameters * (self.readings() as f64).ln() + MARGIN
+        };
+        let last = |e: &Entry| Some((*e.hypothesis.additions.last()?, e.visibility));
+        let mut showing: Vec<Addition> = known
+            .entries
+            .iter()
+            .filter_map(last)
+            .filter(|(a, visibility)| shows(*a, *visibility))
+            .map(|(a, _)| a)
+            .collect();
+        if !chosen.additions.is_empty() {
+            let hidden: Vec<Addition> =
+                self.pool.iter().copied().filter(|a| a.is_effect() && !showing.contains(a)).collect();
+            let seen = self.visible(chosen, &hidden);
+            showing
+                .extend(hidden.into_iter().zip(seen).filter(|(a, visibility)| shows(*a, *visibility)).map(|(a, _)| a));
+        }
+        showing
     }
 
-    fn not_testable(&self, candidates: &[Candidate], known: &Known) -> Vec<NotTestable> {
-        let named = |entry: &&Entry| matches!(entry.hypothesis.additions[..], [Addition::Effect(_)]);
+    fn not_testable(&self, candidates: &[Candidate], known: &Known, showing: &[Addition]) -> Vec<NotTestable> {
+        let base = candidates.iter().find(|c| c.hypothesis.additions.is_empty());
         let mut list = Vec::new();
-        for entry in known.entries.iter().filter(named).filter(|e| !self.testable(e)) {
-            let Some(addition) = entry.hypothesis.additions.first() else { continue };
-            let base = candidates.iter().find(|c| c.hypothesis.additions.is_empty());
+        for entry in &known.entries {
+            let [addition @ Addition::Effect(_)] = entry.hypothesis.additions[..] else { continue };
+            if showing.contains(&addition) {
+                continue;
+            }
             let would_show = base.map_or_else(String::new, |base| {
                 let fitted = base.hypothesis.fitted();
                 next::would_show(&fitted, &entry.strongest, self.table, &self.options.bounds)

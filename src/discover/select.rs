@@ -400,6 +400,17 @@ impl<'a> Search<'a> {
         places
     }
 
+    /// What the strongest plausible form of each of these would change beside a hypothesis ([`Look::visibility`]).
+    pub(super) fn visible(&self, from: &Hypothesis, additions: &[Addition]) -> Vec<f64> {
+        let places = self.places(from, (self.options.first_points / 2).min(self.data.points.len()));
+        let count = Count { known: None, starts: self.options.starts, shared: 1, turn: 0, seed: self.options.seed };
+        let of = |addition: &Addition| {
+            let goes = self.goes_with(from, *addition) && !extended(&from.model, &[*addition]).has_sliders();
+            if goes { look(&self.data, &places[..1], from, *addition, count).visibility } else { 0.0 }
+        };
+        additions.par_iter().map(of).collect()
+    }
+
     fn goes_with(&self, from: &Hypothesis, addition: Addition) -> bool {
         let all: Vec<Addition> = from.additions.iter().copied().chain([addition]).collect();
         !from.additions.contains(&addition) && compatible(&self.data.base, &all)

@@ -9,12 +9,17 @@ use crate::effects::formula::Formula;
 use crate::parameter::FIRST_EFFECT_PARAMETER;
 use std::cell::Cell;
 
+/// An effect with a torque, its parameters and the column of their first.
+type Law = (&'static dyn Effect, Vec<f64>, usize);
+
 /// The mode at one operating point.
 pub struct Alone {
     /// The coefficients with their gradients.
     pub lumps: Lumps,
-    laws: Vec<(&'static dyn Effect, Vec<f64>, usize)>,
+    laws: Vec<Law>,
     columns: usize,
+    /// Multiplications that a force takes.
+    force_cost: usize,
     /// Multiplications that were done on it.
     pub spent: Cell<usize>,
     /// Multiplications after which its motion is given up.
@@ -24,7 +29,7 @@ pub struct Alone {
 impl Alone {
     /// The mode of `model` at an operating point, whatever its contact would do.
     pub fn new(model: &Model, at: &Operation) -> Self {
-        let mut laws = Vec::new();
+        let mut laws: Vec<Law> = Vec::new();
         let mut first = 0;
         for (effect, p) in &model.effects {
             if effect.torque(p, 0.0, 0.0).is_some() {
@@ -32,7 +37,10 @@ impl Alone {
             }
             first += p.len();
         }
-        Self { lumps: Lumps::new(model, at), laws, columns: first, spent: Cell::new(0), patience: usize::MAX }
+        let powers = laws.iter().filter(|(effect, p, _)| effect.torque_is_rough(p) || effect.torque_is_steep(p));
+        let force_cost = A_FORCE + A_POWER * powers.count();
+        let (lumps, spent) = (Lumps::new(model, at), Cell::new(0));
+        Self { lumps, laws, columns: first, force_cost, spent, patience: usize::MAX }
     }
 
     /// Whether the mode is linear, so that its motion is known in closed form.
@@ -65,8 +73,7 @@ impl SingleMode for Alone {
         self.spent.get() > self.patience
     }
     fn force_cost(&self) -> usize {
-        let powers = self.laws.iter().filter(|(effect, p, _)| effect.torque_is_rough(p) || effect.torque_is_steep(p));
-        A_FORCE + A_POWER * powers.count()
+        self.force_cost
     }
     fn linear(&self) -> [f64; 3] {
         [self.lumps.inertia.value, self.lumps.damping.value, self.lumps.stiffness.value]
