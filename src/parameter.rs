@@ -159,6 +159,8 @@ pub enum Measure {
     ContactMass,
     /// Power of friction at that speed.
     Power,
+    /// Q.
+    Quality,
     /// 1/Q.
     Loss,
     /// Cubic stiffness that bends a resonance by its width; beside a contact, one as strong as the stiffness at the
@@ -255,6 +257,7 @@ impl Measure {
             Self::ContactDamping => of.contact_stiffness / of.omega,
             Self::ContactMass => of.contact_stiffness / of.omega.powi(2),
             Self::Power => of.friction_force * of.speed(),
+            Self::Quality => of.quality,
             Self::Loss => 1.0 / of.quality,
             Self::Cubic if of.has_contact => of.stiffness / of.deflection().powi(2),
             Self::Even if of.has_contact => of.stiffness / of.deflection(),

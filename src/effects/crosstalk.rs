@@ -1,6 +1,6 @@
 //! What the drive puts into the reading without any motion.
 
-use super::{Beside, Effect, Group, ParameterInfo, Zero};
+use super::{Beside, Effect, Group, Measure, ParameterInfo, Zero};
 use crate::dual::Dual;
 use crate::parameter::ANY;
 
@@ -43,8 +43,10 @@ impl Effect for Crosstalk {
     fn parameters(&self) -> &'static [ParameterInfo] {
         const LIST: &[ParameterInfo] = &[
             ParameterInfo::searched(("b_r", "b_r", "1"), ANY, (1e-2, 1e2), "crosstalk in phase with the drive")
+                .in_units_of(Measure::Quality)
                 .either_sign(),
             ParameterInfo::searched(("b_i", "b_i", "1"), ANY, (1e-2, 1e2), "crosstalk 90° ahead of the drive")
+                .in_units_of(Measure::Quality)
                 .either_sign(),
         ];
         LIST

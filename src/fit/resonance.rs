@@ -4,6 +4,8 @@
 //! is nearly a straight line in the complex plane (the inverse of the resonance circle), and its squared magnitude a parabola;
 //! both are linear least squares, each reading weighted by its size.
 
+mod floor;
+
 use crate::dual::Dual;
 use crate::measurement::Point;
 use crate::model::lumps::Lumps;
@@ -33,10 +35,20 @@ pub struct Resonance {
     pub spanned: bool,
 }
 
-/// The resonance of one series of readings that are the motion differentiated `order` times; `None` where they tell none.
+/// The resonance of one series of readings that are the motion differentiated `order` times; `None` where they tell none. What lies
+/// beyond the readings is looked for among them once more, beside something constant that is read with it.
 pub fn resonance(points: &[&Point], order: u8) -> Option<Resonance> {
     let usable: Vec<&Point> =
         points.iter().copied().filter(|p| p.amplitude > 0.0 && p.drive > 0.0 && p.frequency > 0.0).collect();
+    let alone = alone(&usable, order);
+    if alone.is_some_and(|resonance| resonance.spanned) {
+        return alone;
+    }
+    floor::on_floor(&usable, order).or(alone)
+}
+
+/// The resonance of readings of nothing else.
+fn alone(usable: &[&Point], order: u8) -> Option<Resonance> {
     let highest = usable.iter().max_by(|a, b| (a.amplitude / a.drive).total_cmp(&(b.amplitude / b.drive)))?;
     if usable.len() < FEWEST {
         return None;

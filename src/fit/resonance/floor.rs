@@ -1,0 +1,186 @@
+//! A resonance beside something constant that is read with it: a peak on a floor, a notch, what is neither (Fano 1961).
+//!
+//! Against d = w^2/wc^2 - 1 the reading per drive is H = B + c/(d - p) with a complex pole p; multiplied by d - p that is linear in p, B and
+//! c - B p (Levy 1959), and with the weights 1/|d - p| of the pole before the residual is that of H (Sanathanan and Koerner 1963). Of
+//! amplitudes alone |H|^2 is a ratio of two parabolas, and the same holds.
+
+use super::Resonance;
+use crate::fit::schwarz;
+use crate::measurement::Point;
+use crate::statistics::wrap;
+use nalgebra::{Complex, ComplexField, DMatrix, DVector};
+use std::f64::consts::FRAC_PI_2;
+
+/// Fewest readings for each number of the ratio.
+const FEWEST: usize = 3;
+/// Weights are found again so many times; a pole that is one settles within three or four.
+const ROUNDS: usize = 12;
+
+/// What lies in the band of the readings; `None` where they tell none, by Schwarz's criterion against a straight line.
+pub(super) fn on_floor(usable: &[&Point], order: u8) -> Option<Resonance> {
+    let (low, high) = usable.iter().fold((f64::INFINITY, 0.0f64), |(l, h), p| (l.min(p.frequency), h.max(p.frequency)));
+    let center = (low * high).sqrt();
+    let detuning: Vec<f64> = usable.iter().map(|p| (p.frequency / center).powi(2) - 1.0).collect();
+    let reach = detuning.iter().map(|d| d.abs()).fold(0.0, f64::max);
+    let d: Vec<f64> = detuning.iter().map(|d| d / reach).collect();
+    let size = |p: &Point| p.amplitude / p.drive * (center / p.frequency).powi(order.into());
+    let turn = FRAC_PI_2 * f64::from(order);
+    let response: Option<Vec<Complex<f64>>> =
+        usable.iter().map(|p| Some(Complex::from_polar(size(p), p.phase? - turn))).collect();
+    let found = match response {
+        Some(response) => of_responses(&d, &response),
+        None => of_squares(&d, &usable.iter().map(|p| size(p).powi(2)).collect::<Vec<_>>()),
+    }?;
+    let (shift, width) = (found.shift * reach, found.width * reach);
+    let frequency = center * (1.0 + shift).max(0.0).sqrt();
+    let ratio = frequency / center;
+    (low < frequency && frequency < high).then(|| Resonance {
+        frequency,
+        quality: (ratio.powi(2) / width).clamp(super::QUALITY.0, super::QUALITY.1),
+        peak: found.peak * ratio.powi(order.into()),
+        phase: found.phase.map(|phase| wrap(phase + turn)),
+        spanned: true,
+    })
+}
+
+/// A pole in units of the reach of the readings, and what it adds to them where it is nearest.
+struct Pole {
+    shift: f64,
+    width: f64,
+    peak: f64,
+    phase: Option<f64>,
+}
+
+fn of_responses(d: &[f64], response: &[Complex<f64>]) -> Option<Pole> {
+    let mean = response.iter().sum::<Complex<f64>>() / d.len() as f64;
+    let h: Vec<Complex<f64>> = response.iter().map(|value| value - mean).collect();
+    let ratio = |i: usize| [h[i], Complex::from(d[i]), Complex::from(1.0)];
+    let [p, floor, rest] = settled(d.len(), |i, before: Option<&[Complex<f64>; 3]>| {
+        let weight = before.map_or(1.0, |[p, ..]| 1.0 / (Complex::from(d[i]) - p).norm());
+        (ratio(i).map(|x| x * weight), h[i] * d[i] * weight)
+    })?;
+    let strength = rest + floor * p;
+    let left = |i: usize| h[i] - floor - strength / (Complex::from(d[i]) - p);
+    let line = straight(d, &h)?;
+    let own = (0..d.len()).map(|i| left(i).norm_sqr()).sum::<f64>();
+    let pays = criterion(own, 6, 2 * d.len()) < criterion(line, 4, 2 * d.len());
+    let at = strength / Complex::new(0.0, -p.im);
+    pays.then(|| Pole { shift: p.re, width: p.im.abs(), peak: at.norm(), phase: Some(at.arg()) })
+}
+
+fn of_squares(d: &[f64], squares: &[f64]) -> Option<Pole> {
+    let mean = squares.iter().sum::<f64>() / d.len() as f64;
+    let y: Vec<f64> = squares.iter().map(|value| value / mean - 1.0).collect();
+    let below = |d: f64, [by, own, ..]: &[f64; 5]| d * d + by * d + own;
+    let solution = settled(d.len(), |i, before: Option<&[f64; 5]>| {
+        let weight = before.map_or(1.0, |x| 1.0 / below(d[i], x).abs());
+        ([-y[i] * d[i], -y[i], 1.0, d[i], d[i] * d[i]].map(|x| x * weight), y[i] * d[i] * d[i] * weight)
+    })?;
+    let [by, own, a, b, c] = solution;
+    let shift = -0.5 * by;
+    let width = (own - shift * shift).sqrt();
+    let ratio = |d: f64| (a + b * d + c * d * d) / below(d, &solution);
+    let line = straight(d, &y)?;
+    let left = (0..d.len()).map(|i| (y[i] - ratio(d[i])).powi(2)).sum::<f64>();
+    let pays = criterion(left, 5, d.len()) < criterion(line, 2, d.len());
+    let amplitude = |y: f64| (mean * (1.0 + y).max(0.0)).sqrt();
+    let peak = (amplitude(ratio(shift)) - amplitude(c)).abs();
+    (pays && width > 0.0 && peak > 0.0).then_some(Pole { shift, width, peak, phase: None })
+}
+
+/// Schwarz's criterion of what is left of so many readings whose noise nobody states.
+fn criterion(square: f64, parameters: usize, readings: usize) -> f64 {
+    schwarz(readings as f64 * square.ln(), parameters, readings)
+}
+
+/// Least squares of rows whose weights are by the solution before.
+fn settled<T: ComplexField<RealField = f64>, const N: usize>(
+    count: usize,
+    row: impl Fn(usize, Option<&[T; N]>) -> ([T; N], T),
+) -> Option<[T; N]> {
+    if count < FEWEST * N {
+        return None;
+    }
+    let mut solution: Option<[T; N]> = None;
+    for _ in 0..ROUNDS {
+        let rows: Vec<([T; N], T)> = (0..count).map(|i| row(i, solution.as_ref())).collect();
+        let matrix = DMatrix::from_fn(count, N, |i, k| rows[i].0[k].clone());
+        let right = DVector::from_fn(count, |i, _| rows[i].1.clone());
+        let found = matrix.qr();
+        let found = found.r().solve_upper_triangular(&(found.q().adjoint() * right))?;
+        if found.iter().any(|x| !x.is_finite()) {
+            return None;
+        }
+        solution = Some(std::array::from_fn(|k| found[k].clone()));
+    }
+    solution
+}
+
+/// Squares that a straight line in d leaves.
+fn straight<T: ComplexField<RealField = f64>>(d: &[f64], values: &[T]) -> Option<f64> {
+    let real = |x: f64| T::from_real(x);
+    let [slope, offset] = settled(d.len(), |i, _: Option<&[T; 2]>| ([real(d[i]), real(1.0)], values[i].clone()))?;
+    let left = |i: usize| values[i].clone() - slope.clone() * real(d[i]) - offset.clone();
+    Some((0..d.len()).map(|i| left(i).modulus_squared()).sum())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Readings of a resonance at 50 Hz of quality 400 beside a floor, 41 about it.
+    fn points(floor: Complex<f64>, with_phase: bool) -> Vec<Point> {
+        let point = |row: usize| {
+            let f = 50.0 * (1.0 + (row as f64 - 17.0) / 8.0 / 400.0);
+            let ratio: f64 = f / 50.0;
+            let mode = Complex::from(0.01) / Complex::new(1.0 - ratio * ratio, ratio / 400.0);
+            let reading = (floor + mode) * 3.0;
+            Point {
+                row,
+                line: row,
+                speed: 0.0,
+                load: 0.0,
+                drive: 3.0,
+                frequency: f,
+                amplitude: reading.norm(),
+                phase: with_phase.then(|| reading.arg()),
+                amplitude_sd: 1.0,
+                phase_sd: None,
+                mean: None,
+                replicates: 1,
+                series: 0,
+            }
+        };
+        (0..41).map(point).collect()
+    }
+
+    #[test]
+    fn a_peak_on_a_floor_and_a_notch_are_found_with_and_without_phases() {
+        // From a floor of a quarter of the peak to one that is 25 times as high, which hides it.
+        for size in [1.0, 4.2, 100.0] {
+            for angle in [0.3, 1.5, -2.0] {
+                for with_phase in [true, false] {
+                    let points = points(Complex::from_polar(size, angle), with_phase);
+                    let points: Vec<&Point> = points.iter().collect();
+                    let found = on_floor(&points, 0).expect("a resonance");
+                    assert!((found.frequency / 50.0 - 1.0).abs() < 0.05 / 400.0, "{size} {angle} {found:?}");
+                    assert!((found.quality / 400.0 - 1.0).abs() < 0.05, "{size} {angle} {found:?}");
+                    let phase = found.phase.map_or(0.0, |phase| wrap(phase + FRAC_PI_2));
+                    assert!(phase.abs() < 0.01, "{size} {angle} {found:?}");
+                    assert!(!with_phase || (found.peak / 4.0 - 1.0).abs() < 0.05, "{size} {angle} {found:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_straight_line_with_noise_has_no_resonance() {
+        let noise = |row: usize| ((row * 7919 % 101) as f64 / 101.0 - 0.5) * 0.02;
+        for with_phase in [true, false] {
+            let mut points = points(Complex::new(1e9, 0.0), with_phase);
+            points.iter_mut().for_each(|p| p.amplitude *= 1.0 + noise(p.row));
+            let points: Vec<&Point> = points.iter().collect();
+            assert!(on_floor(&points, 0).is_none());
+        }
+    }
+}
