@@ -55,7 +55,8 @@ impl Race {
         let mut round = self.first;
         let mut dropped = Vec::new();
         loop {
-            round.states = share(field.len());
+            // Half of what is left is for those that go on.
+            round.states = share(2 * field.len());
             if round.states == 0 {
                 break;
             }
@@ -217,6 +218,39 @@ mod tests {
         assert_eq!(ended.survivors[0].of, 199);
     }
 
+    /// Takes all that it may.
+    struct Spending<'a>(usize, &'a std::sync::Mutex<(u64, Vec<usize>)>);
+
+    impl Competitor for Spending<'_> {
+        fn of(&self) -> usize {
+            self.0
+        }
+        fn advance(&mut self, round: Round) {
+            let mut told = self.1.lock().expect("no panic");
+            told.0 -= round.states;
+            told.1.push(round.points);
+        }
+        fn typical(&self) -> f64 {
+            1.0
+        }
+        fn is_beaten(&self, _: &Self) -> bool {
+            false
+        }
+        fn badness(&self, _: f64) -> f64 {
+            10.0 * self.0 as f64
+        }
+    }
+
+    #[test]
+    fn who_takes_all_that_a_round_gives_leaves_enough_for_the_rounds_after() {
+        let told = std::sync::Mutex::new((100_000, Vec::new()));
+        let left = |among: usize| told.lock().expect("no panic").0 / among as u64;
+        RULES.run((0..80).map(|of| Spending(of, &told)).collect(), left);
+        let (left, rounds) = told.into_inner().expect("no panic");
+        assert!(rounds.contains(&RULES.points), "{rounds:?}");
+        assert!(left > 10_000, "{left}");
+    }
+
     /// Tells of every round how much it may work.
     struct Sharing<'a>(usize, &'a std::sync::Mutex<Vec<u64>>);
 
@@ -243,7 +277,7 @@ mod tests {
         let told = std::sync::Mutex::default();
         RULES.run((0..40).map(|of| Sharing(of, &told)).collect(), |among| 4000 / among as u64);
         let told = told.into_inner().expect("no panic");
-        assert_eq!((told[0], told.iter().filter(|states| **states == 100).count()), (100, 40));
+        assert_eq!((told[0], told.iter().filter(|states| **states == 50).count()), (50, 40));
         let rounds: std::collections::BTreeSet<u64> = told.iter().copied().collect();
         let share = |states: u64| told.iter().filter(|t| **t == states).count() as u64 * states;
         assert!(rounds.len() > 1 && rounds.iter().all(|&states| share(states) <= 4000));
