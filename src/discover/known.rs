@@ -14,12 +14,15 @@ pub(super) struct Entry {
 }
 
 impl Entry {
-    /// Keeps the better of two fits: one to all points before one to some.
+    /// Keeps the better of two fits: one to more points before one to fewer, and before an estimate, which it may have refuted.
     pub fn keep(&mut self, hypothesis: Hypothesis) {
-        let own = &self.hypothesis;
-        let full = |h: &Hypothesis| h.estimate.is_none();
-        let better = if full(own) == full(&hypothesis) { hypothesis.fits_better_than(own) } else { full(&hypothesis) };
-        if better {
+        let points = |h: &Hypothesis| match h.basis() {
+            Basis::AllPoints | Basis::Contained => usize::MAX,
+            Basis::SomePoints(some) => some,
+            Basis::Linear => 0,
+        };
+        let (own, new) = (points(&self.hypothesis), points(&hypothesis));
+        if new > own || new == own && hypothesis.fits_better_than(&self.hypothesis) {
             self.hypothesis = hypothesis;
         }
     }
