@@ -1,5 +1,6 @@
 //! Tables of text: CSV and its relatives with semicolons or tabs. Rows are taken apart as they are needed and not kept.
 
+use super::preamble::bare;
 use super::sheet::{Complaints, MAX_COLUMNS, MAX_ROWS, Row, Sheet};
 use super::unit::{gravity, known};
 use crate::error::{Error, Result};
@@ -8,7 +9,8 @@ use crate::scenario::source::Source;
 use crate::units::count;
 
 /// Takes the text apart; the separator is told by the header line unless it is known.
-pub(crate) fn sheet(source: Source, delimiter: Option<u8>) -> Result<Sheet> {
+pub(crate) fn sheet(mut source: Source, delimiter: Option<u8>) -> Result<Sheet> {
+    let told = bare(&mut source.text);
     let delimiter = delimiter.unwrap_or_else(|| separator(first_line(&source.text)));
     check_width(&source, delimiter)?;
     let mut first = records(&source.text, delimiter);
@@ -19,9 +21,9 @@ pub(crate) fn sheet(source: Source, delimiter: Option<u8>) -> Result<Sheet> {
     while header.cells.last().is_some_and(String::is_empty) {
         header.cells.pop();
     }
-    let units = first.next().and_then(|row| units_of(&row, header.cells.len())).unwrap_or_default();
+    let units = first.next().and_then(|row| units_of(&row.cells, header.cells.len())).unwrap_or_default();
     drop(first);
-    let mut sheet = Sheet { source, delimiter, workbook: false, header, units, count: 0 };
+    let mut sheet = Sheet { source, delimiter, workbook: false, header, units, count: 0, told };
     sheet.count = check_shape(&sheet)?;
     Ok(sheet)
 }
@@ -42,10 +44,9 @@ fn first_line(text: &str) -> &str {
 }
 
 /// The units that a row below the header states: nothing else stands in it.
-fn units_of(row: &Row, width: usize) -> Option<Vec<String>> {
+pub(super) fn units_of(row: &[String], width: usize) -> Option<Vec<String>> {
     let bare = |cell: &String| cell.trim_matches(['[', ']', '(', ')']).trim().to_string();
-    let cells: Vec<String> =
-        row.cells.iter().map(bare).map(|cell| if cell == "-" { String::new() } else { cell }).collect();
+    let cells: Vec<String> = row.iter().map(bare).map(|cell| if cell == "-" { String::new() } else { cell }).collect();
     let unit = |cell: &String| cell.is_empty() || cell == "%" || known(cell) || gravity(cell).is_some();
     let stated = cells.iter().filter(|cell| !cell.is_empty()).count();
     (stated > 1 && cells.len() == width && cells.iter().all(unit)).then_some(cells)

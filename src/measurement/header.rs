@@ -47,6 +47,8 @@ pub(crate) enum Meaning {
 
 /// The meaning of a header without help from the scenario's mapping.
 pub(crate) fn meaning(header: &str, frame: &Frame<'_>) -> Meaning {
+    // The channel of an instrument, as in `TR1: Gain (dB)`.
+    let header = header.split_once(": ").map_or(header, |(_, name)| name);
     let (name, bracket) = split(header);
     let name = plain(name);
     if let (Some(column), None) = (words(&name), bracket) {

@@ -21,6 +21,7 @@ mod names;
 mod noise;
 mod parts;
 mod pool;
+mod preamble;
 mod rows;
 mod samples;
 mod scatter;

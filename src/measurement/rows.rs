@@ -5,6 +5,7 @@ use super::frame::{Frame, amplitude_header, kind};
 use super::header::{AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LOAD, MEAN, PHASE, PHASE_SD, SERIES, SPEED, SWEEP};
 use super::parts::Parts;
 use super::pool::{Reading, Readings};
+use super::preamble::BLANKS;
 use super::sheet::{Complaints, Row, Sheet};
 use super::unit::Unit;
 use super::{Column, Direction};
@@ -117,9 +118,10 @@ pub(crate) fn decimal_commas(sheet: &Sheet, used: &[usize], complaints: &mut Com
 
 /// Says how the file was taken apart where that is not as the documentation has it.
 pub(crate) fn written(sheet: &Sheet, commas: bool, notes: &mut Vec<String>) {
+    notes.extend(sheet.told.iter().cloned());
     let cells = match sheet.delimiter {
         b';' => Some("semicolons separate the cells"),
-        b'\t' if !sheet.workbook => Some("tabs separate the cells"),
+        b'\t' if !(sheet.workbook || sheet.told.iter().any(|told| told == BLANKS)) => Some("tabs separate the cells"),
         _ => None,
     };
     let units = (!sheet.units.is_empty()).then_some("the row below the header states units");

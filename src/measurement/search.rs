@@ -9,7 +9,7 @@ use super::likely::{in_hertz, is_deviation, is_other};
 use super::names::LAG;
 use super::parts::{Parts, parts};
 use super::sheet::{Complaints, Row, Sheet};
-use super::swings::other_amplitude;
+use super::swings::{is_peak_to_peak, other_amplitude};
 use super::unit::{Unit, Wanted};
 use crate::scenario::diagnostic::{nearest, quote};
 use crate::scenario::parameters::{COLUMNS, MEASURED};
@@ -215,12 +215,18 @@ impl Search<'_, '_> {
         }
         let all = self.unnamed();
         let deviation = |name: &str| all.iter().any(|(_, of, _)| is_deviation(name, of));
+        let whole = |index: usize| is_peak_to_peak(&self.sheet.header.cells[index]);
         let serves = |(_, name, unit): &&(usize, String, Unit)| {
-            self.frame.serving(AMPLITUDE).contains(&unit.si) && !deviation(name) && !is_other(name)
+            self.frame.serving(AMPLITUDE).contains(&unit.si) && !deviation(name)
         };
-        let found: Vec<_> = all.iter().filter(serves).collect();
+        let (swings, others): (Vec<_>, Vec<_>) = all.iter().filter(serves).partition(|(index, ..)| whole(*index));
+        let mut found: Vec<_> = others.into_iter().filter(|(_, name, _)| !is_other(name)).collect();
+        if found.is_empty() {
+            found = swings;
+        }
         if let [(index, _, unit)] = found[..] {
-            let likely = vec![Candidate { index: *index, unit: unit.clone(), stated: true }];
+            let unit = unit.clone().swinging(whole(*index));
+            let likely = vec![Candidate { index: *index, unit, stated: true }];
             self.choose_alias(AMPLITUDE, likely, with_speed);
         }
     }
@@ -285,7 +291,8 @@ impl Search<'_, '_> {
                 let (header, key) = (header(one), COLUMNS[column]);
                 let unit = one.unit.shown() + if one.stated { "" } else { ", no unit being stated" };
                 let lag = if one.unit.negated { ", a lag positive," } else { "" };
-                self.notes.push(format!("{header} is read as {key}{lag} in {unit}"));
+                let whole = if one.unit.whole { ", half of what stands there" } else { "" };
+                self.notes.push(format!("{header} is read as {key}{lag} in {unit}{whole}"));
                 self.taken[one.index] = true;
                 self.slots[column] = Some(Slot::Cells(one.index, one.unit.clone()));
             }

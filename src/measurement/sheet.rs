@@ -28,6 +28,8 @@ pub(crate) struct Sheet {
     pub units: Vec<String>,
     /// How many rows hold anything.
     pub count: usize,
+    /// What of the file is no part of it, in words.
+    pub told: Vec<String>,
 }
 
 /// A row of cells.

@@ -7,7 +7,9 @@ use crate::scenario::diagnostic::quote;
 pub(crate) fn is_peak_to_peak(name: &str) -> bool {
     let name = name.to_lowercase();
     let words: Vec<&str> = name.split(|c: char| !c.is_alphanumeric()).collect();
-    words.iter().any(|word| ["pp", "p2p", "ptp", "pkpk"].contains(word) || word.ends_with("plitudepp"))
+    words
+        .iter()
+        .any(|word| ["pp", "p2p", "ptp", "pkpk", "vpp", "upp", "app"].contains(word) || word.ends_with("plitudepp"))
         || words.windows(2).any(|pair| matches!(pair, ["peak", "to" | "peak"] | ["pk", "pk"] | ["p", "p"]))
 }
 
@@ -48,6 +50,7 @@ mod tests {
             "alpha_pk_pk",
             "amplitudePP_urad",
             "amplitude_p-p",
+            "Vpp (V)",
         ] {
             assert!(is_peak_to_peak(name), "{name}");
         }

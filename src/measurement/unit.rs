@@ -26,6 +26,8 @@ pub(crate) struct Unit {
     pub over: Option<Over>,
     /// Whether its numbers count the other way round, as a lag does.
     pub negated: bool,
+    /// Whether its numbers are whole swings, from peak to peak: twice the amplitude.
+    pub whole: bool,
     /// The prefix of a unit of standard gravity.
     gravity: Option<&'static str>,
     /// Whether its numbers are levels, 20 log10 of the size.
@@ -45,12 +47,26 @@ pub(crate) struct Over {
 impl Unit {
     /// A unit in SI.
     pub fn of(si: &'static str) -> Self {
-        Self { text: si.into(), si, relative: false, over: None, negated: false, gravity: None, decibel: false }
+        Self {
+            text: si.into(),
+            si,
+            relative: false,
+            over: None,
+            negated: false,
+            whole: false,
+            gravity: None,
+            decibel: false,
+        }
     }
 
     /// The same, its numbers counted the other way round if so.
     pub fn counted(self, negated: bool) -> Self {
         Self { negated, ..self }
+    }
+
+    /// The same, its numbers whole swings or amplitudes.
+    pub fn swinging(self, whole: bool) -> Self {
+        Self { whole, ..self }
     }
 
     /// The same quantity in another unit.
@@ -67,6 +83,7 @@ impl Unit {
             None => units::parse(&format!("{size} {}", self.text), if self.relative { "1" } else { self.si })?,
         };
         let value = self.over.as_ref().map_or(value, |over| value / over.size);
+        let value = if self.whole { 0.5 * value } else { value };
         Ok(if self.negated { -value } else { value })
     }
 

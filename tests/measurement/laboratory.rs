@@ -274,3 +274,34 @@ fn lags_are_phases_of_the_other_sign() {
         assert_eq!((phase, mapping), (plain, of(key, header)), "{header}");
     }
 }
+
+#[test]
+fn what_stands_before_the_numbers_does_not_matter() {
+    let plain = written("f [Hz],A [cm]", 1.0);
+    let rows = plain.split_once('\n').expect("rows").1;
+    let points = |text: &str| {
+        let table = survey_bytes("t.csv", text.as_bytes()).unwrap_or_else(|error| panic!("{text}: {error}")).table;
+        (table.points.iter().map(|p| (p.frequency, p.amplitude)).collect::<Vec<_>>(), table.notes)
+    };
+    let (expected, notes) = points(&plain);
+    assert!(!notes.iter().any(|note| note.contains("header") || note.contains("blanks")), "{notes:?}");
+    let cases = [
+        (format!("# June\n# {plain}"), "the header is the last remark before the numbers"),
+        (
+            format!("--- Setup ---\nStart (Hz): 1\nDate: 13-10-2016, 10:47\n{plain}"),
+            "3 lines before the header are not read",
+        ),
+        (format!("f [Hz] A [cm]\n{}", rows.replace(',', "  ")), "blanks separate the cells"),
+        (format!("CH1: f [Hz],TR1: A [cm]\n{rows}"), "`CH1: f [Hz]` is read as frequency in Hz"),
+    ];
+    for (text, note) in cases {
+        let (found, notes) = points(&text);
+        assert!(found == expected && notes.iter().any(|told| told == note), "{text} {notes:?}");
+    }
+    let (whole, notes) = points(&format!("f [Hz],App [cm]\n{rows}"));
+    assert!(whole.iter().zip(&expected).all(|(w, e)| w.1 == 0.5 * e.1), "{notes:?}");
+    assert!(
+        notes.iter().any(|note| note == "`App [cm]` is read as amplitude in cm, half of what stands there"),
+        "{notes:?}"
+    );
+}

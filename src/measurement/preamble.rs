@@ -1,0 +1,238 @@
+//! What instruments write before the numbers: settings, titles, a header behind a remark sign; and cells that blanks part. The text is
+//! changed in place, byte for byte, so that every place in it stays what it was.
+
+use super::delimited::units_of;
+use super::sheet::MAX_COLUMNS;
+use crate::units::count;
+
+/// What may part cells, and is tried in this order; blanks last.
+const SEPARATORS: [u8; 4] = *b";\t, ";
+
+/// Lines among which the numbers begin: what has more before them is no table.
+const MOST: usize = 1000;
+
+/// What is told of a file whose cells blanks part.
+pub(super) const BLANKS: &str = "blanks separate the cells";
+
+/// A line of a text.
+#[derive(Clone, Copy)]
+struct Line<'a> {
+    start: usize,
+    text: &'a str,
+}
+
+impl Line<'_> {
+    fn is_remark(&self) -> bool {
+        self.text.starts_with('#')
+    }
+
+    /// Its cells where they are numbers, two or more, and what parts them.
+    fn numbers(&self) -> Option<(u8, usize)> {
+        SEPARATORS.into_iter().find_map(|separator| {
+            let cells = cells(self.text, separator);
+            let filled: Vec<&String> = cells.iter().filter(|cell| !cell.is_empty()).collect();
+            let numeric = filled.iter().all(|cell| cell.replace(',', ".").parse::<f64>().is_ok_and(f64::is_finite));
+            (filled.len() > 1 && numeric).then_some((separator, cells.len()))
+        })
+    }
+}
+
+/// The lines that hold anything.
+fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
+    let mut at = 0;
+    let line = move |line: &'_ str| {
+        at += line.len();
+        at - line.len()
+    };
+    text.split_inclusive('\n')
+        .scan(line, |start, line| Some((start(line), line)))
+        .map(|(start, line)| Line { start, text: line.trim_end_matches('\n') })
+        .filter(|line| !line.text.trim().is_empty())
+}
+
+/// Trimmed cells of a line, as many as a sheet has and one more; none at its end where a separator ends it.
+fn cells(line: &str, separator: u8) -> Vec<String> {
+    let trimmed = |cell: &str| cell.trim().trim_matches('"').to_string();
+    if separator == b' ' {
+        return line.split_whitespace().take(MAX_COLUMNS + 1).map(String::from).collect();
+    }
+    let mut cells: Vec<String> = line.split(char::from(separator)).take(MAX_COLUMNS + 1).map(trimmed).collect();
+    while cells.len() > 1 && cells.last().is_some_and(String::is_empty) {
+        cells.pop();
+    }
+    cells
+}
+
+/// Makes header and numbers of a text the first that stands in it; tells what was done, in words. A text that is such a table already, and
+/// one in which no header is seen, are left as they are.
+pub(super) fn bare(text: &mut String) -> Vec<String> {
+    let first: Vec<Line<'_>> = lines(text).take(MOST).collect();
+    let Some(Found { header, units, separator, remark }) = find(&first) else { return Vec::new() };
+    let before = first[..header].iter().filter(|line| !line.is_remark()).count();
+    if before == 0 && !remark && separator != b' ' {
+        return Vec::new();
+    }
+    let last = units.unwrap_or(header);
+    let mut bytes = text.as_bytes().to_vec();
+    for (number, line) in lines(text).enumerate().take_while(|(number, _)| *number <= last || separator == b' ') {
+        let own = &mut bytes[line.start..line.start + line.text.len()];
+        if number == header {
+            own.copy_from_slice(header_line(line.text, separator).as_bytes());
+        } else if number < last && !(number < header && line.is_remark()) {
+            own.fill(b' ');
+        } else if separator == b' ' && !line.is_remark() {
+            own.copy_from_slice(parted(line.text, 1).as_bytes());
+        }
+    }
+    let mut told = Vec::new();
+    if before > 0 {
+        told.push(format!(
+            "{} before the header {} not read",
+            count(before, "line"),
+            if before == 1 { "is" } else { "are" }
+        ));
+    }
+    if remark {
+        told.push("the header is the last remark before the numbers".into());
+    }
+    if separator == b' ' {
+        told.push(BLANKS.into());
+    }
+    // Only ASCII was replaced, and whole lines.
+    if let Ok(bared) = String::from_utf8(bytes) {
+        *text = bared;
+        return told;
+    }
+    Vec::new()
+}
+
+/// Where the table begins.
+struct Found {
+    /// Number of the line of the header.
+    header: usize,
+    /// Of the row below it that states units, where there is one.
+    units: Option<usize>,
+    separator: u8,
+    /// Whether the header stands in a remark.
+    remark: bool,
+}
+
+fn find(lines: &[Line<'_>]) -> Option<Found> {
+    let is_data = |number: usize| {
+        let (line, next) = (lines.get(number)?, lines.get(number + 1).or(lines.get(number))?);
+        line.numbers().filter(|shape| !line.is_remark() && next.numbers() == Some(*shape))
+    };
+    let (first, (separator, width)) = (0..lines.len()).find_map(|number| Some((number, is_data(number)?)))?;
+    let named = |line: &str| {
+        let words = |cell: &&String| !cell.is_empty() && cell.replace(',', ".").parse::<f64>().is_err();
+        Some(header_cells(line, separator))
+            .filter(|cells| cells.len() == width && cells.iter().filter(words).count() > 1)
+    };
+    let above: Vec<usize> = (0..first).filter(|&number| !lines[number].is_remark()).collect();
+    if let Some(&last) = above.last() {
+        let own = named(lines[last].text)?;
+        let is_units = units_of(&own, width).is_some();
+        let before = above.iter().rev().nth(1).filter(|&&number| is_units && named(lines[number].text).is_some());
+        return Some(match before {
+            Some(&header) => Found { header, units: Some(last), separator, remark: false },
+            None => Found { header: last, units: None, separator, remark: false },
+        });
+    }
+    let header = (0..first).rev().find(|&number| named(lines[number].text.trim_start_matches('#')).is_some())?;
+    Some(Found { header, units: None, separator, remark: true })
+}
+
+/// The cells of a header above numbers that this separator parts, which need not part the header.
+fn header_cells(line: &str, separator: u8) -> Vec<String> {
+    let line = header_line(line, separator);
+    let mut cells = cells(&line, if separator == b' ' { b'\t' } else { separator });
+    while cells.len() > 1 && cells.last().is_some_and(String::is_empty) {
+        cells.pop();
+    }
+    cells
+}
+
+/// A header with its cells parted as the numbers are, of the same length in bytes; without its remark sign.
+fn header_line(line: &str, separator: u8) -> String {
+    let marks = line.len() - line.trim_start_matches('#').len();
+    let mut line = " ".repeat(marks) + &line[marks..];
+    if separator == b' ' {
+        return match SEPARATORS[..3].iter().find(|own| line.as_bytes().contains(own)) {
+            Some(own) => line.replace(char::from(*own), "\t"),
+            None if line.trim().contains("  ") => parted(&line, 2),
+            None => parted(&line, 1),
+        };
+    }
+    // An attribute of the sweep, as some write it behind the names of the columns, is none of these.
+    while let Some(at) = line.rfind(char::from(separator)).filter(|at| line[*at..].contains('=')) {
+        line.replace_range(at.., &" ".repeat(line.len() - at));
+    }
+    line
+}
+
+/// A line with a tab at the end of every run of so many blanks or more, but for those at its ends and before a unit in brackets.
+fn parted(line: &str, blanks: usize) -> String {
+    let mut bytes = line.as_bytes().to_vec();
+    let (from, to) = (line.len() - line.trim_start().len(), line.trim_end().len());
+    let mut run = 0;
+    for at in from..to {
+        if bytes[at].is_ascii_whitespace() {
+            run += 1;
+            bytes[at] = b' ';
+            continue;
+        }
+        if run >= blanks && !(blanks == 1 && matches!(bytes[at], b'(' | b'[')) {
+            bytes[at - 1] = b'\t';
+        }
+        run = 0;
+    }
+    String::from_utf8(bytes).unwrap_or_else(|_| line.into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bared(text: &str) -> (Vec<String>, Vec<String>) {
+        let mut own = text.to_string();
+        let told = bare(&mut own);
+        assert_eq!(own.len(), text.len());
+        let lines = own.lines().filter(|line| !line.trim().is_empty() && !line.starts_with('#'));
+        (lines.map(|line| line.trim().replace(" \t", "\t").replace("\t ", "\t")).collect(), told)
+    }
+
+    #[test]
+    fn tables_that_begin_with_their_header_are_left_alone() {
+        for text in [
+            "f,a\n1,2\n3,4\n",
+            "# remark\nf;a\n1,5;2\n3,5;4\n",
+            "series,f,a\nup,1,2\nup,2,3\n",
+            "f,a\nHz,m\n1,2\n3,4\n",
+            "1,2\n3,4\n",
+            "f a\n",
+        ] {
+            let mut own = text.to_string();
+            assert!(bare(&mut own).is_empty() && own == text, "{text:?} {own:?}");
+        }
+    }
+
+    #[test]
+    fn a_header_behind_a_remark_sign_is_one() {
+        let (lines, told) = bared("# sweep of June\n# f (Hz), a (V), phase (rad), level=3 V\n1.0,2,3\n2.0,3,4\n");
+        assert_eq!((lines[0].as_str(), lines.len(), told.len()), ("f (Hz), a (V), phase (rad)", 3, 1));
+        let (lines, told) = bared("# f (Hz), a (V)\n1.0 2e-3\n 2.0   3e-3\n");
+        assert_eq!((lines.join("|"), told.len()), ("f (Hz)\ta (V)|1.0\t2e-3|2.0 \t3e-3".into(), 2));
+    }
+
+    #[test]
+    fn settings_and_titles_before_the_header_are_not_read() {
+        let text = "--- Setup ---\nStart (Hz): 10\nFrequency (Hz),TR1: Gain (dB)\n10,0.5\n11,0.6\n";
+        let (lines, told) = bared(text);
+        assert_eq!((lines[0].as_str(), lines.len()), ("Frequency (Hz),TR1: Gain (dB)", 3));
+        assert_eq!(told, ["2 lines before the header are not read"]);
+        let (lines, _) = bared("Run 3\t\t\nf\ta\tu\nHz\tm\tN\n1\t2\t3\n2\t3\t4\n");
+        assert_eq!(lines[..2], ["f\ta\tu", "Hz\tm\tN"]);
+        let (lines, _) = bared("f [Hz]  A [V]\n 1.0   2.0\n 1.5   2.5\n");
+        assert_eq!(lines[0], "f [Hz]\tA [V]");
+    }
+}
