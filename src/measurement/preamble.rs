@@ -124,9 +124,12 @@ fn find(lines: &[Line<'_>]) -> Option<Found> {
     };
     let (first, (separator, width)) = (0..lines.len()).find_map(|number| Some((number, is_data(number)?)))?;
     let named = |line: &str| {
-        let words = |cell: &&String| !cell.is_empty() && cell.replace(',', ".").parse::<f64>().is_err();
-        Some(header_cells(line, separator))
-            .filter(|cells| cells.len() == width && cells.iter().filter(words).count() > 1)
+        // A row of words and numbers is one of the table.
+        let is_word = |cell: &&String| cell.replace(',', ".").parse::<f64>().is_err();
+        Some(header_cells(line, separator)).filter(|cells| {
+            let filled: Vec<&String> = cells.iter().filter(|cell| !cell.is_empty()).collect();
+            cells.len() == width && filled.len() > 1 && filled.iter().all(is_word)
+        })
     };
     let above: Vec<usize> = (0..first).filter(|&number| !lines[number].is_remark()).collect();
     if let Some(&last) = above.last() {
@@ -208,6 +211,7 @@ mod tests {
             "# remark\nf;a\n1,5;2\n3,5;4\n",
             "series,f,a\nup,1,2\nup,2,3\n",
             "f,a\nHz,m\n1,2\n3,4\n",
+            "series,sweep,f,a\nx,up,1,2\n,,2,3\n,,3,4\n",
             "1,2\n3,4\n",
             "f a\n",
         ] {
