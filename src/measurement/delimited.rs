@@ -110,7 +110,9 @@ fn skip_remarks(text: &str, mut at: usize) -> usize {
 /// A header of words, rows below it, each as wide as the header; tells how many there are.
 fn check_shape(sheet: &Sheet) -> Result<usize> {
     let mut complaints = Complaints::of(&sheet.source);
-    if sheet.header.cells.iter().all(|cell| cell.replace(',', ".").parse::<f64>().is_ok()) {
+    // Blanks may part the numbers.
+    let numbers = |cell: &String| cell.split_whitespace().all(|part| part.replace(',', ".").parse::<f64>().is_ok());
+    if sheet.header.cells.iter().all(numbers) {
         let help = "the first line names the columns: speed_m_s, load_n, drive_m, frequency_hz, amplitude_rad, … (of moduli \
                     frequency_hz, storage_mpa, loss_mpa); \
                     a line that begins with # is a remark, so a header must not";

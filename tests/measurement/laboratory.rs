@@ -298,6 +298,10 @@ fn what_stands_before_the_numbers_does_not_matter() {
         let (found, notes) = points(&text);
         assert!(found == expected && notes.iter().any(|told| told == note), "{text} {notes:?}");
     }
+    for separator in [",", " "] {
+        let error = survey_bytes("t.csv", rows.replace(',', separator).as_bytes()).map(|_| ()).unwrap_err().to_string();
+        assert!(error.contains("the table has no header"), "{error}");
+    }
     let (whole, notes) = points(&format!("f [Hz],App [cm]\n{rows}"));
     assert!(whole.iter().zip(&expected).all(|(w, e)| w.1 == 0.5 * e.1), "{notes:?}");
     assert!(
