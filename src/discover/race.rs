@@ -218,17 +218,15 @@ mod tests {
         assert_eq!(ended.survivors[0].of, 199);
     }
 
-    /// Takes all that it may.
-    struct Spending<'a>(usize, &'a std::sync::Mutex<(u64, Vec<usize>)>);
+    /// Tells of every round how much it may work, and takes all of that.
+    struct Sharing<'a>(usize, &'a std::sync::Mutex<Vec<Round>>);
 
-    impl Competitor for Spending<'_> {
+    impl Competitor for Sharing<'_> {
         fn of(&self) -> usize {
             self.0
         }
         fn advance(&mut self, round: Round) {
-            let mut told = self.1.lock().expect("no panic");
-            told.0 -= round.states;
-            told.1.push(round.points);
+            self.1.lock().expect("no panic").push(round);
         }
         fn typical(&self) -> f64 {
             1.0
@@ -243,40 +241,18 @@ mod tests {
 
     #[test]
     fn who_takes_all_that_a_round_gives_leaves_enough_for_the_rounds_after() {
-        let told = std::sync::Mutex::new((100_000, Vec::new()));
-        let left = |among: usize| told.lock().expect("no panic").0 / among as u64;
-        RULES.run((0..80).map(|of| Spending(of, &told)).collect(), left);
-        let (left, rounds) = told.into_inner().expect("no panic");
-        assert!(rounds.contains(&RULES.points), "{rounds:?}");
-        assert!(left > 10_000, "{left}");
-    }
-
-    /// Tells of every round how much it may work.
-    struct Sharing<'a>(usize, &'a std::sync::Mutex<Vec<u64>>);
-
-    impl Competitor for Sharing<'_> {
-        fn of(&self) -> usize {
-            self.0
-        }
-        fn advance(&mut self, round: Round) {
-            self.1.lock().expect("no panic").push(round.states);
-        }
-        fn typical(&self) -> f64 {
-            1.0
-        }
-        fn is_beaten(&self, _: &Self) -> bool {
-            false
-        }
-        fn badness(&self, _: f64) -> f64 {
-            10.0 * self.0 as f64
-        }
+        let told: std::sync::Mutex<Vec<Round>> = std::sync::Mutex::default();
+        let left = || 100_000 - told.lock().expect("no panic").iter().map(|round| round.states).sum::<u64>();
+        RULES.run((0..80).map(|of| Sharing(of, &told)).collect(), |among| left() / among as u64);
+        assert!(left() > 10_000, "{}", left());
+        assert!(told.into_inner().expect("no panic").iter().any(|round| round.points == RULES.points));
     }
 
     #[test]
     fn all_of_a_round_share_what_is_left() {
         let told = std::sync::Mutex::default();
         RULES.run((0..40).map(|of| Sharing(of, &told)).collect(), |among| 4000 / among as u64);
-        let told = told.into_inner().expect("no panic");
+        let told: Vec<u64> = told.into_inner().expect("no panic").iter().map(|round: &Round| round.states).collect();
         assert_eq!((told[0], told.iter().filter(|states| **states == 50).count()), (50, 40));
         let rounds: std::collections::BTreeSet<u64> = told.iter().copied().collect();
         let share = |states: u64| told.iter().filter(|t| **t == states).count() as u64 * states;

@@ -249,29 +249,35 @@ fn stiffer_in_series(mut model: Model, free: &[String]) -> Option<Model> {
 mod tests {
     use super::*;
 
+    /// A reading of a drive of 3.
+    pub(super) fn point(row: usize, frequency: f64, amplitude: f64, phase: Option<f64>) -> Point {
+        Point {
+            row,
+            line: row,
+            speed: 0.0,
+            load: 0.0,
+            drive: 3.0,
+            frequency,
+            amplitude,
+            phase,
+            amplitude_sd: 1.0,
+            phase_sd: None,
+            mean: None,
+            replicates: 1,
+            series: 0,
+        }
+    }
+
     fn points(frequency: f64, quality: f64, order: u8, offset: f64, with_phase: bool) -> Vec<Point> {
-        let point = |row: usize| {
+        let at = |row: usize| {
             let f = frequency * (1.0 + (row as f64 - 20.0) / 8.0 / quality);
             let w = TAU * f;
             let z = Complex::new((TAU * frequency).powi(2) - w * w, w * TAU * frequency / quality);
             let reading = Complex::new(0.0, w).powu(order.into()) * 3.0 / z;
-            Point {
-                row,
-                line: row,
-                speed: 0.0,
-                load: 0.0,
-                drive: 3.0,
-                frequency: f,
-                amplitude: reading.norm() * 7.0,
-                phase: with_phase.then(|| wrap(reading.arg() + offset)),
-                amplitude_sd: 1.0,
-                phase_sd: None,
-                mean: None,
-                replicates: 1,
-                series: 0,
-            }
+            let phase = with_phase.then(|| wrap(reading.arg() + offset));
+            point(row, f, reading.norm() * 7.0, phase)
         };
-        (0..41).map(point).collect()
+        (0..41).map(at).collect()
     }
 
     #[test]

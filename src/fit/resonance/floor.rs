@@ -54,10 +54,9 @@ struct Pole {
 fn of_responses(d: &[f64], response: &[Complex<f64>]) -> Option<Pole> {
     let mean = response.iter().sum::<Complex<f64>>() / d.len() as f64;
     let h: Vec<Complex<f64>> = response.iter().map(|value| value - mean).collect();
-    let ratio = |i: usize| [h[i], Complex::from(d[i]), Complex::from(1.0)];
     let [p, floor, rest] = settled(d.len(), |i, before: Option<&[Complex<f64>; 3]>| {
         let weight = before.map_or(1.0, |[p, ..]| 1.0 / (Complex::from(d[i]) - p).norm());
-        (ratio(i).map(|x| x * weight), h[i] * d[i] * weight)
+        ([h[i], d[i].into(), 1.0.into()].map(|x: Complex<f64>| x * weight), h[i] * d[i] * weight)
     })?;
     let strength = rest + floor * p;
     let left = |i: usize| h[i] - floor - strength / (Complex::from(d[i]) - p);
@@ -65,7 +64,7 @@ fn of_responses(d: &[f64], response: &[Complex<f64>]) -> Option<Pole> {
     let own = (0..d.len()).map(|i| left(i).norm_sqr()).sum::<f64>();
     let pays = criterion(own, 6, 2 * d.len()) < criterion(line, 4, 2 * d.len());
     let at = strength / Complex::new(0.0, -p.im);
-    pays.then(|| Pole { shift: p.re, width: p.im.abs(), peak: at.norm(), phase: Some(at.arg()) })
+    (pays && p.im != 0.0).then(|| Pole { shift: p.re, width: p.im.abs(), peak: at.norm(), phase: Some(at.arg()) })
 }
 
 fn of_squares(d: &[f64], squares: &[f64]) -> Option<Pole> {
@@ -126,32 +125,19 @@ fn straight<T: ComplexField<RealField = f64>>(d: &[f64], values: &[T]) -> Option
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::point;
     use super::*;
 
     /// Readings of a resonance at 50 Hz of quality 400 beside a floor, 41 about it.
     fn points(floor: Complex<f64>, with_phase: bool) -> Vec<Point> {
-        let point = |row: usize| {
+        let at = |row: usize| {
             let f = 50.0 * (1.0 + (row as f64 - 17.0) / 8.0 / 400.0);
             let ratio: f64 = f / 50.0;
             let mode = Complex::from(0.01) / Complex::new(1.0 - ratio * ratio, ratio / 400.0);
             let reading = (floor + mode) * 3.0;
-            Point {
-                row,
-                line: row,
-                speed: 0.0,
-                load: 0.0,
-                drive: 3.0,
-                frequency: f,
-                amplitude: reading.norm(),
-                phase: with_phase.then(|| reading.arg()),
-                amplitude_sd: 1.0,
-                phase_sd: None,
-                mean: None,
-                replicates: 1,
-                series: 0,
-            }
+            point(row, f, reading.norm(), with_phase.then(|| reading.arg()))
         };
-        (0..41).map(point).collect()
+        (0..41).map(at).collect()
     }
 
     #[test]
