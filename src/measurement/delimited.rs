@@ -115,7 +115,7 @@ fn check_shape(sheet: &Sheet) -> Result<usize> {
     if sheet.header.cells.iter().all(numbers) {
         let help = "the first line names the columns: speed_m_s, load_n, drive_m, frequency_hz, amplitude_rad, … (of moduli \
                     frequency_hz, storage_mpa, loss_mpa); \
-                    a line that begins with # is a remark, so a header must not";
+                    a line that begins with # is a remark, unless it names every column";
         let place = sheet.row_place(&sheet.header);
         complaints.add(&place, "the table has no header", "numbers where names are needed", help);
         return complaints.check().map(|()| 0);
