@@ -3,7 +3,7 @@
 //! Data flows one way, in the order of the modules below: a scenario file becomes a validated [`scenario::Scenario`],
 //! that a [`model::Model`], the model [steady states](solver::SteadyState), those a sweep's [`sweep::Outcome`], figures and a
 //! report. A module reads only those that come before it in this list, which `tests/architecture.rs` checks; [`cli`]
-//! assembles the steps.
+//! assembles the steps. What computes is a crate of its own, `stickslip-engine`, whose modules are those of this one.
 //!
 //! ```no_run
 //! use stickslip::{compare, discover, measurement, scenario, sweep};
@@ -63,35 +63,19 @@
 //! * [`figures`] - outcome or comparison in, SVG, PNG and CSV out; never simulates.
 //! * [`report`] - serialisable views, rendered as HTML and written as JSON.
 //! * [`cli`] - the commands.
+
+#[doc(inline)]
+pub use stickslip_engine::{
+    compare, discover, dual, effects, error, files, fit, free_form, interrupt, measurement, model, parameter, prony,
+    question, results, roots, scenario, solver, statistics, sweep, terminal, trial, units,
+};
+
 pub mod atlas;
 pub mod cache;
 pub mod claims;
 pub mod cli;
-pub mod compare;
-pub mod discover;
-pub mod dual;
-pub mod effects;
-pub mod error;
 pub mod figures;
-pub mod files;
-pub mod fit;
-pub mod free_form;
 pub mod gate;
 pub mod history;
-pub mod interrupt;
-pub mod measurement;
-pub mod model;
-pub mod parameter;
-pub mod prony;
-pub mod question;
 pub mod report;
-pub mod results;
-mod roots;
-pub mod scenario;
-pub mod solver;
-pub mod statistics;
-pub mod sweep;
-pub mod terminal;
-pub mod trial;
-pub mod units;
 pub mod verification;

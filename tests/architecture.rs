@@ -64,6 +64,16 @@ fn order() -> Vec<String> {
     names.map(|name| name.trim_matches(['[', ']', '`']).to_string()).collect()
 }
 
+/// The roots of the two crates: what computes, and what draws and tells.
+const ENGINE_AND_PROGRAM: [&str; 2] = ["src/engine.rs", "src/lib.rs"];
+
+/// The modules that the root of a crate has.
+fn declared(root: &str) -> Vec<String> {
+    let text = std::fs::read_to_string(root).unwrap();
+    let names = text.lines().filter_map(|line| line.trim_start_matches("pub ").strip_prefix("mod "));
+    names.map(|name| name.trim_end_matches(';').to_string()).collect()
+}
+
 /// The module of the crate that a file belongs to.
 fn module(path: &Path) -> String {
     let first = path.strip_prefix("src").unwrap().components().next().unwrap();
@@ -72,13 +82,19 @@ fn module(path: &Path) -> String {
 
 #[test]
 fn the_page_of_the_library_lists_every_module_once() {
-    let page = std::fs::read_to_string("src/lib.rs").unwrap();
-    let declared = page.lines().filter_map(|line| line.trim_start_matches("pub ").strip_prefix("mod "));
-    let mut declared: Vec<_> = declared.map(|name| name.trim_end_matches(';').to_string()).collect();
+    let mut declared: Vec<String> = ENGINE_AND_PROGRAM.into_iter().flat_map(declared).collect();
     let mut listed = order();
     declared.sort();
     listed.sort();
     assert_eq!(listed, declared, "the list of src/lib.rs beside its `mod` lines");
+}
+
+#[test]
+fn the_engine_is_the_first_modules_of_that_page() {
+    let [engine, program] = ENGINE_AND_PROGRAM.map(declared);
+    let order = order();
+    let place = |name: &String| order.iter().position(|one| one == name).unwrap();
+    assert!(engine.iter().map(place).max() < program.iter().map(place).min());
 }
 
 #[test]

@@ -96,7 +96,7 @@ pub(crate) fn render(source: &Source, span: Range<usize>, title: &str, label: &s
 }
 
 /// A message about a file as a whole.
-pub(crate) fn whole_file(title: &str, help: &str) -> String {
+pub fn whole_file(title: &str, help: &str) -> String {
     format!("error: {title}\n  = help: {help}")
 }
 
@@ -104,7 +104,7 @@ pub(crate) fn whole_file(title: &str, help: &str) -> String {
 const BEGINNING: usize = 6;
 
 /// The name nearest to what was written, where one is near enough to be meant.
-pub(crate) fn nearest<'a>(written: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub fn nearest<'a>(written: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let written: String = written.chars().take(80).collect::<String>().to_lowercase().replace('-', "_");
     let names: Vec<&str> = names.into_iter().collect();
     // The only one that begins like this, or is the beginning of it.
@@ -125,7 +125,7 @@ pub(crate) fn nearest<'a>(written: &str, names: impl IntoIterator<Item = &'a str
 }
 
 /// A user's text cut to a length that fits a message.
-pub(crate) fn quote(text: &str) -> String {
+pub fn quote(text: &str) -> String {
     let short: String = text.chars().take(60).map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect();
     if text.chars().nth(60).is_some() { format!("`{short}…`") } else { format!("`{short}`") }
 }

@@ -6,7 +6,7 @@ macro_rules! files {
     ($($name:literal),* $(,)?) => {
         /// Every file below `scenarios/`: its path there and its text.
         pub const FILES: &[(&str, &str)] =
-            &[$(($name, include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/", $name)))),*];
+            &[$(($name, include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/", $name)))),*];
     };
 }
 
@@ -74,7 +74,7 @@ mod tests {
             }
         }
         let mut found = Vec::new();
-        collect(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios"), "", &mut found);
+        collect(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios"), "", &mut found);
         found.retain(|name| name.ends_with(".toml") || name.ends_with(".csv"));
         found.sort();
         let mut listed: Vec<_> = FILES.iter().map(|(name, _)| *name).collect();

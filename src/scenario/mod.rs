@@ -7,7 +7,7 @@
 
 mod additions;
 mod axes;
-pub(crate) mod diagnostic;
+pub mod diagnostic;
 pub mod edit;
 mod embedded;
 mod extends;

@@ -35,7 +35,7 @@ pub use proportion::Proportion;
 pub use record::Record;
 pub use run::{id, plant, run, single};
 pub use score::{Score, Share, score};
-pub(crate) use summary::sorted;
+pub use summary::sorted;
 pub use summary::{ByCause, Confusion, Coverage, SCHEMA, Scores, Summary, summarise};
 pub use table::{scenario as scenario_text, table as table_text};
 pub use visible::{excess, noiseless};

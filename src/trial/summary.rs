@@ -238,7 +238,7 @@ fn confusion(records: &[Record], planted: Vec<String>) -> Confusion {
 }
 
 /// A planted name as a search would write it.
-pub(crate) fn sorted(name: &str) -> String {
+pub fn sorted(name: &str) -> String {
     let mut names: Vec<&str> = shown(name).split('+').collect();
     names.sort_unstable();
     names.join(" + ")

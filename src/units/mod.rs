@@ -174,7 +174,7 @@ fn shift(number: &str, power: i32) -> Option<f64> {
 }
 
 /// Splits `20 mm/s` where the number ends; an `e` belongs to the number only where digits follow it.
-pub(crate) fn split_number(text: &str) -> (&str, &str) {
+pub fn split_number(text: &str) -> (&str, &str) {
     let digit = |c: Option<char>| c.is_some_and(|c| c.is_ascii_digit());
     let sign = |c: Option<char>| matches!(c, Some('+' | '-' | '−'));
     let mut chars = text.char_indices().peekable();
