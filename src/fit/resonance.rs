@@ -17,6 +17,8 @@ use std::f64::consts::TAU;
 
 /// Fewest readings of a series that tell a resonance.
 const FEWEST: usize = 5;
+/// Shares of the largest response above which readings tell a resonance: all, a tenth, half power.
+const NEAR: [f64; 3] = [0.0, 0.1, std::f64::consts::FRAC_1_SQRT_2];
 /// Quality factors beyond these are estimates of noise.
 const QUALITY: (f64, f64) = (0.5, 1e7);
 
@@ -40,11 +42,35 @@ pub struct Resonance {
 pub fn resonance(points: &[&Point], order: u8) -> Option<Resonance> {
     let usable: Vec<&Point> =
         points.iter().copied().filter(|p| p.amplitude > 0.0 && p.drive > 0.0 && p.frequency > 0.0).collect();
-    let alone = alone(&usable, order);
+    let response = |p: &Point| p.amplitude / p.drive;
+    let most = usable.iter().map(|p| response(p)).fold(0.0, f64::max);
+    // Each reading counts by its size: where those far from the peak are many and mostly noise they outweigh it.
+    let above = |share: f64| usable.iter().copied().filter(|p| response(p) >= share * most).collect::<Vec<_>>();
+    let found = NEAR.into_iter().filter_map(|share| alone(&above(share), order));
+    let of = |resonance: Resonance| {
+        (left(&usable, &resonance, order), Resonance { spanned: spanned(&usable, &resonance), ..resonance })
+    };
+    let alone = found.map(of).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, resonance)| resonance);
     if alone.is_some_and(|resonance| resonance.spanned) {
         return alone;
     }
     floor::on_floor(&usable, order).or(alone)
+}
+
+/// Squares that a resonance leaves of the responses, at the size that leaves least.
+fn left(usable: &[&Point], of: &Resonance, order: u8) -> f64 {
+    let values = usable.iter().map(|p| {
+        let ratio = p.frequency / of.frequency;
+        let shape = ratio.powi(order.into()) / Complex::new(1.0 - ratio * ratio, ratio / of.quality).norm();
+        (p.amplitude / p.drive, shape)
+    });
+    let (yy, ys, ss) = values.fold((0.0, 0.0, 0.0), |(yy, ys, ss), (y, s)| (yy + y * y, ys + y * s, ss + s * s));
+    yy - ys * ys / ss
+}
+
+/// Whether readings lie on both sides of a resonance.
+fn spanned(usable: &[&Point], of: &Resonance) -> bool {
+    usable.iter().any(|p| p.frequency < of.frequency) && usable.iter().any(|p| p.frequency > of.frequency)
 }
 
 /// The resonance of readings of nothing else.
@@ -66,15 +92,14 @@ fn alone(usable: &[&Point], order: u8) -> Option<Resonance> {
     } else {
         None
     };
-    let parabola = parabola(&usable.iter().map(|p| (detuning(p), size(p).powi(2))).collect::<Vec<_>>());
     // z = slope (d - d0 - i/Q ..): where the line passes the origin, and how far from it.
-    let (shift, width, slope, angle) = match (line, parabola) {
-        (Some((offset, slope)), _) => {
-            let at = -offset / slope;
-            (at.re, at.im.abs(), slope.norm(), Some(slope.arg()))
-        }
-        (None, Some((shift, width, slope))) => (shift, width, slope, None),
-        (None, None) => return None,
+    let (shift, width, slope, angle) = if let Some((offset, slope)) = line {
+        let at = -offset / slope;
+        (at.re, at.im.abs(), slope.norm(), Some(slope.arg()))
+    } else {
+        let squares: Vec<(f64, f64)> = usable.iter().map(|p| (detuning(p), size(p).powi(2))).collect();
+        let (shift, width, slope) = parabola(&squares)?;
+        (shift, width, slope, None)
     };
     let frequency = center * (1.0 + shift).max(0.0).sqrt();
     // i w C = i (w/w0) (w0^2/Q) M.
@@ -86,8 +111,7 @@ fn alone(usable: &[&Point], order: u8) -> Option<Resonance> {
     let peak = (frequency / center).powi(order.into()) / stiffness_at_resonance;
     // At resonance z = i M w0^2/Q turned as the slope -M wc^2 is.
     let phase = angle.map(|angle| wrap(turn - (angle + std::f64::consts::PI + std::f64::consts::FRAC_PI_2)));
-    let spanned = usable.iter().any(|p| p.frequency < frequency) && usable.iter().any(|p| p.frequency > frequency);
-    Some(Resonance { frequency, quality, peak, phase, spanned })
+    Some(Resonance { frequency, quality, peak, phase, spanned: false })
 }
 
 /// Offset and slope of z = offset + slope d.
@@ -304,6 +328,25 @@ mod tests {
         assert!((whole.re / k - 1.0).abs() < 1e-9, "{whole}");
         assert!((whole.im / (small * before.contact.damping) - 1.0).abs() < 1e-9, "{whole}");
         assert!(supported(0.9 * k).is_none());
+    }
+
+    #[test]
+    fn a_tail_of_noise_over_decades_does_not_hide_a_resonance() {
+        for with_phase in [true, false] {
+            let mut points = points(1000.0, 40.0, 0, 0.3, with_phase);
+            let most = points.iter().map(|p| p.amplitude).fold(0.0, f64::max);
+            // Two hundred readings up to a hundred times the frequency, where an analyser reads its own noise.
+            points.extend((0..200).map(|i| {
+                let noise = ((i * 7919) % 101) as f64;
+                let phase = with_phase.then_some(wrap(noise));
+                point(100 + i, 1200.0 * 10f64.powf(i as f64 / 100.0), most * (1.0 + noise) / 1e4, phase)
+            }));
+            let found = of_all(&points, 0).expect("a resonance");
+            assert!(
+                (found.frequency / 1000.0 - 1.0).abs() < 1e-3 && (found.quality / 40.0 - 1.0).abs() < 0.1,
+                "{found:?}"
+            );
+        }
     }
 
     #[test]

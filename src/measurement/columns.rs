@@ -95,13 +95,16 @@ pub(crate) fn layout(
             lacking.push(column);
         }
     }
-    let drive_assumed = lacking == [DRIVE] && is_held(sheet, frame, sweep, &aside);
+    // What else lacks is told without it.
+    let drive_assumed = lacking.contains(&DRIVE) && is_held(sheet, frame, sweep, &aside);
     if drive_assumed {
+        lacking.retain(|column| *column != DRIVE);
         slots[DRIVE] = Some(Slot::Value(1.0, "V"));
         notes.push(
             "no drive is stated: that of all rows is taken as one setting, 1 V, of which nothing is known".into(),
         );
-    } else if !lacking.is_empty() {
+    }
+    if !lacking.is_empty() {
         missing(sheet, frame, &lacking, sweep, &aside, complaints);
     }
     name_aside(sheet, frame, &slots, &aside, notes);

@@ -24,6 +24,9 @@ pub(crate) const SWEEP: usize = 10;
 /// How many columns a table may have.
 pub(crate) const ALL: usize = 11;
 
+/// Spellings of one over a second.
+const PER_SECOND: [&str; 5] = ["1/s", "s^-1", "s-1", "s⁻¹", "s−1"];
+
 /// What a header may be.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Meaning {
@@ -121,13 +124,24 @@ fn by_alias(header: &str, name: &str, bracket: Option<&str>, frame: &Frame<'_>) 
         let rest = &rest[rest.len() - swings(rest).unwrap_or(rest.len())..];
         let possible = if alias.units.is_empty() { possible("", alias.column) } else { alias.units };
         let natural = frame.natural(alias.column).filter(|si| possible.contains(si));
+        // What is one over a time is so many radians of it where its name says so.
+        let spelt = |text: &str| match alias.column == FREQUENCY && !alias.bare && PER_SECOND.contains(&text) {
+            true => "rad/s".to_string(),
+            false => text.to_string(),
+        };
         let wanted = Wanted { possible, natural, share: false, per_drive: alias.column == AMPLITUDE };
         let negated = alias.name.ends_with("lag");
-        let of = |unit: Unit, stated| Some(Meaning::Alias(alias.column, unit.counted(negated), stated));
+        let of = |unit: Unit, stated| {
+            let unit = if alias.column == FREQUENCY && unit.si == "s" { unit.of_periods() } else { unit };
+            Some(Meaning::Alias(alias.column, unit.counted(negated), stated))
+        };
         let found = match (rest, bracket) {
-            ("", Some(text)) => wanted.unit(text).ok().and_then(|unit| of(unit, true)),
+            ("", Some(text)) => wanted.unit(&spelt(text)).ok().and_then(|unit| of(unit, true)),
             // A capital F is a force as well.
-            ("", None) if alias.bare && split(header).0 != "F" => natural.and_then(|si| of(Unit::of(si), false)),
+            ("", None) if alias.bare && split(header).0 != "F" => match natural {
+                Some(si) => of(Unit::of(si), false),
+                None => Some(Meaning::NoUnit(alias.column)),
+            },
             (rest, None) if alias.name.chars().count() > 1 || rest == "_hz" => {
                 let parts: Vec<&str> = rest.strip_prefix('_').map_or(Vec::new(), |tail| tail.split('_').collect());
                 suffix(&parts).find_map(|text| wanted.unit(&text).ok()).and_then(|unit| of(unit, true))

@@ -31,7 +31,7 @@ const DRIVES_IT: &[&str] = &[
 /// Beginnings of words that say what is read of it.
 const READS: &[&str] = &[
     "amplit", "displ", "deflect", "auslenk", "respon", "antwort", "output", "veloc", "geschw", "accel", "beschl",
-    "angle", "winkel", "tip", "motion", "laser", "vibrom", "sensor",
+    "angle", "winkel", "tip", "motion", "laser", "vibrom", "sensor", "magnit",
 ];
 
 /// The column that words and unit of a header speak for, and the unit; none where no unit is stated, or too little said.

@@ -39,6 +39,7 @@ const VELOCITY: &[&str] = &["m/s"];
 const ACCELERATION: &[&str] = &["m/s^2"];
 const ANY_ACCELERATION: &[&str] = &["m/s^2", "rad/s^2"];
 const HERTZ: &[&str] = &["Hz"];
+const SECOND: &[&str] = &["s"];
 const RADIAN: &[&str] = &["rad"];
 const NEWTON: &[&str] = &["N"];
 const TORQUE: &[&str] = &["N m"];
@@ -55,6 +56,8 @@ pub(crate) const ALIASES: &[Alias] = &[
     alias("w", FREQUENCY, HERTZ, false),
     alias("angular_frequency", FREQUENCY, HERTZ, false),
     alias("kreisfrequenz", FREQUENCY, HERTZ, false),
+    alias("period", FREQUENCY, SECOND, false),
+    alias("periodendauer", FREQUENCY, SECOND, false),
     alias("f", DRIVE, NEWTON, false),
     alias("force", DRIVE, NEWTON, false),
     alias("torque", DRIVE, TORQUE, false),
@@ -80,6 +83,7 @@ pub(crate) const ALIASES: &[Alias] = &[
     alias("h", AMPLITUDE, &[], false),
     alias("|h|", AMPLITUDE, &[], false),
     alias("frf", AMPLITUDE, &[], false),
+    alias("spl", AMPLITUDE, &[], false),
     alias("transfer_function", AMPLITUDE, &[], false),
     alias("transmissibility", AMPLITUDE, &[], false),
     alias("receptance", AMPLITUDE, LENGTH, false),

@@ -1,5 +1,5 @@
 //! Readings as two parts, as lock-in amplifiers and analysers of frequency response functions tell them: what is in phase with the
-//! drive and what is 90° ahead of it.
+//! drive and what is 90° ahead of it; in two columns, or in one of complex numbers.
 
 use super::frame::{Frame, READINGS};
 use super::header::split;
@@ -11,7 +11,7 @@ const WORDS: [&[&str]; 2] = [&["re", "real", "inphase"], &["im", "imag", "imagin
 /// Names that are a part as they stand.
 const ALONE: [&str; 2] = ["x", "y"];
 
-/// Columns of both parts, and the unit of both.
+/// Columns of both parts, and the unit of both. Of complex numbers both are the same column.
 #[derive(Debug, Clone)]
 pub(crate) struct Parts {
     /// In phase with the drive.
@@ -37,8 +37,45 @@ pub(crate) fn parts(sheet: &Sheet, frame: &Frame<'_>, taken: &[bool]) -> Option<
         let unit = part.unit.clone().unwrap_or(Unit::of(frame.serving(super::header::AMPLITUDE).last()?));
         Some(Parts { real: *real, imaginary, unit, stated: part.unit.is_some() })
     });
-    let first = pairs.next()?;
-    pairs.next().is_none().then_some(first)
+    match (pairs.next(), pairs.next()) {
+        (Some(first), None) => Some(first),
+        (Some(_), Some(_)) => None,
+        (None, _) => complex(sheet, frame, taken),
+    }
+}
+
+/// The one column of complex numbers.
+fn complex(sheet: &Sheet, frame: &Frame<'_>, taken: &[bool]) -> Option<Parts> {
+    let first = sheet.rows().next()?;
+    let is_complex = |index: &usize| first.cells.get(*index).is_some_and(|cell| split_complex(cell).is_some());
+    let mut all = (0..taken.len()).filter(|index| !taken[*index]).filter(is_complex);
+    let (index, None) = (all.next()?, all.next()) else { return None };
+    let header = sheet.headed(index);
+    let unit = split(&header).1.and_then(|text| reading_unit(text, frame));
+    let stated = unit.is_some();
+    let unit = unit.unwrap_or(Unit::of(frame.serving(super::header::AMPLITUDE).last()?));
+    Some(Parts { real: index, imaginary: index, unit, stated })
+}
+
+/// The unit of a reading.
+fn reading_unit(text: &str, frame: &Frame<'_>) -> Option<Unit> {
+    let wanted = Wanted { possible: READINGS, natural: None, share: false, per_drive: true };
+    wanted.unit(text).ok().filter(|unit| frame.serving(super::header::AMPLITUDE).contains(&unit.si))
+}
+
+/// Real and imaginary part of `(1.2e-3-4e-4j)`, `1 + 2i` and the like.
+pub(super) fn split_complex(cell: &str) -> Option<[String; 2]> {
+    let bare = cell.strip_prefix('(').and_then(|inner| inner.strip_suffix(')')).unwrap_or(cell);
+    let bare = bare.replace('−', "-").replace(char::is_whitespace, "");
+    let body = bare.strip_suffix(['i', 'j'])?.trim_end_matches('*');
+    let is_sign = |(at, c): &(usize, char)| matches!(c, '+' | '-') && *at > 0 && !body[..*at].ends_with(['e', 'E']);
+    let at = body.char_indices().filter(is_sign).last().map_or(0, |(at, _)| at);
+    let number = |part: &str, empty: &str| match part {
+        "" | "+" | "-" => format!("{part}{empty}"),
+        part => part.into(),
+    };
+    let parts = [number(&body[..at], "0"), number(&body[at..], "1")];
+    parts.iter().all(|part| part.parse::<f64>().is_ok()).then_some(parts)
 }
 
 /// What a header says of a part.
@@ -51,10 +88,13 @@ struct Part {
 
 fn part(header: &str, frame: &Frame<'_>) -> Option<Part> {
     let (name, bracket) = split(header);
+    // `Gain (Real)`: which part it is stands where a unit would.
+    let is_word = |text: &str| WORDS.iter().any(|words| words.contains(&text.to_lowercase().as_str()));
+    let (name, bracket) = match bracket.filter(|text| is_word(text)) {
+        Some(text) => (format!("{name} {text}"), None),
+        None => (name.to_string(), bracket),
+    };
     let name = name.to_lowercase().replace("in-phase", "inphase").replace("in phase", "inphase");
-    let possible = READINGS;
-    let wanted = Wanted { possible, natural: None, share: false, per_drive: true };
-    let serves = |unit: &Unit| frame.serving(super::header::AMPLITUDE).contains(&unit.si);
     let words: Vec<&str> = name.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).collect();
     let at = |imaginary: usize| match words.as_slice() {
         [only] if *only == ALONE[imaginary] => Some(0),
@@ -65,9 +105,10 @@ fn part(header: &str, frame: &Frame<'_>) -> Option<Part> {
         (None, Some(at)) => (true, at),
         _ => return None,
     };
-    let unit = bracket.and_then(|text| wanted.unit(text).ok());
-    let of_name = || (1..words.len()).flat_map(|from| suffix(&words[from..])).find_map(|text| wanted.unit(&text).ok());
-    let unit = unit.or_else(of_name).filter(serves);
+    let unit = bracket.and_then(|text| reading_unit(text, frame));
+    let of_name =
+        || (1..words.len()).flat_map(|from| suffix(&words[from..])).find_map(|text| reading_unit(&text, frame));
+    let unit = unit.or_else(of_name);
     // Coordinates have these names, too.
     let alone = words.len() == 1 && ALONE.contains(&words[0]);
     if alone && unit.as_ref().is_none_or(|unit| unit.si != "V" && unit.over.is_none()) {
@@ -77,4 +118,27 @@ fn part(header: &str, frame: &Frame<'_>) -> Option<Part> {
     // `Re(H)`: what stands in the brackets is no unit, but the name.
     let stem = if unit.is_none() { stem + bracket.unwrap_or_default() } else { stem };
     Some(Part { imaginary, stem: if alone { String::new() } else { stem }, unit })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::split_complex;
+
+    #[test]
+    fn complex_numbers_as_programs_write_them() {
+        for (cell, real, imaginary) in [
+            ("(1.2e-3-4e-4j)", 1.2e-3, -4e-4),
+            ("1+2i", 1.0, 2.0),
+            ("-1.5 - 2 i", -1.5, -2.0),
+            ("3E+2+1e-05*i", 300.0, 1e-5),
+            ("-0.5j", 0.0, -0.5),
+            ("2-i", 2.0, -1.0),
+        ] {
+            let parts = split_complex(cell).unwrap_or_else(|| panic!("{cell}")).map(|part| part.parse::<f64>());
+            assert_eq!(parts, [Ok(real), Ok(imaginary)], "{cell}");
+        }
+        for cell in ["1.5", "", "1+2", "abci", "1e-5", "(1+2j", "Hi", "--1i"] {
+            assert_eq!(split_complex(cell), None, "{cell}");
+        }
+    }
 }

@@ -3,7 +3,7 @@
 use super::columns::{Layout, Slot, layout};
 use super::frame::{Frame, amplitude_header, kind};
 use super::header::{AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LOAD, MEAN, PHASE, PHASE_SD, SERIES, SPEED, SWEEP};
-use super::parts::Parts;
+use super::parts::{Parts, split_complex};
 use super::pool::{Reading, Readings};
 use super::preamble::BLANKS;
 use super::sheet::{Complaints, Row, Sheet};
@@ -13,7 +13,7 @@ use crate::error::Result;
 use crate::scenario::Sweep;
 use crate::scenario::diagnostic::quote;
 use crate::scenario::parameters::{COLUMNS, MEASURED, needed_range};
-use crate::units;
+use crate::units::{self, count};
 use std::f64::consts::PI;
 
 /// The readings of a sheet.
@@ -34,7 +34,14 @@ pub(crate) fn readings(
     let commas = decimal_commas(sheet, &columns, &mut complaints);
     written(sheet, commas, notes);
     let mut list = Vec::new();
+    // A frequency of zero anywhere else is a slip.
+    let is_spectrum = sheet.rows().next().is_some_and(|first| is_constant_part(&layout, &first));
+    let mut constant = 0;
     for (at, row) in sheet.rows().enumerate() {
+        if is_spectrum && is_constant_part(&layout, &row) {
+            constant += 1;
+            continue;
+        }
         let mut cells = Cells { sheet, layout: &layout, row: &row, commas, complaints: &mut complaints };
         list.extend(cells.reading(at + 1));
     }
@@ -42,6 +49,9 @@ pub(crate) fn readings(
     let blank = list.iter().filter(|reading| reading.phase.is_none()).count();
     if layout.slots[PHASE].is_some() && blank > 0 {
         notes.push(format!("{blank} of {} rows have no phase", list.len()));
+    }
+    if constant > 0 {
+        notes.push(format!("{} at 0 Hz, the constant part of a spectrum, not used", count(constant, "row")));
     }
     let stated = |column: usize| layout.slots[column].is_some();
     let si = |column: usize| layout.slots[column].as_ref().map_or("", Slot::si);
@@ -54,6 +64,12 @@ pub(crate) fn readings(
         amplitude_stated: stated(AMPLITUDE_SD),
         phase_stated: stated(PHASE_SD),
     })
+}
+
+/// Whether a row is of frequency zero, with which a spectrum begins.
+fn is_constant_part(layout: &Layout, row: &Row) -> bool {
+    let cell = layout.slots[FREQUENCY].as_ref().and_then(Slot::index).and_then(|index| row.cells.get(index));
+    cell.is_some_and(|cell| cell.replace(',', ".").parse::<f64>() == Ok(0.0))
 }
 
 /// What was made of the columns of a sheet.
@@ -194,7 +210,15 @@ impl Cells<'_, '_> {
         let Some(Parts { real, imaginary, unit, .. }) = &self.layout.parts else {
             return (self.number(AMPLITUDE).map(|size| size * times), self.optional(PHASE));
         };
-        let parts = [*real, *imaginary].map(|index| self.value(AMPLITUDE, index, unit));
+        let parts = if real == imaginary {
+            let cell = self.row.cells[*real].as_str();
+            match split_complex(cell) {
+                Some(parts) => parts.map(|part| self.number_of(AMPLITUDE, *real, unit, &part)),
+                None => [self.number_of(AMPLITUDE, *real, unit, cell), Some(0.0)],
+            }
+        } else {
+            [*real, *imaginary].map(|index| self.value(AMPLITUDE, index, unit))
+        };
         let [Some(real), Some(imaginary)] = parts else { return (None, None) };
         (Some(real.hypot(imaginary) * times), Some(Some(imaginary.atan2(real))))
     }
@@ -320,8 +344,13 @@ impl Cells<'_, '_> {
 
     /// The number of a cell, whatever is possible of its column.
     fn value(&mut self, column: usize, index: usize, unit: &Unit) -> Option<f64> {
+        let row = self.row;
+        self.number_of(column, index, unit, &row.cells[index])
+    }
+
+    /// The number that is written in a cell.
+    fn number_of(&mut self, column: usize, index: usize, unit: &Unit, written: &str) -> Option<f64> {
         let info = MEASURED[column];
-        let written = self.row.cells[index].as_str();
         let shown = if unit.relative { "%".into() } else { unit.shown() };
         let what = format!("`{}` is the {}", info.key, info.meaning);
         if written.is_empty() {

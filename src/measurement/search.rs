@@ -84,9 +84,11 @@ impl Search<'_, '_> {
         let [real, imaginary] = [parts.real, parts.imaginary].map(|at| quote(&self.sheet.header.cells[at]));
         let unit = parts.unit.shown();
         let unit = if parts.stated { unit } else { format!("{unit}, no unit being stated") };
-        self.notes.push(format!(
-            "{real} and {imaginary} are read as what is in phase with the drive and 90° ahead of it, in {unit}"
-        ));
+        self.notes.push(if parts.real == parts.imaginary {
+            format!("the complex numbers of {real} are read as what is in phase with the drive and 90° ahead of it, in {unit}")
+        } else {
+            format!("{real} and {imaginary} are read as what is in phase with the drive and 90° ahead of it, in {unit}")
+        });
         self.slots[AMPLITUDE] = Some(Slot::Cells(parts.real, parts.unit.clone()));
         self.slots[PHASE] = Some(Slot::Cells(parts.imaginary, Unit::of("rad")));
         for (index, column) in [(parts.real, AMPLITUDE), (parts.imaginary, PHASE)] {
@@ -101,6 +103,7 @@ impl Search<'_, '_> {
         let mut candidates: [Vec<Candidate>; NUMBERS] = Default::default();
         let mut aliases: [Vec<Candidate>; NUMBERS] = Default::default();
         let mut likely: [Vec<Candidate>; NUMBERS] = Default::default();
+        let mut unstated: [Vec<Candidate>; NUMBERS] = Default::default();
         let mut unsuited = Vec::new();
         for index in 0..self.taken.len() {
             if self.taken[index] {
@@ -125,6 +128,10 @@ impl Search<'_, '_> {
                     if !self.told[column] && self.frame.serving(column).contains(&unit.si) =>
                 {
                     likely[column].push(Candidate { index, unit, stated: true });
+                }
+                // Of a drive or a reading without a unit nothing is known but that it goes with the force or the motion.
+                Meaning::NoUnit(column @ (DRIVE | AMPLITUDE)) if self.frame.is_free() && !self.told[column] => {
+                    unstated[column].push(Candidate { index, unit: Unit::of("V"), stated: false });
                 }
                 Meaning::NoUnit(column) if !self.told[column] => {
                     unsuited.push((index, column, Ok("no unit is stated, and nothing else tells it".into())));
@@ -154,6 +161,7 @@ impl Search<'_, '_> {
         }
         self.find_hertz();
         self.find_reading(with_speed);
+        self.find_without_unit(unstated);
         self.find_deviations();
         for (index, column, why) in unsuited {
             if self.slots[column].is_none() && !self.told[column] {
@@ -231,6 +239,26 @@ impl Search<'_, '_> {
         }
     }
 
+    /// Drive and reading where none has a unit: the one that has its name, of two columns the reading by what the other is; without a
+    /// scenario that says what they are.
+    fn find_without_unit(&mut self, mut named: [Vec<Candidate>; NUMBERS]) {
+        if !self.frame.is_free() {
+            return;
+        }
+        if named[AMPLITUDE].is_empty() && self.slots[FREQUENCY].is_some() && self.taken.len() == 2 {
+            let is_bare = |index: &usize| !self.taken[*index] && header::split(&self.sheet.headed(*index)).1.is_none();
+            if let Some(index) = (0..2).find(is_bare) {
+                self.choices.push((COLUMNS[AMPLITUDE].into(), self.sheet.header.cells[index].clone()));
+                named[AMPLITUDE].push(Candidate { index, unit: Unit::of("V"), stated: false });
+            }
+        }
+        for column in [DRIVE, AMPLITUDE] {
+            if self.slots[column].is_none() && !self.told[column] && named[column].len() == 1 {
+                self.choose(column, std::mem::take(&mut named[column]));
+            }
+        }
+    }
+
     /// Standard deviations by the names of what they are of, `dA` beside `A`, `Δφ` beside `φ`.
     fn find_deviations(&mut self) {
         for (column, of) in [(AMPLITUDE_SD, AMPLITUDE), (PHASE_SD, PHASE)] {
@@ -265,7 +293,13 @@ impl Search<'_, '_> {
             }
             if !stated {
                 let header = quote(&self.sheet.header.cells[index]);
-                self.notes.push(format!("{header} states no unit and is read in {}", unit.shown()));
+                self.notes.push(match self.frame.is_free() && unit.si == "V" {
+                    true => format!(
+                        "{header} is read as {}: it states no unit, and 1 V stands for one of whatever it is in",
+                        COLUMNS[column]
+                    ),
+                    false => format!("{header} states no unit and is read in {}", unit.shown()),
+                });
             }
             self.slots[column] = Some(Slot::Cells(index, unit));
         }

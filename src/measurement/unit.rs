@@ -28,6 +28,8 @@ pub(crate) struct Unit {
     pub negated: bool,
     /// Whether its numbers are whole swings, from peak to peak: twice the amplitude.
     pub whole: bool,
+    /// Whether its numbers are one over what is wanted: periods where a frequency is.
+    reciprocal: bool,
     /// The prefix of a unit of standard gravity.
     gravity: Option<&'static str>,
     /// Whether its numbers are levels, 20 log10 of the size.
@@ -54,6 +56,7 @@ impl Unit {
             over: None,
             negated: false,
             whole: false,
+            reciprocal: false,
             gravity: None,
             decibel: false,
         }
@@ -69,6 +72,11 @@ impl Unit {
         Self { whole, ..self }
     }
 
+    /// A frequency whose numbers are periods in this unit of time.
+    pub fn of_periods(self) -> Self {
+        Self { si: "Hz", reciprocal: true, ..self }
+    }
+
     /// The same quantity in another unit.
     pub fn spelt(self, text: &str) -> Self {
         Self { text: text.into(), ..self }
@@ -80,6 +88,7 @@ impl Unit {
         let size = if self.decibel { level(number).unwrap_or_default() } else { number.to_string() };
         let value = match self.gravity {
             Some(prefix) => GRAVITY * units::parse(&format!("{size} {prefix}m/s^2"), self.si)?,
+            None if self.reciprocal => 1.0 / units::parse(&format!("{size} {}", self.text), "s")?,
             None => units::parse(&format!("{size} {}", self.text), if self.relative { "1" } else { self.si })?,
         };
         let value = self.over.as_ref().map_or(value, |over| value / over.size);
@@ -89,6 +98,9 @@ impl Unit {
 
     /// As it is told.
     pub fn shown(&self) -> String {
+        if self.reciprocal {
+            return format!("one over {}", self.text);
+        }
         let over = self.over.as_ref().filter(|over| over.si.is_some());
         let ratio = over.map_or_else(|| self.text.clone(), |over| format!("{} per {}", self.text, over.text));
         match (self.decibel, &self.over) {

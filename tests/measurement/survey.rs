@@ -82,10 +82,54 @@ fn of_several_columns_one_is_chosen_and_said() {
 }
 
 #[test]
+fn what_states_no_unit_is_of_the_unit_that_stands_for_it() {
+    let of = |header: &str| {
+        let seen = survey("t.csv", &format!("{header}\n{}", rows(header.matches(',').count()))).expect(header);
+        let signals = seen.table.signals;
+        ((signals.drive.unit, signals.reading.unit), seen.mapping)
+    };
+    let volts = ("V", "V");
+    for header in ["frequency,drive,amplitude", "f,amp", "frequency,amplitude", "Freq (Hz),Peak to peak (V)"] {
+        assert_eq!(of(header), (volts, Vec::new()), "{header}");
+    }
+    assert_eq!(of("f,signal"), (volts, vec![("amplitude".to_string(), "signal".to_string())]));
+    assert_eq!(of("f [Hz],drive_n,ampl").0, ("N", "V"));
+}
+
+#[test]
+fn spectra_periods_and_complex_numbers_are_read_as_their_programs_write_them() {
+    let read = |text: &str| survey("t.csv", text).unwrap_or_else(|error| panic!("{error}")).table;
+    let text = |header: &str, row: &dyn Fn(f64) -> String| {
+        let rows: String = (0..12).map(|i| row(40.0 + f64::from(i)) + "\n").collect();
+        format!("{header}\n{rows}")
+    };
+    let plain = read(&text("f (Hz),x (mm),phase (rad)", &|f| format!("{f},{},{}", f / 50.0, -f / 50.0)));
+    let polar = |f: f64| ((f / 50.0) * (f / 50.0).cos(), -(f / 50.0) * (f / 50.0).sin());
+    let same = |table: &stickslip::measurement::Table| {
+        assert_eq!(table.points.len(), plain.points.len());
+        for (point, other) in table.points.iter().zip(&plain.points) {
+            assert!((point.frequency / other.frequency - 1.0).abs() < 1e-12);
+            assert!((point.amplitude / other.amplitude - 1.0).abs() < 1e-12);
+            assert!(point.phase.zip(other.phase).is_none_or(|(own, other)| (own - other).abs() < 1e-12));
+        }
+    };
+    same(&read(&text("f (Hz),x (mm)", &|f| format!("{f},({:e}{:+e}j)", polar(f).0, polar(f).1))));
+    same(&read(&text("Frequency (Hz),x (Real) [mm],x (Imag) [mm]", &|f| {
+        format!("{f},{:e},{:e}", polar(f).0, polar(f).1)
+    })));
+    same(&read(&text("Period (s),x (mm)", &|f| format!("{:e},{}", 1.0 / f, f / 50.0))));
+    let per_second = |f: f64| format!("{:e},{}", std::f64::consts::TAU * f, f / 50.0);
+    same(&read(&text("ω [1/s],x (mm)", &per_second)));
+    let spectrum = read(&text("f (Hz),x (mm)\n0,7", &|f| format!("{f},{}", f / 50.0)));
+    same(&spectrum);
+    assert!(spectrum.notes.iter().any(|note| note.starts_with("1 row at 0 Hz")), "{:?}", spectrum.notes);
+}
+
+#[test]
 fn what_a_survey_cannot_tell_is_an_error() {
     let fails =
         |header: &str, columns: usize| survey("t.csv", &format!("{header}\n{}", rows(columns))).expect_err("refused");
-    insta::assert_snapshot!("survey-no-unit", fails("frequency,drive,amplitude", 2));
+    insta::assert_snapshot!("survey-no-unit", fails("frequency,deflection,temperature", 2));
     insta::assert_snapshot!("survey-no-drive", fails("frequency_hz,amplitude_m,U [V]", 2));
     insta::assert_snapshot!("survey-bad-unit", fails("frequency_hz,force_n,amplitude_kg", 2));
     insta::assert_snapshot!("survey-samples", fails("t,x,y", 2).replace("80", "…"));
