@@ -69,7 +69,7 @@ pub(super) fn split_complex(cell: &str) -> Option<[String; 2]> {
     let bare = bare.replace('−', "-").replace(char::is_whitespace, "");
     let body = bare.strip_suffix(['i', 'j'])?.trim_end_matches('*');
     let is_sign = |(at, c): &(usize, char)| matches!(c, '+' | '-') && *at > 0 && !body[..*at].ends_with(['e', 'E']);
-    let at = body.char_indices().filter(is_sign).last().map_or(0, |(at, _)| at);
+    let at = body.char_indices().filter(is_sign).next_back().map_or(0, |(at, _)| at);
     let number = |part: &str, empty: &str| match part {
         "" | "+" | "-" => format!("{part}{empty}"),
         part => part.into(),
