@@ -64,7 +64,7 @@ impl Case {
     fn operation(&self, index: u32) -> Operation {
         let (speed, load, drive) = self.regime.1;
         let frequency = 58.0 + 36.0 * f64::from(index) / f64::from(FREQUENCIES - 1);
-        Operation { speed, load, drive, frequency }
+        Operation { speed, load, drive, frequency, series: 0 }
     }
 
     /// Times one steady state; `warm` starts each from its neighbour and the first one of a sweep cold.

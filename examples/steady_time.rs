@@ -85,7 +85,7 @@ fn groups() -> Vec<Vec<Row>> {
     for line in TABLE.lines().skip(1) {
         let fields: Vec<&str> = line.split(',').collect();
         let v: Vec<f64> = fields[2..8].iter().map(|v| v.parse().expect("a number")).collect();
-        let at = Operation { speed: v[0], load: v[1], drive: v[2], frequency: v[3] };
+        let at = Operation { speed: v[0], load: v[1], drive: v[2], frequency: v[3], series: 0 };
         let row = Row { effect: fields[0], settings: fields[1], at, amplitude: v[4], phase: v[5] };
         match groups.last_mut() {
             Some(rows) if rows[0].same_curve(&row) => rows.push(row),

@@ -49,6 +49,8 @@ pub struct ParameterInfo {
     pub alone: Option<(f64, f64)>,
     /// Whether a search should try both signs.
     pub signed: bool,
+    /// Whether it is a relative change, of which zero is the middle: one more than it is a magnitude.
+    pub change: bool,
     /// Whether it only says at what the others are stated: a search keeps it at the size of its measure.
     pub held: bool,
     /// One phrase of meaning.
@@ -73,6 +75,7 @@ impl ParameterInfo {
             measure: Measure::Number,
             alone: None,
             signed: false,
+            change: false,
             held: false,
             meaning,
         }
@@ -103,6 +106,11 @@ impl ParameterInfo {
     /// The same, of either sign.
     pub const fn either_sign(self) -> Self {
         Self { signed: true, ..self }
+    }
+
+    /// The same, a relative change.
+    pub const fn of_change(self) -> Self {
+        Self { change: true, ..self }
     }
 
     /// The same, which no fit moves.
@@ -212,6 +220,8 @@ pub struct Scales {
     pub roller_speed: f64,
     /// Whether there is a contact.
     pub has_contact: bool,
+    /// Number of the series that were measured.
+    pub series: usize,
 }
 
 impl Scales {
@@ -228,6 +238,7 @@ impl Scales {
         load: 20.0,
         roller_speed: 0.1,
         has_contact: true,
+        series: 0,
     };
 
     /// Deflection under friction, or the motion where it is larger.

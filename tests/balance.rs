@@ -29,7 +29,16 @@ fn draw(effect: &'static dyn Effect, random: &mut Random) -> (Model, Operation) 
     let rests = random.next() < 0.2;
     let speed = if rests { 0.0 } else { random.between((1e-4, 0.1)) };
     let load = if rests { 20.0 } else { random.between((0.05, 30.0)) };
-    (model, Operation { speed, load, drive: random.between((1e-6, 1e-5)), frequency: 45.0 + 60.0 * random.next() })
+    (
+        model,
+        Operation {
+            speed,
+            load,
+            drive: random.between((1e-6, 1e-5)),
+            frequency: 45.0 + 60.0 * random.next(),
+            series: 0,
+        },
+    )
 }
 
 fn cold(model: &Model, at: &Operation, tolerance: &Tolerance) -> Solution {
@@ -90,7 +99,7 @@ fn agrees_with_shooting_over_the_ranges_of_all_effects() {
 /// below the temperature at which friction would drive it, and a first guess at whose slip rate the law is flat.
 #[test]
 fn leaves_what_does_not_stay_in_full_slip() {
-    let point = |speed, load, drive, frequency| Operation { speed, load, drive, frequency };
+    let point = |speed, load, drive, frequency| Operation { speed, load, drive, frequency, series: 0 };
     let unstable = [
         ("stribeck", vec![0.4947, 0.1912], point(0.04084, 13.04, 2.208e-6, 98.17)),
         ("frictional-heating", vec![0.2004, 2.091e-4], point(0.001960, 23.15, 3.346e-6, 67.56)),
@@ -116,7 +125,7 @@ fn leaves_what_does_not_stay_in_full_slip() {
 fn a_sweep_stays_on_its_branch() {
     // A hardening spring over a fast roller: three periodic states between the jumps.
     let model = with(find("cubic-stiffness").expect("known"), vec![4e12]);
-    let at = |frequency| Operation { speed: 0.1, load: 0.02, drive: 1e-5, frequency };
+    let at = |frequency| Operation { speed: 0.1, load: 0.02, drive: 1e-5, frequency, series: 0 };
     let frequencies: Vec<f64> = (0..=120).map(|i| 60.0 + 0.5 * f64::from(i)).collect();
     let sweep = |frequencies: &mut dyn Iterator<Item = f64>| -> Vec<f64> {
         let mut warm = Warm::default();

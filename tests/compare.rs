@@ -27,7 +27,7 @@ fn exact() -> Vec<Point> {
     let mut points = Vec::new();
     for (speed, load) in [(0.0, 20.0), (5e-5, 20.0), (0.02, 20.0)] {
         for step in 0..16 {
-            let at = Operation { speed, load, drive: 2.5e-6, frequency: 54.0 + 3.0 * f64::from(step) };
+            let at = Operation { speed, load, drive: 2.5e-6, frequency: 54.0 + 3.0 * f64::from(step), series: 0 };
             let read = integrated(&model, &at, &PLAN);
             assert!(read.periodic);
             points.push(Point {

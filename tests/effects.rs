@@ -28,13 +28,15 @@ fn rows() -> Vec<Row> {
         .map(|line| {
             let fields: Vec<&str> = line.split(',').collect();
             let effect = find(fields[0]).unwrap_or_else(|| panic!("{line}"));
-            let value = |info: &ParameterInfo| {
+            let value = |(index, info): (usize, &ParameterInfo)| {
                 let pair = fields[1].split(' ').find_map(|pair| pair.strip_prefix(info.key)?.strip_prefix('='));
-                pair.and_then(|value| value.parse().ok()).unwrap_or_else(|| panic!("{line}: {}", info.key))
+                let stated = pair.and_then(|value| value.parse().ok()).or_else(|| effect.unstated(index));
+                stated.unwrap_or_else(|| panic!("{line}: {}", info.key))
             };
-            let parameters = effect.parameters().iter().map(value).collect();
+            let parameters = effect.parameters().iter().enumerate().map(value).collect();
             let v: Vec<f64> = fields[2..8].iter().map(|v| v.parse().unwrap()).collect();
-            let at = Operation { speed: v[0], load: v[1], drive: v[2], frequency: v[3] };
+            // Rows of a drift are of the second series, and to others that is no matter.
+            let at = Operation { speed: v[0], load: v[1], drive: v[2], frequency: v[3], series: 1 };
             Row { effect, parameters, at, amplitude: v[4], phase: v[5], line }
         })
         .collect()
@@ -132,7 +134,7 @@ fn zero_strength_is_the_base() {
         let model = with(effect, parameters);
         for (speed, load, drive) in CONDITIONS {
             for frequency in [62.0, 71.0, 84.0] {
-                let at = Operation { speed, load, drive, frequency };
+                let at = Operation { speed, load, drive, frequency, series: 0 };
                 let (with, without) = (steady(&model, &at), steady(&base, &at));
                 let what = format!("{} {at:?} {:?}", effect.name(), with.status);
                 let error = common::distance(&with, &without);
@@ -240,7 +242,7 @@ fn derivatives_of_steady_states_match_differences() {
     for effect in beside_contact() {
         let p = tabulated(effect);
         for (speed, load, drive) in [(0.0, 0.1, 7.5e-6), (1e-4, 10.0, 2.5e-6), (0.02, 20.0, 2.5e-6)] {
-            let at = Operation { speed, load, drive, frequency: 73.0 };
+            let at = Operation { speed, load, drive, frequency: 73.0, series: 0 };
             let solution = solved(&with(effect, p.clone()), &at, true);
             let what = format!("{} {at:?}", effect.name());
             let gradient = solution.derivatives.unwrap_or_else(|| panic!("{what}: {:?}", solution.state.status));
@@ -298,7 +300,7 @@ fn microslip_far_below_gross_slip_is_that_of_the_continuum() {
     let (model, base) = (with(effect, vec![2.0]), paper_model(Series));
     let (rig, contact) = (*base.rig.arm(), base.contact);
     for frequency in [70.0, 74.0, 82.0, 94.0] {
-        let at = Operation { speed: 0.0, load: 20.0, drive: 2.5e-6, frequency };
+        let at = Operation { speed: 0.0, load: 20.0, drive: 2.5e-6, frequency, series: 0 };
         let (with, without) = (steady(&model, &at), steady(&base, &at));
         let share = rig.contact_arm * without.amplitude * contact.stiffness / (2.0 * contact.friction * at.load);
         let coupling = rig.contact_arm * rig.contact_arm * contact.stiffness;

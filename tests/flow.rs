@@ -32,7 +32,7 @@ fn conditions(frequency: f64) -> [Operation; 3] {
     [
         at(5e-5, frequency),
         Operation { load: 10.0, ..at(1e-4, frequency) },
-        Operation { speed: 0.0, load: 0.1, drive: 7.5e-6, frequency },
+        Operation { speed: 0.0, load: 0.1, drive: 7.5e-6, frequency, series: 0 },
     ]
 }
 

@@ -72,7 +72,7 @@ fn a_law_of_the_catalogue_typed_as_a_formula_is_that_law() {
         let typed = paper(own(acts_on, text, &parameters));
         for (speed, load, drive) in CONDITIONS {
             for frequency in [58.0, 71.0, 74.0, 82.0] {
-                let at = Operation { speed, load, drive, frequency };
+                let at = Operation { speed, load, drive, frequency, series: 0 };
                 let (one, other) = (solved(&typed, &at), solved(&built_in, &at));
                 assert_eq!(one.state.status, other.state.status, "{name} {at:?}");
                 let (state, derivative) = distance(&one, &other, FIRST_EFFECT_PARAMETER);
@@ -98,7 +98,7 @@ fn formulas_agree_with_the_rows_of_a_separate_program() {
         };
         let parameters: Vec<(&str, f64)> = parameters.iter().map(|(key, _)| (*key, value(key))).collect();
         let v: Vec<f64> = fields[2..8].iter().map(|v| v.parse().unwrap()).collect();
-        let at = Operation { speed: v[0], load: v[1], drive: v[2], frequency: v[3] };
+        let at = Operation { speed: v[0], load: v[1], drive: v[2], frequency: v[3], series: 0 };
         let found = solved(&paper(own(acts_on, text, &parameters)), &at).state;
         let apart = (found.amplitude / v[4] - 1.0).hypot(found.phase - v[5]);
         assert!(apart < 1e-4, "{line}: {apart:e}");
@@ -117,7 +117,7 @@ fn a_linear_force_of_the_bristles_is_their_stiffness_and_damping() {
     let typed = paper(own(ActsOn::ContactForce, "k*stretch + c*stretch_rate", &[("k", k), ("c", c)]));
     for (speed, load, drive) in CONDITIONS {
         for frequency in [58.0, 71.0, 74.0, 82.0, 90.0] {
-            let at = Operation { speed, load, drive, frequency };
+            let at = Operation { speed, load, drive, frequency, series: 0 };
             let (one, other) = (solved(&typed, &at), solved(&stiffer, &at));
             assert_eq!(one.state.status, other.state.status, "{at:?}");
             let (state, _) = distance(&one, &other, 0);
@@ -146,7 +146,7 @@ fn a_cubic_force_of_stuck_bristles_is_a_cubic_torque() {
     let other = Model { effects: vec![torque], ..base.clone() };
     let mut moved = 0.0f64;
     for frequency in [70.0, 78.0, 81.0, 84.0, 90.0] {
-        let at = Operation { speed: 0.0, load: 20.0, drive: 2.5e-6, frequency };
+        let at = Operation { speed: 0.0, load: 20.0, drive: 2.5e-6, frequency, series: 0 };
         let (one, other, bare) = (solved(&typed, &at), solved(&other, &at), solved(&base, &at));
         assert_eq!(one.state.status, Status::Steady);
         let (state, _) = distance(&one, &other, 0);
@@ -191,7 +191,7 @@ fn laws_of_any_form_agree_with_an_integration_in_time() {
         let model = Model { effects: vec![own(ActsOn::Force, text, &parameters)], ..base.clone() };
         // Far above the resonance of the mode alone the stiffest is driven below its own.
         for frequency in [60.0, 78.5, 80.0, 81.5, 100.0] {
-            let at = Operation { speed: 0.0, load: 0.0, drive: 1.0, frequency };
+            let at = Operation { speed: 0.0, load: 0.0, drive: 1.0, frequency, series: 0 };
             let found = solved(&model, &at);
             assert_eq!(found.state.status, Status::Steady, "{text} {frequency}");
             if text == "-k*x" {
@@ -216,7 +216,7 @@ fn derivatives_by_the_parameters_of_a_formula_are_those_of_differences() {
     for effect in [force, friction, bristles] {
         let model = paper(effect);
         for (speed, load, drive) in CONDITIONS {
-            let at = Operation { speed, load, drive, frequency: 75.0 };
+            let at = Operation { speed, load, drive, frequency: 75.0, series: 0 };
             let found = solved(&model, &at);
             if found.state.status != Status::Steady {
                 continue;

@@ -19,7 +19,7 @@ fn with(model: &Model, name: &str, parameters: &[f64]) -> Model {
 }
 
 fn at(force: f64, frequency: f64) -> Operation {
-    Operation { speed: 0.0, load: 0.0, drive: force, frequency }
+    Operation { speed: 0.0, load: 0.0, drive: force, frequency, series: 0 }
 }
 
 fn solved(model: &Model, at: &Operation) -> Solution {

@@ -17,7 +17,7 @@ fn with(mut model: Model, name: &str, parameters: &[f64]) -> Model {
 }
 
 fn at(force: f64, frequency: f64) -> Operation {
-    Operation { speed: 0.0, load: 0.0, drive: force, frequency }
+    Operation { speed: 0.0, load: 0.0, drive: force, frequency, series: 0 }
 }
 
 fn solved(model: &Model, at: &Operation, warm: &mut Warm) -> Solution {
@@ -213,7 +213,7 @@ fn an_undamped_resonance_is_no_steady_state() {
     let arm = scenario.rig.arm_mut();
     (arm.torsional_damping, arm.spring_damping, arm.torsional_stiffness) = (0.0, 0.0, 1000.0);
     let model = Model::new(&scenario);
-    let operation = Operation { speed: 0.0, load: 0.0, drive: 2.5e-6, frequency: 72.193_917_240_733_34 };
+    let operation = Operation { speed: 0.0, load: 0.0, drive: 2.5e-6, frequency: 72.193_917_240_733_34, series: 0 };
     let found = solved(&model, &operation, &mut Warm::default()).state;
     assert!(found.status != Status::Steady || found.amplitude.is_finite(), "{found:?}");
 }

@@ -27,7 +27,7 @@ fn beam(folder: &Path) {
             let frequency = 54.0 + 0.1 * f64::from(i);
             // As of a shaker whose force falls at the resonance.
             let drive = force * (1.0 - 0.2 / (1.0 + (frequency - 55.0_f64).powi(2) / 0.1));
-            let at = Operation { speed: 0.0, load: 0.0, drive, frequency };
+            let at = Operation { speed: 0.0, load: 0.0, drive, frequency, series: 0 };
             let state = solve_steady(&model, &at, &Tolerance::default(), false, &mut warm).state;
             let omega = std::f64::consts::TAU * frequency;
             let noise = |of: u32| f64::from(sobol_burley::sample(row, of, 3)) - 0.5;

@@ -99,7 +99,7 @@ fn rows() -> Vec<(Operation, f64, f64)> {
     let rows = TABLE.lines().filter(|line| line.starts_with("partial-slip,n=2,"));
     rows.map(|line| {
         let v: Vec<f64> = line.split(',').skip(2).map(|v| v.parse().expect("a number")).collect();
-        (Operation { speed: v[0], load: v[1], drive: v[2], frequency: v[3] }, v[4], v[5])
+        (Operation { speed: v[0], load: v[1], drive: v[2], frequency: v[3], series: 0 }, v[4], v[5])
     })
     .collect()
 }
@@ -166,7 +166,7 @@ fn friction_below_zero_at_rest_is_no_reason_to_stop() {
     let partial_slip = find("partial-slip").unwrap();
     let stribeck = find("stribeck").unwrap();
     model.effects = vec![(stribeck, vec![-0.9, 1e-3]), (partial_slip, vec![2.0])];
-    let at = Operation { speed: 0.0, load: 20.0, drive: 2.5e-6, frequency: 70.0 };
+    let at = Operation { speed: 0.0, load: 20.0, drive: 2.5e-6, frequency: 70.0, series: 0 };
     let problem = Problem::new(&model, &at);
     let sliders = problem.sliders();
     assert!(sliders.limit(&sliders.forcing(0.0), 0.0, 0.0, 0.0, 0.0).0 < 0.0);

@@ -115,7 +115,7 @@ fn work_of_drive_and_roller_is_what_damping_bristles_and_slip_dissipate() {
     let cases = [(1e-4, 20.0, 2.5e-6), (2e-5, 20.0, 2.5e-6), (0.0, 0.1, 7.5e-6), (0.02, 20.0, 2.5e-6)];
     for (speed, load, drive) in cases {
         for f in [66.0, 74.0, 80.0] {
-            let operation = Operation { speed, load, drive, frequency: f };
+            let operation = Operation { speed, load, drive, frequency: f, series: 0 };
             let problem = Problem::new(&model, &operation);
             let tolerance = Tolerance { steps: 64, ..Tolerance::default() };
             let periodic = shooting::solve(&problem, None, &tolerance).unwrap();

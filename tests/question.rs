@@ -49,7 +49,7 @@ fn with_the_printed_drive_there_is_nothing_to_resemble() {
     printed.sweep.as_mut().expect("a sweep").drive = vec![2.5e-6];
     let base = Model::new(&printed);
     let state = |speed: f64| {
-        let at = Operation { speed, load: 20.0, drive: 2.5e-6, frequency: 72.0 };
+        let at = Operation { speed, load: 20.0, drive: 2.5e-6, frequency: 72.0, series: 0 };
         solve_steady(&base, &at, &Tolerance::default(), false, &mut Warm::default()).state.amplitude
     };
     assert!((state(2e-4) / state(2e-2) - 1.0).abs() < 1e-9);
@@ -116,7 +116,7 @@ fn strengthening_is_a_damper_in_series_with_the_bristles() {
         let imaginary = w * (rig.torsional_damping + 2.0 * a2 * rig.spring_damping) + arm2 * z.1;
         let torque = rig.spring_arm * drive * rig.spring_stiffness.hypot(w * rig.spring_damping);
         let exact = torque / real.hypot(imaginary);
-        let at = Operation { speed: c.speed, load: c.load, drive, frequency: f };
+        let at = Operation { speed: c.speed, load: c.load, drive, frequency: f, series: 0 };
         let found = solve_steady(&model, &at, &Tolerance::default(), false, &mut Warm::default()).state.amplitude;
         assert!((found / exact - 1.0).abs() < 1e-4, "{f} Hz: {found:e}, {exact:e}");
     }

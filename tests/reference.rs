@@ -14,7 +14,7 @@ fn base_rows_agree_to_1e_4() {
     let mut rows = 0;
     for line in table.lines().filter(|line| line.starts_with("none,")) {
         let v: Vec<f64> = line.split(',').skip(2).map(|v| v.parse().unwrap()).collect();
-        let at = Operation { speed: v[0], load: v[1], drive: v[2], frequency: v[3] };
+        let at = Operation { speed: v[0], load: v[1], drive: v[2], frequency: v[3], series: 0 };
         let state = steady(&model, &at);
         assert_eq!(state.status, Status::Steady, "{line}");
         assert!((state.amplitude / v[4] - 1.0).abs() < 1e-4, "{line}: amplitude {:e}", state.amplitude);

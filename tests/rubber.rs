@@ -13,7 +13,7 @@ fn with(name: &str, parameters: &[f64]) -> Model {
 }
 
 fn at_rest(load: f64, drive: f64, frequency: f64) -> Operation {
-    Operation { speed: 0.0, load, drive, frequency }
+    Operation { speed: 0.0, load, drive, frequency, series: 0 }
 }
 
 /// Torque of the drive of the paper's rig (real, imaginary), and its inertia, damping and stiffness.
@@ -55,7 +55,7 @@ fn a_spring_pot_lies_between_a_spring_and_a_dashpot() {
     dashpot.contact.damping += modulus * time;
     for (speed, load, drive) in [(5e-5, 20.0, 2.5e-6), (0.0, 0.05, 7.5e-6)] {
         for frequency in [66.0, 74.0, 82.0] {
-            let at = Operation { speed, load, drive, frequency };
+            let at = Operation { speed, load, drive, frequency, series: 0 };
             for (order, limit) in [(0.01, &spring), (0.99, &dashpot)] {
                 let off = |order: f64| {
                     distance(&steady(&with("spring-pot", &[modulus, order, time]), &at), &steady(limit, &at))

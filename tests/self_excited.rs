@@ -57,7 +57,7 @@ fn every_point_over_the_catalogue_ends_in_a_number_or_in_words() {
             let parameters: Vec<f64> = effect.parameters().iter().map(|p| value(p, uniform())).collect();
             let speed = [0.0, 5e-5, 2e-3, 0.02][(uniform() * 4.0) as usize];
             let load = [0.1, 20.0][(uniform() * 2.0) as usize];
-            let operation = Operation { speed, load, drive: 2.5e-6, frequency: 60.0 + 30.0 * uniform() };
+            let operation = Operation { speed, load, drive: 2.5e-6, frequency: 60.0 + 30.0 * uniform(), series: 0 };
             let state = steady(&with(effect.name(), &parameters), &operation);
             match &state.status {
                 Status::Steady => {

@@ -56,7 +56,7 @@ fn every_effect_agrees_to_1e_5_where_it_matters() {
         if ![70.0, 82.0].contains(&v[3]) || locked {
             return;
         }
-        let at = Operation { speed: v[0], load: v[1], drive: v[2], frequency: v[3] };
+        let at = Operation { speed: v[0], load: v[1], drive: v[2], frequency: v[3], series: 0 };
         // The fixed steps of sliders do not stop at their events, and 25 of them take their time.
         let (steps, allowed) = match c[0] {
             "partial-slip" => (1000, 1e-4),
@@ -91,7 +91,7 @@ fn pairs_of_effects_agree() {
             if speed == 0.0 && one.0 == "rate-and-state" {
                 continue;
             }
-            let at = Operation { speed, load, drive, frequency: 74.0 };
+            let at = Operation { speed, load, drive, frequency: 74.0, series: 0 };
             let (steps, allowed) = if one.0 == "partial-slip" { (1000, 2e-4) } else { (4000, 2e-5) };
             let found = difference(&model, &at, &Plan { steps, cycles: 4000, ..Plan::default() });
             assert!(found < allowed, "{} + {} at {at:?}: {found:e}", one.0, other.0);
@@ -108,7 +108,7 @@ fn a_roller_of_less_than_a_gram_agrees() {
     model.effects.push(setting("roller-compliance", "m_r=0.0004 k_r=350000 zeta_r=1.1"));
     let plan = Plan { steps: 4000, cycles: 4000, ..Plan::default() };
     for (speed, load, drive) in [(1e-4, 20.0, 2.5e-6), (0.0, 0.1, 7.5e-6)] {
-        let found = difference(&model, &Operation { speed, load, drive, frequency: 74.0 }, &plan);
+        let found = difference(&model, &Operation { speed, load, drive, frequency: 74.0, series: 0 }, &plan);
         assert!(found < 2e-5, "V = {speed}: {found:e}");
     }
 }
@@ -121,7 +121,7 @@ fn slip_that_dies_out_gently_ends_at_every_accuracy() {
     (model.contact.stiffness, model.contact.damping) = (106925.24173997986, 27.707185352743448);
     let plan = Plan { steps: 8000, ..Plan::default() };
     (36..=46).into_par_iter().for_each(|half| {
-        let at = Operation { speed: 0.0, load: 0.1, drive: 7.5e-6, frequency: 2.0 * f64::from(half) };
+        let at = Operation { speed: 0.0, load: 0.1, drive: 7.5e-6, frequency: 2.0 * f64::from(half), series: 0 };
         let fine = steady(&model, &at);
         for tolerance in [Tolerance::COARSE, Tolerance::FIT] {
             let state = solve_steady(&model, &at, &tolerance, true, &mut Warm::default()).state;
@@ -148,7 +148,7 @@ fn slip_that_ends_with_a_kink_ends_at_every_accuracy() {
     cases.into_par_iter().for_each(|((effect, values), stiffness, damping, frequency)| {
         let mut model = model_of(effect, values);
         (model.contact.stiffness, model.contact.damping) = (stiffness, damping);
-        let at = Operation { speed: 0.0, load: 0.1, drive: 7.5e-6, frequency };
+        let at = Operation { speed: 0.0, load: 0.1, drive: 7.5e-6, frequency, series: 0 };
         let found = difference(&model, &at, &Plan { steps: 8000, ..Plan::default() });
         assert!(found < 5e-5, "{at:?}: {found:e}");
         let fine = steady(&model, &at);
@@ -164,7 +164,7 @@ fn slip_that_ends_with_a_kink_ends_at_every_accuracy() {
 #[test]
 fn time_integration_converges_with_order_two() {
     let model = paper_model(Series);
-    let at = Operation { speed: 5e-5, load: 20.0, drive: 2.5e-6, frequency: 74.0 };
+    let at = Operation { speed: 5e-5, load: 20.0, drive: 2.5e-6, frequency: 74.0, series: 0 };
     let error = |steps| difference(&model, &at, &Plan { steps, settled: 1e-11, ..Plan::default() });
     let (coarse, fine) = (error(250), error(1000));
     let order = (coarse / fine).log2() / 2.0;
@@ -182,7 +182,7 @@ fn a_healing_contact_at_rest_slips_on_or_rests_as_it_does_in_time() {
         ("a=0.1 B=0.08 v_0=1e-4 D_c=6e-5", 0.1, 7.5e-6, 87.74, true),
     ];
     cases.par_iter().for_each(|&(parameters, load, drive, frequency, rests)| {
-        let at = Operation { speed: 0.0, load, drive, frequency };
+        let at = Operation { speed: 0.0, load, drive, frequency, series: 0 };
         let model = model_of("rate-and-state", parameters);
         assert_eq!(steady(&model, &at).stick_fraction == 1.0, rests, "{parameters} {at:?}");
         let difference = difference(&model, &at, &plan);

@@ -54,7 +54,7 @@ fn options(causes: &[&str], out: PathBuf) -> Options {
 }
 
 fn at(speed: f64, load: f64, frequency: f64) -> Operation {
-    Operation { speed, load, drive: 2.5e-6, frequency }
+    Operation { speed, load, drive: 2.5e-6, frequency, series: 0 }
 }
 
 /// Rest, partial stick, full slip, slip both ways at a low load.

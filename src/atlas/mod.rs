@@ -81,7 +81,8 @@ pub fn curves(models: &[Model]) -> Vec<Vec<Curve>> {
     solved.chunks(CONDITIONS.len()).map(<[Curve]>::to_vec).collect()
 }
 
+/// Of a second series: what drifts from series to series has done so.
 fn condition(model: &Model, (speed, load, drive): (f64, f64, f64)) -> Condition {
     let (formulation, friction) = (Formulation::Series, model.contact.friction);
-    Condition { formulation, euler_steps: DEFAULT_EULER_STEPS, drive, load, friction, speed }
+    Condition { formulation, euler_steps: DEFAULT_EULER_STEPS, drive, load, friction, speed, series: 1 }
 }

@@ -90,7 +90,7 @@ impl Curve {
                 model.contact.formulation = formulation;
                 model.contact.friction = friction.unwrap_or(model.contact.friction);
                 if formulation == Formulation::Paper {
-                    let at = |&frequency: &f64| Operation { speed, load, drive, frequency };
+                    let at = |&frequency: &f64| Operation { speed, load, drive, frequency, series: 0 };
                     let at: Vec<Operation> = frequencies.iter().map(at).collect();
                     let lanes = at.par_chunks(LANES);
                     let states = lanes.flat_map_iter(|at| solve_paper(&model, at, DEFAULT_EULER_STEPS));
@@ -102,7 +102,7 @@ impl Curve {
                         let mut warm = Warm::default();
                         let model = &model;
                         chunk.iter().map(move |&frequency| {
-                            let at = Operation { speed, load, drive, frequency };
+                            let at = Operation { speed, load, drive, frequency, series: 0 };
                             let tolerance = Tolerance::default();
                             solve(model, &at, DEFAULT_EULER_STEPS, &tolerance, false, &mut warm).state.amplitude
                         })

@@ -1,7 +1,7 @@
 //! Where the error comes from: numerics, noise, model.
 
 use super::{Compared, Metrics, Outlier};
-use crate::model::{Model, Operation};
+use crate::model::Model;
 use crate::solver::time::Plan;
 use crate::solver::{Status, integrated, plan_for};
 use rayon::prelude::*;
@@ -39,8 +39,7 @@ pub(super) fn budget(
     let differences: Vec<f64> = sample
         .par_iter()
         .filter_map(|p| {
-            let q = &p.point;
-            let at = Operation { speed: q.speed, load: q.load, drive: q.drive, frequency: q.frequency };
+            let at = crate::fit::operation(&p.point);
             let other = integrated(model, &at, &plan_for(model, &at, &PLAN));
             other.periodic.then(|| 100.0 * (other.amplitude / p.model.amplitude - 1.0))
         })

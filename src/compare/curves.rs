@@ -32,8 +32,11 @@ pub fn model_curves(
     driven: &[Vec<(f64, f64)>],
     series: &[Series],
 ) -> Vec<ModelCurve> {
-    let work: Vec<_> = settings.iter().zip(driven).zip(series).collect();
-    work.par_iter().map(|((setting, driven), series)| curve(model, setting, driven, series.direction)).collect()
+    let work: Vec<_> = settings.iter().zip(driven).zip(series).enumerate().collect();
+    let of = |(number, ((setting, driven), series)): &(usize, ((&Setting, &Vec<(f64, f64)>), &Series))| {
+        curve(model, (*number, setting), driven, series.direction)
+    };
+    work.par_iter().map(of).collect()
 }
 
 /// The drive at a frequency, from those of the readings about it.
@@ -46,7 +49,12 @@ fn drive_at(driven: &[(f64, f64)], frequency: f64) -> f64 {
     }
 }
 
-fn curve(model: &Model, setting: &Setting, driven: &[(f64, f64)], direction: Direction) -> ModelCurve {
+fn curve(
+    model: &Model,
+    (series, setting): (usize, &Setting),
+    driven: &[(f64, f64)],
+    direction: Direction,
+) -> ModelCurve {
     let frequencies = || driven.iter().map(|(f, _)| *f);
     let (from, to) = (frequencies().fold(f64::INFINITY, f64::min), frequencies().fold(0.0, f64::max));
     let points = if to > from { POINTS } else { 1 };
@@ -59,6 +67,7 @@ fn curve(model: &Model, setting: &Setting, driven: &[(f64, f64)], direction: Dir
         load: setting.load,
         friction: model.contact.friction,
         speed: setting.speed,
+        series,
     };
     // Between folds the state depends on where the sweep comes from.
     let downwards = direction == Direction::Down;

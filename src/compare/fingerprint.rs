@@ -2,8 +2,8 @@
 //! model of the contact at all. Of a rig without one, what force must have acted besides those that the model has.
 
 use super::Compared;
+use crate::model::Model;
 use crate::model::lumps::Lumps;
-use crate::model::{Model, Operation};
 use std::f64::consts::TAU;
 
 /// Dynamic stiffness and damping of the contact at one point:
@@ -51,7 +51,7 @@ pub fn fingerprint(model: &Model, points: &[Compared]) -> (Vec<ContactPoint>, Ve
 
 fn contact(model: &Model, p: &Compared, amplitude: f64, phase: f64, sd: (f64, f64)) -> ContactPoint {
     let point = &p.point;
-    let at = Operation { speed: point.speed, load: point.load, drive: point.drive, frequency: point.frequency };
+    let at = crate::fit::operation(point);
     let lumps = Lumps::new(model, &at);
     let (w, b) = (TAU * point.frequency, if model.has_contact { lumps.arm.value } else { 1.0 });
     let (alpha, phi) = (amplitude / lumps.amplitude_gain.value, phase - lumps.phase_offset.value);

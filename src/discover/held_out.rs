@@ -2,8 +2,10 @@
 
 use super::data::Data;
 use super::hypothesis::Hypothesis;
+use crate::effects::Zero;
 use crate::fit::{Parameter, Problem, TAIL, robust_chi2, typical_of};
 use crate::measurement::Point;
+use crate::model::Model;
 use crate::solver::cycle::Tolerance;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -60,10 +62,23 @@ pub fn held_out(data: &Data<'_>, hypothesis: &Hypothesis) -> Option<HeldOut> {
             let rows: Vec<usize> = (0..of_row.len()).filter(|&r| of_row[r] != condition).collect();
             let clipped =
                 DVector::from_iterator(rows.len(), rows.iter().map(|&r| residuals[r].clamp(-threshold, threshold)));
-            let step = newton(&jacobian.select_rows(&rows), &clipped);
+            let rest_of = jacobian.select_rows(&rows);
+            let step = newton(&rest_of, &clipped);
+            // What only the series tells that is left out is not known of it: a drift.
+            let unknown: Vec<Option<f64>> = fit
+                .parameters
+                .iter()
+                .enumerate()
+                .map(|(i, p)| {
+                    vanishing(&hypothesis.model, p)
+                        .filter(|_| rest_of.column(i).amax() == 0.0 && jacobian.column(i).amax() > 0.0)
+                })
+                .collect();
             let moved = |share: f64| -> Vec<f64> {
-                let by =
-                    |(i, (p, &x)): (usize, (&Parameter, &f64))| p.moved(x, share * step[i].clamp(-LONGEST, LONGEST));
+                let by = |(i, (p, &x)): (usize, (&Parameter, &f64))| match unknown[i] {
+                    Some(nothing) => nothing,
+                    None => p.moved(x, share * step[i].clamp(-LONGEST, LONGEST)),
+                };
                 fit.parameters.iter().zip(&fit.values).enumerate().map(by).collect()
             };
             let all = |out: bool| data.points.iter().zip(&of_point).filter(move |(_, c)| (**c == condition) == out);
@@ -99,6 +114,14 @@ pub fn held_out(data: &Data<'_>, hypothesis: &Hypothesis) -> Option<HeldOut> {
     let (square, chi2, points, readings) =
         predicted.iter().fold((0.0, 0.0, 0, 0), |a, b| (a.0 + b.0, a.1 + b.1, a.2 + b.2, a.3 + b.3));
     Some(HeldOut { rms_percent: 100.0 * (square / points as f64).sqrt(), chi2_per_point: chi2 / readings as f64 })
+}
+
+/// The value of a parameter at which its effect vanishes.
+fn vanishing(model: &Model, parameter: &Parameter) -> Option<f64> {
+    let (name, key) = parameter.key.strip_prefix("effect.")?.rsplit_once('.')?;
+    let (effect, _) = model.effects.iter().find(|(effect, _)| effect.name() == name)?;
+    let zero = |zero: &&Zero| effect.parameters()[zero.parameter].key == key && zero.value.is_finite();
+    effect.zero().iter().find(zero).map(|zero| zero.value)
 }
 
 /// The step that minimises the linearised sum of squares.

@@ -13,6 +13,9 @@ use nalgebra::{DMatrix, DVector};
 /// Singular values below this share of the largest count as none.
 const SINGULAR: f64 = 1e-9;
 
+/// A small change of a number of a series, of its range.
+const SMALL: f64 = 1e-3;
+
 /// A hypothesis to which something may be added, on some of the points.
 pub struct Parent<'a> {
     model: Model,
@@ -67,13 +70,30 @@ impl<'a> Parent<'a> {
         let read = |evaluation: &Evaluation| -> Vec<Point> {
             let pairs = self.problem.points().iter().zip(&evaluation.predictions);
             let steady = pairs.filter(|(_, prediction)| prediction.status.is_steady());
-            let point = |(point, prediction): (&&Point, &Prediction)| {
-                let phase = point.phase.map(|_| prediction.phase);
-                Point { amplitude: prediction.amplitude, phase, ..(*point).clone() }
-            };
-            steady.map(point).collect()
+            steady.map(|(point, prediction)| predicted(point, prediction)).collect()
         };
         resonance::kept(model, &free, &read(&self.evaluation), &read(evaluation))
+    }
+
+    /// Changes of stiffness and gain, beside those of the first series, with which the model would have the resonance that the readings
+    /// of so many others have; none of what is not seen.
+    fn of_series(&self, others: usize) -> Vec<f64> {
+        let order = self.model.signals.reading.order;
+        let ratios = |series: usize| -> Option<(f64, f64)> {
+            let pairs = self.problem.points().iter().zip(&self.evaluation.predictions);
+            let own = pairs.filter(|(point, prediction)| point.series == series && prediction.status.is_steady());
+            let (measured, modelled): (Vec<&Point>, Vec<Point>) =
+                own.map(|(point, prediction)| (*point, predicted(point, prediction))).unzip();
+            let measured = resonance::resonance(&measured, order)?;
+            let modelled = resonance::resonance(&modelled.iter().collect::<Vec<_>>(), order)?;
+            Some(((measured.frequency / modelled.frequency).powi(2), measured.peak / modelled.peak))
+        };
+        let first = ratios(0);
+        let of = |series: usize| {
+            let both = ratios(series).zip(first);
+            both.map_or([0.0; 2], |(own, first)| [own.0 / first.0 - 1.0, own.1 / first.1 - 1.0])
+        };
+        (1..=others).flat_map(of).collect()
     }
 
     /// A starting point: the model, which has one more addition and leaves this, or as much of the addition as the sum of squares
@@ -115,6 +135,11 @@ impl<'a> Parent<'a> {
     }
 }
 
+/// What would be read at a point if the model were right.
+fn predicted(point: &Point, prediction: &Prediction) -> Point {
+    Point { amplitude: prediction.amplitude, phase: point.phase.map(|_| prediction.phase), ..point.clone() }
+}
+
 /// A starting point of an addition.
 pub struct Start {
     /// The model with the addition, at the signs of its start.
@@ -140,7 +165,7 @@ pub fn look(data: &Data<'_>, parents: &[Parent<'_>], from: &Hypothesis, addition
     let mut found = Look { starts: Vec::new(), visibility: 0.0, strongest: Vec::new() };
     for (number, shares) in count.samples(from, addition).into_iter().enumerate() {
         let parent = &parents[number % parents.len()];
-        let model = shares.of(data, &parent.model, addition);
+        let model = shares.of(data, parent, addition);
         let evaluation = parent.evaluated(data, &model);
         let (start, size) = parent.start(data, from, addition, (&model, &evaluation));
         found.starts.push(start);
@@ -186,6 +211,10 @@ enum Sample {
     Shares(Vec<f64>, usize),
     Step(f64),
     Resonance,
+    /// Numbers of each series as its resonance in the readings differs from that in the model, ...
+    OfSeries,
+    /// ... or small ones.
+    Small,
 }
 
 impl Count<'_> {
@@ -194,6 +223,9 @@ impl Count<'_> {
             // The stated value, a little to either side, and where the resonance of the readings puts it: a sensor may be
             // inverted, a gain off by any factor.
             return vec![Sample::Step(-0.05), Sample::Step(0.05), Sample::Resonance];
+        }
+        if matches!(addition, Addition::Effect(effect) if effect.of_series().is_some()) {
+            return vec![Sample::OfSeries, Sample::Small];
         }
         let model = extended(&from.model, &[addition]);
         let own: Vec<Parameter> = addition.keys().iter().filter_map(|key| parameter(&model, key)).collect();
@@ -219,8 +251,8 @@ impl Count<'_> {
 
 impl Sample {
     /// The model with the addition there.
-    fn of(&self, data: &Data<'_>, before: &Model, addition: Addition) -> Model {
-        let model = extended(before, &[addition]);
+    fn of(&self, data: &Data<'_>, parent: &Parent<'_>, addition: Addition) -> Model {
+        let model = extended(&parent.model, &[addition]);
         let parameters: Vec<Parameter> = addition.keys().iter().filter_map(|key| parameter(&model, key)).collect();
         let none: [&Point; 0] = [];
         let with = |model: &Model, parameters: Vec<Parameter>, values: &[f64]| {
@@ -249,6 +281,11 @@ impl Sample {
             Self::Step(step) => {
                 let moved = parameters[0].moved(stated[0], *step);
                 with(&model, parameters, &[moved])
+            }
+            Self::OfSeries => with(&model, parameters, &parent.of_series(stated.len() / 2)),
+            Self::Small => {
+                let least: Vec<f64> = parameters.iter().map(|p| p.moved(0.0, SMALL * p.extent())).collect();
+                with(&model, parameters, &least)
             }
             Self::Resonance => resonance::started(&model, &addition.keys(), data.points).unwrap_or(model),
         }

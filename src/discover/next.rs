@@ -174,7 +174,7 @@ fn grid(table: &Table, bounds: &Bounds, contact: bool) -> Vec<Operation> {
             for &drive in &drives {
                 for i in 0..GRID[3] {
                     let frequency = from + (to - from) * i as f64 / (GRID[3] - 1) as f64;
-                    all.push(Operation { speed, load, drive, frequency });
+                    all.push(Operation { speed, load, drive, frequency, series: 0 });
                 }
             }
         }

@@ -127,6 +127,7 @@ pub fn in_paper_formulation(effect: &dyn Effect) -> bool {
         && effect.torque(&p, 0.0, 0.0).is_none()
         && !slips(effect, &d)
         && effect.beside(&d, &unit).is_none()
+        && effect.of_series().is_none()
 }
 
 /// Whether an effect holds the body to the ground by friction.

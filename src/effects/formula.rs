@@ -170,6 +170,7 @@ impl Formula {
                 measure: Measure::Number,
                 alone: None,
                 signed,
+                change: false,
                 meaning: "parameter of the formula",
                 held: false,
             }

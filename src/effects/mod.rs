@@ -12,6 +12,7 @@ mod combine;
 mod contact_renewal;
 mod crosstalk;
 mod cubic_stiffness;
+mod drift;
 pub mod formula;
 mod friction_joint;
 mod frictional_heating;
@@ -151,6 +152,10 @@ pub trait Effect: Sync {
     fn simpler(&self, _p: &[f64]) -> Option<(&'static str, Vec<f64>)> {
         None
     }
+    /// Its form for a table of so many series, where it has numbers of each; none where there are too few or too many.
+    fn of_series(&self) -> Option<fn(usize) -> Option<&'static dyn Effect>> {
+        None
+    }
     /// Keys of the parameters that a fit may move, as in `[fit] free`.
     fn keys(&self) -> Vec<String> {
         let movable = self.parameters().iter().filter(|info| !info.held);
@@ -264,6 +269,10 @@ pub trait Effect: Sync {
     fn reading(&self, _p: &[Dual], _omega: f64) -> Option<Dual> {
         None
     }
+    /// Factors on stiffness and reading in series number `series`, the first being 0.
+    fn between_series(&self, _p: &[Dual], _series: usize) -> Option<(Dual, Dual)> {
+        None
+    }
     /// Motion per torque of the drive \[rad/(N m), m/N\], complex, that is read beside that of the mode.
     fn beside(&self, _p: &[Dual], _of: &Beside) -> Option<(Dual, Dual)> {
         None
@@ -313,7 +322,13 @@ pub static REGISTRY: &[&dyn Effect] = &[
     &sensor_delay::SensorDelay,
     &residual_modes::ResidualModes,
     &crosstalk::Crosstalk,
+    drift::DRIFT,
 ];
+
+/// The form of an effect for a table of so many series; none where it has none.
+pub fn for_series(effect: &'static dyn Effect, count: usize) -> Option<&'static dyn Effect> {
+    effect.of_series().map_or(Some(effect), |form| form(count))
+}
 
 /// The effect of that name.
 pub fn find(name: &str) -> Option<&'static dyn Effect> {

@@ -423,6 +423,7 @@ mod tests {
             load: 0.0,
             friction: 0.0,
             speed: 0.0,
+            series: 0,
         };
         let other = |(up, down): (&f64, &f64)| (up != down).then(|| state(*down));
         Curve {

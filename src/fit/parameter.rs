@@ -40,6 +40,8 @@ pub struct Parameter {
     /// Sign of the value, for magnitudes.
     sign: f64,
     logarithmic: bool,
+    /// What is added to the value before its magnitude is taken: 1 of a relative change.
+    beside: f64,
     /// Bounds of `t`.
     bounds: (f64, f64),
     /// Bounds of `t` between which a search starts.
@@ -64,7 +66,7 @@ pub fn parameter(model: &Model, key: &str) -> Option<Parameter> {
         return None;
     }
     let (_, index, info) = model.base_parameters().into_iter().find(|(known, ..)| known == key)?;
-    let at = &mut crate::model::Operation { speed: 0.0, load: 0.0, drive: 0.0, frequency: 0.0 };
+    let at = &mut crate::model::Operation { speed: 0.0, load: 0.0, drive: 0.0, frequency: 0.0, series: 0 };
     let value = *model.clone().parameter(at, index)?;
     let factor = match table {
         "contact" => CONTACT_FACTOR,
@@ -113,12 +115,16 @@ fn of_base(key: &str, info: &ParameterInfo, index: usize, (value, beside_zero): 
         signed: false,
         sign: 1.0,
         logarithmic,
+        beside: 0.0,
         bounds,
         range,
     }
 }
 
 fn of_effect(key: &str, info: &ParameterInfo, index: usize, value: f64, (low, high): (f64, f64)) -> Parameter {
+    if info.change {
+        return of_change(key, info, index, high);
+    }
     let low = if low > 0.0 { low } else { SMALLEST * high };
     let smallest = match (info.signed, info.minimum <= 0.0) {
         // As good as zero, which lies between the signs.
@@ -139,8 +145,26 @@ fn of_effect(key: &str, info: &ParameterInfo, index: usize, value: f64, (low, hi
         signed: info.signed,
         sign: if value < 0.0 { -1.0 } else { 1.0 },
         logarithmic: true,
+        beside: 0.0,
         bounds,
         range,
+    }
+}
+
+/// A relative change, searched up to `high` to either side of none.
+fn of_change(key: &str, info: &ParameterInfo, index: usize, high: f64) -> Parameter {
+    let whole = |change: f64| change.clamp(info.minimum, info.maximum).ln_1p();
+    Parameter {
+        key: key.into(),
+        unit: info.unit,
+        symbol: info.symbol,
+        index,
+        signed: false,
+        sign: 1.0,
+        logarithmic: true,
+        beside: 1.0,
+        bounds: (whole(info.minimum), whole(info.maximum)),
+        range: (whole(-high), whole(high)),
     }
 }
 
@@ -152,7 +176,7 @@ impl Parameter {
 
     /// Derivative of the value by the coordinate.
     pub fn slope(&self, u: f64) -> f64 {
-        let by_t = if self.logarithmic { self.value(u) } else { 1.0 };
+        let by_t = self.natural_slope(self.value(u));
         by_t * self.half() * (u - ORIGIN).cos()
     }
 
@@ -219,7 +243,7 @@ impl Parameter {
     /// Change of the value by a factor (magnitudes) or an addition, on which curvature is smallest: derivative of the value
     /// by that scale.
     pub fn natural_slope(&self, value: f64) -> f64 {
-        if self.logarithmic { value } else { 1.0 }
+        if self.logarithmic { value + self.beside } else { 1.0 }
     }
 
     /// The value moved by `step` on its natural scale, within the bounds.
@@ -239,11 +263,11 @@ impl Parameter {
 
     /// `t` of a value.
     fn scale(&self, value: f64) -> f64 {
-        if self.logarithmic { value.abs().max(f64::MIN_POSITIVE).ln() } else { value }
+        if self.logarithmic { (value + self.beside).abs().max(f64::MIN_POSITIVE).ln() } else { value }
     }
 
     fn at(&self, t: f64) -> f64 {
-        if self.logarithmic { self.sign * t.exp() } else { t }
+        if self.logarithmic { self.sign * t.exp() - self.beside } else { t }
     }
     fn middle(&self) -> f64 {
         0.5 * (self.bounds.0 + self.bounds.1)

@@ -363,11 +363,17 @@ fn troubled(residual: f64) -> f64 {
 
 /// Where a point was measured.
 pub fn operation(point: &Point) -> Operation {
-    Operation { speed: point.speed, load: point.load, drive: point.drive, frequency: point.frequency }
+    Operation {
+        speed: point.speed,
+        load: point.load,
+        drive: point.drive,
+        frequency: point.frequency,
+        series: point.series,
+    }
 }
 
 /// Reads or writes a parameter of the model; the operating point, which is none of them, is a dummy here.
 fn with_parameter<T>(model: &mut Model, index: usize, act: impl FnOnce(&mut f64) -> T) -> Option<T> {
-    let mut at = Operation { speed: 0.0, load: 0.0, drive: 0.0, frequency: 0.0 };
+    let mut at = Operation { speed: 0.0, load: 0.0, drive: 0.0, frequency: 0.0, series: 0 };
     model.parameter(&mut at, index).map(act)
 }

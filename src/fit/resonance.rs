@@ -181,7 +181,7 @@ pub fn started(model: &Model, free: &[String], points: &[Point]) -> Option<Model
         let distance = |p: &Point| (p.frequency / seen.frequency).ln().abs();
         distance(a).total_cmp(&distance(b))
     })?;
-    let at = Operation { speed: 0.0, load: 0.0, drive: typical.drive, frequency: seen.frequency };
+    let at = Operation { speed: 0.0, load: 0.0, drive: typical.drive, frequency: seen.frequency, series: 0 };
     let Rig::Oscillator(rig) = &mut model.rig else { return None };
     put(rig, free, seen.frequency, seen.quality);
     let reading = |model: &Model| {

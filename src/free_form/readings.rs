@@ -102,7 +102,7 @@ impl<'a> Readings<'a> {
         let mut model = self.model.clone();
         for (p, value) in self.nuisance.iter().zip(values) {
             // The operating point is none of what a fit moves.
-            let mut none = Operation { speed: 0.0, load: 0.0, drive: 0.0, frequency: 0.0 };
+            let mut none = Operation { speed: 0.0, load: 0.0, drive: 0.0, frequency: 0.0, series: 0 };
             if let Some(slot) = model.parameter(&mut none, p.index) {
                 *slot = *value;
             }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::Point;
 use super::pool::Reading;
+use crate::effects;
 use crate::scenario::Scenario;
 use crate::statistics::median;
 
@@ -37,9 +38,16 @@ pub struct Series {
 }
 
 impl super::Table {
-    /// The scenario with what the table says of drive and reading.
+    /// The scenario with what the table says of drive and reading; effects that have numbers of each series have those of its series.
     pub fn applied_to(&self, scenario: &Scenario) -> Scenario {
-        Scenario { signals: self.signals, ..scenario.clone() }
+        let mut scenario = Scenario { signals: self.signals, ..scenario.clone() };
+        for setting in &mut scenario.effects {
+            if let Some(effect) = effects::for_series(setting.effect, self.series.len()) {
+                setting.effect = effect;
+                setting.parameters.truncate(effect.parameters().len());
+            }
+        }
+        scenario
     }
 }
 

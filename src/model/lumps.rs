@@ -130,6 +130,10 @@ impl Lumps {
         for (effect, parameters) in &model.effects {
             let p: Vec<Dual> = parameters.iter().enumerate().map(|(i, &v)| Dual::parameter(v, first + i)).collect();
             first += p.len();
+            if let Some((stiffness, gain)) = effect.between_series(&p, at.series) {
+                lumps.stiffness = lumps.stiffness + of.stiffness * (stiffness - Dual::constant(1.0));
+                lumps.amplitude_gain = lumps.amplitude_gain * gain;
+            }
             lumps.add(*effect, &p);
             beside = [beside, effect.beside(&p, &of)].into_iter().flatten().reduce(|a, b| (a.0 + b.0, a.1 + b.1));
         }

@@ -12,7 +12,7 @@ mod scales;
 pub mod system;
 
 use crate::dual::Dual;
-use crate::effects::{Effect, REGISTRY, fits_rig, is_law, remembers, slides};
+use crate::effects::{Effect, REGISTRY, fits_rig, for_series, is_law, remembers, slides};
 use crate::parameter::{FIRST_CONTACT_PARAMETER, FIRST_INSTRUMENT_PARAMETER, ParameterInfo, Scales};
 use crate::scenario::parameters::CONTACT;
 use crate::scenario::{Contact, Instrument, Rig, Scenario, Signals};
@@ -28,6 +28,8 @@ pub struct Operation {
     pub drive: f64,
     /// f, frequency \[Hz\].
     pub frequency: f64,
+    /// Number of the series that it is of, the first being 0; also where there are no series.
+    pub series: usize,
 }
 
 /// Rig, contact, instrument and effects: everything but the operating point.
@@ -77,9 +79,10 @@ impl Model {
         }
     }
 
-    /// Everything that may be added: effects of the catalogue that fit the rig, and formulas.
+    /// Everything that may be added: effects of the catalogue that fit the rig and the series measured, and formulas.
     pub fn catalogue(&self) -> impl Iterator<Item = &'static dyn Effect> + '_ {
         let registered = REGISTRY.iter().copied().filter(|effect| fits_rig(*effect, self.has_contact).is_ok());
+        let registered = registered.filter_map(|effect| for_series(effect, self.scales.series));
         registered.chain(self.candidates.iter().copied())
     }
 

@@ -41,6 +41,7 @@ impl Model {
             load,
             roller_speed: points.iter().map(|(at, _)| at.speed).fold(0.0, f64::max),
             has_contact: self.has_contact,
+            series: points.iter().map(|(at, _)| at.series + 1).max().unwrap_or(0),
         }
     }
 }
@@ -55,7 +56,7 @@ mod tests {
         for drive in [2.5e-6, 7.5e-6] {
             for step in 0..24 {
                 let frequency = 52.0 + 2.0 * f64::from(step);
-                points.push((Operation { speed: 0.1, load: 20.0, drive, frequency }, 1e-9));
+                points.push((Operation { speed: 0.1, load: 20.0, drive, frequency, series: 0 }, 1e-9));
             }
         }
         let found = Model::new(&crate::scenario::paper()).scaled_at(&points).scales;

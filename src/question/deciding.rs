@@ -64,7 +64,7 @@ pub(super) fn deciding(
         for (v, w, u) in speeds.iter().flat_map(|v| loads.iter().map(move |w| (v, w))).flat_map(|(v, w)| {
             drives.iter().map(move |u| (v * condition.speed, w * condition.load, u * condition.drive))
         }) {
-            all.extend(frequency.iter().map(|&f| Operation { speed: v, load: w, drive: u, frequency: f }));
+            all.extend(frequency.iter().map(|&f| Operation { speed: v, load: w, drive: u, frequency: f, series: 0 }));
         }
         all
     };

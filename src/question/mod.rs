@@ -140,6 +140,7 @@ pub fn answer(scenario: &Scenario) -> Option<Answer> {
         load: *sweep.load.first()?,
         friction: *sweep.friction.first()?,
         speed: *sweep.speed.first()?,
+        series: 0,
     };
     let base = crate::sweep::at_condition(&base, &condition);
     let target = curve(&base, &Condition { speed: question.resembles, ..condition }, &sweep.frequency);

@@ -9,7 +9,8 @@ use crate::scenario::{Coordinate, EffectSetting, Formulation, Scenario, Sweep};
 
 /// All parameters of the scenario: rig, contact, instrument, effects, sweep.
 pub fn parameters(scenario: &Scenario) -> Vec<ParameterView> {
-    let (model, mut at) = (Model::new(scenario), Operation { speed: 0.0, load: 0.0, drive: 0.0, frequency: 0.0 });
+    let (model, mut at) =
+        (Model::new(scenario), Operation { speed: 0.0, load: 0.0, drive: 0.0, frequency: 0.0, series: 0 });
     let source = |key: &str| scenario.origins.get(key).unwrap_or(&scenario.provenance).clone();
     let number = |key: &str, symbol: &str, value: f64, unit: &str| ParameterView {
         key: key.into(),

@@ -18,6 +18,7 @@ const fn info(
         measure: Measure::Number,
         alone: None,
         signed: false,
+        change: false,
         held: false,
         meaning,
     }

@@ -385,7 +385,7 @@ mod tests {
     fn fundamental(count: usize) -> Complex {
         let mut model = Model::new(&scenario::paper());
         model.effects = vec![(find("cubic-stiffness").expect("known"), vec![2e11])];
-        let at = Operation { speed: 0.1, load: 0.02, drive: 1e-5, frequency: 55.0 };
+        let at = Operation { speed: 0.1, load: 0.02, drive: 1e-5, frequency: 55.0, series: 0 };
         let problem = Problem::new(&model, &at);
         let mut search = Balancing::<3>::new(&problem).expect("slips");
         search.spread(count);

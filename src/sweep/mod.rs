@@ -22,6 +22,9 @@ pub struct Condition {
     pub friction: f64,
     /// V, speed of the roller \[m/s\].
     pub speed: f64,
+    /// Number of the measured series that it is of, the first being 0; also where there is none.
+    #[serde(skip)]
+    pub series: usize,
 }
 
 /// A resonance curve: one condition over all frequencies of the sweep.

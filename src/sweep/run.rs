@@ -42,7 +42,7 @@ pub fn conditions(scenario: &Scenario) -> Vec<Condition> {
                 for &load in &sweep.load {
                     for &friction in &sweep.friction {
                         for &speed in &sweep.speed {
-                            all.push(Condition { formulation, euler_steps, drive, load, friction, speed });
+                            all.push(Condition { formulation, euler_steps, drive, load, friction, speed, series: 0 });
                         }
                     }
                 }
@@ -125,7 +125,13 @@ pub fn driven_curve(model: &Model, condition: &Condition, points: &[(f64, f64)])
 }
 
 fn operation(condition: &Condition, frequency: f64) -> Operation {
-    Operation { speed: condition.speed, load: condition.load, drive: condition.drive, frequency }
+    Operation {
+        speed: condition.speed,
+        load: condition.load,
+        drive: condition.drive,
+        frequency,
+        series: condition.series,
+    }
 }
 
 /// A stretch of a curve.
@@ -205,7 +211,7 @@ fn progress_bar(options: &Options, points: usize, label: &str) -> ProgressBar {
 
 /// The oscillator of a limiting case for one drive, of the paper's kind of rig.
 pub fn limiting_oscillator(model: &Model, case: LimitingCase, drive: f64) -> Oscillator {
-    let at = Operation { speed: 0.0, load: 0.0, drive, frequency: 1.0 };
+    let at = Operation { speed: 0.0, load: 0.0, drive, frequency: 1.0, series: 0 };
     let lumps = Lumps::new(model, &at);
     let rig = model.rig.arm();
     let b2 = rig.contact_arm.powi(2);

@@ -130,8 +130,8 @@ pub fn shown(cause: &str) -> &str {
 /// All names, in the order in which they are planted.
 fn names(kind: Option<Kind>) -> Vec<String> {
     let mut all = vec![(Kind::None, "none".to_string())];
-    // The paper's rig has a contact.
-    let fitting = REGISTRY.iter().filter(|effect| fits_rig(**effect, true).is_ok());
+    // The paper's rig has a contact, and its tables more series than a drift has numbers for.
+    let fitting = REGISTRY.iter().filter(|effect| fits_rig(**effect, true).is_ok() && effect.of_series().is_none());
     all.extend(fitting.map(|e| (Kind::Effect, e.name().to_string())));
     all.extend(RECALIBRATIONS.iter().map(|key| (Kind::Recalibration, (*key).to_string())));
     all.extend(PAIRS.iter().map(|pair| (Kind::Pair, pair.join("+"))));

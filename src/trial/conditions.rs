@@ -41,7 +41,13 @@ pub fn practice() -> Bench {
     let mut operations = Vec::new();
     let (from, step, number) = FREQUENCIES;
     for [speed, load, drive] in PRACTICE {
-        operations.extend((0..number).map(|i| Operation { speed, load, drive, frequency: from + step * i as f64 }));
+        operations.extend((0..number).map(|i| Operation {
+            speed,
+            load,
+            drive,
+            frequency: from + step * i as f64,
+            series: 0,
+        }));
     }
     Bench { model: Model::new(&scenario::paper()), free: free(Vec::new()), operations }
 }
@@ -77,12 +83,13 @@ impl Bench {
                 load: p.load,
                 drive: p.drive,
                 frequency: p.frequency,
+                series: 0,
             }));
         } else if let Some(sweep) = &scenario.sweep {
             for &drive in &sweep.drive {
                 for &load in &sweep.load {
                     for &speed in &sweep.speed {
-                        let at = |&frequency: &f64| Operation { speed, load, drive, frequency };
+                        let at = |&frequency: &f64| Operation { speed, load, drive, frequency, series: 0 };
                         operations.extend(sweep.frequency.iter().map(at));
                     }
                 }

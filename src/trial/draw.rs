@@ -116,6 +116,6 @@ fn set(model: &mut Model, key: &str, value: f64) {
 
 fn slot<T>(model: &mut Model, key: &str, apply: impl FnOnce(&mut f64) -> T) -> Option<T> {
     let index = parameter(model, key)?.index;
-    let mut at = Operation { speed: 0.0, load: 0.0, drive: 0.0, frequency: 0.0 };
+    let mut at = Operation { speed: 0.0, load: 0.0, drive: 0.0, frequency: 0.0, series: 0 };
     model.parameter(&mut at, index).map(apply)
 }

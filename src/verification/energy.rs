@@ -33,7 +33,7 @@ pub fn energy_balance(effect: &'static dyn Effect, parameters: &[f64]) -> [Check
     model.effects.push((effect, parameters.to_vec()));
     let found: Vec<_> = CONDITIONS
         .iter()
-        .map(|&(speed, load, drive)| Operation { speed, load, drive, frequency: 74.0 })
+        .map(|&(speed, load, drive)| Operation { speed, load, drive, frequency: 74.0, series: 0 })
         .filter(|at| is_periodic(&model, at))
         .map(|at| works(&model, &at).map_or((f64::NAN, f64::NAN), |w| (w.imbalance(), w.gain())))
         .collect();

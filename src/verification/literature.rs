@@ -40,7 +40,7 @@ fn den_hartog_peak(r: f64, zeta: f64, beta: f64) -> f64 {
     let drive = 2.5e-6;
     let torque = model.rig.arm().spring_arm * drive * model.rig.arm().spring_stiffness;
     let load = beta * torque / b / model.contact.friction;
-    let operation = Operation { speed: 0.0, load, drive, frequency: r * (stiffness / inertia).sqrt() / TAU };
+    let operation = Operation { speed: 0.0, load, drive, frequency: r * (stiffness / inertia).sqrt() / TAU, series: 0 };
     let path = orbit(&model, &operation, 0, &Tolerance::default(), 4000);
     // No orbit, no peak.
     path.angle.iter().map(|th| th.abs()).reduce(f64::max).unwrap_or(f64::NAN) * stiffness / torque

@@ -124,7 +124,7 @@ fn peaks(model: &Model) -> Vec<Check> {
 }
 
 fn at(speed: f64, frequency: f64) -> Operation {
-    Operation { speed, load: 20.0, drive: 2.5e-6, frequency }
+    Operation { speed, load: 20.0, drive: 2.5e-6, frequency, series: 0 }
 }
 
 fn steady(model: &Model, at: &Operation, tolerance: Tolerance) -> SteadyState {

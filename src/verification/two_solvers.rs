@@ -95,7 +95,7 @@ fn sample(outcome: &Outcome) -> Vec<(usize, usize)> {
 fn compare(outcome: &Outcome, c: usize, f: usize) -> Compared {
     let curve = &outcome.curves[c];
     let (condition, frequency, state) = (&curve.condition, curve.frequency[f], &curve.states[f]);
-    let at = Operation { speed: condition.speed, load: condition.load, drive: condition.drive, frequency };
+    let at = Operation { speed: condition.speed, load: condition.load, drive: condition.drive, frequency, series: 0 };
     let model = at_condition(&Model::new(&outcome.scenario), condition);
     let found = integrated(&model, &at, &plan_for(&model, &at, &PLAN));
     let amplitude = found.amplitude / state.amplitude - 1.0;

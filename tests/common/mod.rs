@@ -65,7 +65,7 @@ pub fn oscillator(mass: f64, frequency: f64, quality: f64) -> Model {
 
 /// Operating point at the paper's load and drive.
 pub fn at(speed: f64, frequency: f64) -> Operation {
-    Operation { speed, load: 20.0, drive: 2.5e-6, frequency }
+    Operation { speed, load: 20.0, drive: 2.5e-6, frequency, series: 0 }
 }
 
 /// Steady state from a cold start.

@@ -146,7 +146,8 @@ pub fn outcome(axes: &Axes) -> Outcome {
                 for &load in &axes.load {
                     for &friction in &axes.friction {
                         for &speed in &axes.speed {
-                            let condition = Condition { formulation, euler_steps, drive, load, friction, speed };
+                            let condition =
+                                Condition { formulation, euler_steps, drive, load, friction, speed, series: 0 };
                             let states: Vec<SteadyState> =
                                 axes.frequency.iter().map(|f| state(&condition, *f)).collect();
                             let points = axes.frequency.iter().zip(&states).filter(|_| axes.orbits);

@@ -8,6 +8,7 @@
 The paper's rig (Eqs. 1-8): J th'' + C th' + K th = drive + b F, bristles F = kc x + cc x' in series with friction mu(s) N:
 `tests/data/effects.csv`, whose older rows come from another program and are only checked here. An oscillator without a
 contact: M x'' + C x' + K x = f sin(w t) + force of the effect: `tests/data/effects-alone.csv`. The laws are stated below.
+Rows of a drift are of the second series.
 Shares no code with the program; needs Python 3.9 and a C compiler.
 """
 
@@ -44,6 +45,7 @@ NEW = [
     ("asymmetric-stiffness", dict(K_2=-1e5)),
     ("residual-modes", dict(R_c=2e-4, R_m=-30.0)),
     ("crosstalk", dict(b_r=-0.4, b_i=0.7)),
+    ("drift", dict(d_2=0.06, g_2=-0.05)),
 ]
 
 OSCILLATOR = dict(mass=2.0, f0=80.0, Q=30.0)
@@ -62,6 +64,7 @@ NEW_ALONE = [
     ("pivot-friction", dict(F_c=1.2)),
     ("residual-modes", dict(R_c=3e-7, R_m=-0.4)),
     ("crosstalk", dict(b_r=1.5, b_i=-4.0)),
+    ("drift", dict(d_2=-0.03, g_2=0.2)),
 ]
 
 
@@ -78,13 +81,15 @@ FRICTION = {"stribeck": (1, "delta_mu", "v_s"), "rate-strengthening": (2, "beta"
 SPRINGS = {"asymmetric-stiffness": "K_2", "cubic-stiffness": "K_3", "quintic-stiffness": "K_5"}
 KNOWN = [*FRICTION, *SPRINGS, "none", "quadratic-damping", "structural-damping", "normal-coupling", "maxwell-branch",
          "actuator-lag", "sensor-delay", "load-stiffening", "spring-pot", "berg-friction", "residual-modes",
-         "crosstalk"]
+         "crosstalk", "drift"]
 
 
 def read(amplitude, effect, p, omega, drive, stiffness):
     """What the instrument shows of a motion Im[A exp(i w t)]: amplitude and phase."""
     if effect == "crosstalk":
         amplitude += complex(p["b_r"], p["b_i"]) * drive / stiffness
+    if effect == "drift":
+        amplitude *= 1.0 + p["g_2"]
     if effect == "residual-modes":
         amplitude += (p["R_c"] + p["R_m"] / omega**2) * drive
     if effect == "sensor-delay":
@@ -121,6 +126,8 @@ def beside(effect, p, speed, load, u0, frequency):
         extra["kn"] = p["k_n"]
     elif effect == "maxwell-branch":
         extra.update(k1=p["k_1"], tau=p["tau"])
+    elif effect == "drift":
+        stiffness *= 1.0 + p["d_2"]
     elif effect == "actuator-lag":
         drive /= 1.0 + 1j * w * p["tau"]
     elif effect == "load-stiffening":
@@ -145,6 +152,7 @@ def alone(effect, p, force, frequency):
     mass, f0, quality = OSCILLATOR.values()
     w0, w = 2.0 * math.pi * f0, 2.0 * math.pi * frequency
     stiffness, damping = mass * w0**2, mass * w0 / quality
+    stiffness *= 1.0 + (p["d_2"] if effect == "drift" else 0.0)
     springs = {**dict.fromkeys(SPRINGS.values(), 0.0), **(p if effect in SPRINGS else {})}
     stop = (p["k_g"], p["g"]) if effect == "clearance" else (0.0, 1.0)
     power, dry = (0.0, 1.0, 1.0), 0.0

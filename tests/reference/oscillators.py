@@ -434,7 +434,7 @@ def draw_random_mode(rng, effects, outside, conditions):
     Q = significant(log_uniform(rng, 3.0, 1e4), 4)
     if outside:
         return draw_outside(rng, outside, scale, Q)
-    if effects and effects[0] in FURTHER:
+    if effects and effects[0] in (*FURTHER, "drift"):
         return draw_further(rng, effects[0], scale, Q)
     pair = len(effects) == 2
     scale *= 1.5 if pair else 1.0
@@ -465,6 +465,10 @@ def draw_further(rng, effect, scale, Q):
         r_c, r_m = (rng.choice((-1.0, 1.0)) * min(log_uniform(rng, 0.02, 0.3) * scale, 0.5) for _ in range(2))
         both = rng.random() < 0.5
         return Mode(Q), 1.0 / Q, {"r_c": r_c, "r_m": r_m if both else 0.0}
+    if effect == "drift":  # numbers of every series but the first, in widths and shares
+        change = lambda low, high, most: rng.choice((-1.0, 1.0)) * min(log_uniform(rng, low, high) * scale, most)
+        return Mode(Q), 1.0 / Q, {f"{key}_{n}": value for n in range(2, 10) for key, value in (
+            ("d", max(change(0.2, 2.0, 8.0) / Q, -0.5)), ("g", change(0.03, 0.3, 0.5)))}
     if effect == "pivot-friction":
         friction = min(log_uniform(rng, 0.05, 1.0) * scale, 2.0) / Q
         mode = Mode(Q, elements=[(2e4, 5e-5 * friction)])  # as stiff as that many steps bear
@@ -657,7 +661,8 @@ def draw_table(rng, effects, outside=None, conditions=None):
             points.append((W, row))
         series.append([index, "up", points])
 
-    if conditions is not None and planted and outside != "reading-compression" and "residual-modes" not in effects:
+    beside = {"residual-modes", "drift"} & {*effects}
+    if conditions is not None and planted and outside != "reading-compression" and not beside:
         along = [point for _, _, points in series for point in points]
         guess = predicted(mode, along)
         if guess is not None and not 3.5 < linear_miss(along, guess, mode.Q, noise, with_phase, noise_phase)[0] < 1.5 * most:
@@ -692,6 +697,10 @@ def draw_table(rng, effects, outside=None, conditions=None):
         worst = max(worst, residual)
     if outside == "reading-compression":
         amplitudes = [a / math.sqrt(1.0 + (abs(a) / joint["a_s"]) ** 2) for a in amplitudes]
+    if "drift" in effects:  # each series is linear
+        numbers = [index for index, _, along in series for _ in along]  # by level, however they are listed
+        change = lambda key, number: joint.get(f"{key}_{number + 1}", 0.0)
+        amplitudes = [(1.0 + change("g", n)) * p / (1.0 + change("d", n) - W * W + 1j * W / mode.Q) for n, (W, p) in zip(numbers, points)]
     if "residual-modes" in effects:
         amplitudes = [a + (joint["r_c"] + joint["r_m"] / W**2) * p for a, (W, p) in zip(amplitudes, points)]
     miss, miss_rms = linear_miss(points, amplitudes, mode.Q, noise, with_phase, noise_phase)
@@ -728,6 +737,7 @@ def draw_table(rng, effects, outside=None, conditions=None):
         "asymmetric-stiffness": lambda: {"K_2": b * K / X}, "power-damping": lambda: {"p": s},
         "pivot-friction": lambda: {"F_c": joint["f_c"] * force},
         "residual-modes": lambda: {"R_c": joint["r_c"] / K, "R_m": joint["r_m"] * w0**2 / K},
+        "drift": lambda: {key: value for key, value in joint.items() if int(key[2:]) <= len(series)},
     }.get(effect, dict)())
     per_drive = -1.0 / mass if kind == "base" else 1.0  # stated drive per force
     per_motion = 1.0
@@ -886,6 +896,16 @@ def further_order(seed, count):
     return found[:count]
 
 
+def drift_order(seed, count):
+    """[(effects, outside)]: a drift, but for every third table, where nothing is planted."""
+    return [([] if index % 3 == 2 else ["drift"], None) for index in range(count)]
+
+
+ORDERS = {
+    "single": ("osc", single_order), "random": ("rnd", random_order), "further": ("fur", further_order), "drift": ("dri", drift_order),
+}
+
+
 def make(task):
     """One table from its seed alone, so that tables may be made side by side: what `generate` writes and says."""
     seed, index, kind, effects, outside = task
@@ -908,7 +928,7 @@ def generate(folder, seed, count, only=None, kind="single", jobs=1):
     """Table i does not depend on `count` or `jobs`."""
     answers, began = {}, time.time()
     os.makedirs(folder, exist_ok=True)
-    prefix, order = {"single": ("osc", single_order), "random": ("rnd", random_order), "further": ("fur", further_order)}[kind]
+    prefix, order = ORDERS[kind]
     tasks = []
     for index, (effects, outside) in enumerate(order(seed, count)):
         name = f"{prefix}-{seed}-{index + 1:03d}"
@@ -1155,7 +1175,7 @@ def main():
     parser.add_argument("--out", metavar="DIR", help="folder for NAME/table.csv and answers.json")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=64)
-    parser.add_argument("--kind", choices=("single", "random", "further"), default="single", help="what is drawn [default: single]")
+    parser.add_argument("--kind", choices=tuple(ORDERS), default="single", help="what is drawn [default: single]")
     parser.add_argument("--jobs", type=int, default=1, help="tables at a time")
     parser.add_argument("--only", metavar="NAME", nargs="+", help="generate these tables only")
     parser.add_argument("--check", action="store_true", help="compare with closed forms and exit")

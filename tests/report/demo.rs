@@ -91,6 +91,7 @@ pub fn outcome(scenario: Scenario, status: &Status) -> Outcome {
             load: 20.0,
             friction: 0.5,
             speed,
+            series: 0,
         },
         frequency: frequency.clone(),
         states: frequency.iter().map(|&f| state(f, index as f64 / 4.0)).collect(),
