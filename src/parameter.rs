@@ -110,7 +110,7 @@ impl ParameterInfo {
 
     /// The same, a relative change.
     pub const fn of_change(self) -> Self {
-        Self { change: true, ..self }
+        Self { change: true, signed: true, ..self }
     }
 
     /// The same, which no fit moves.

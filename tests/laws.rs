@@ -50,13 +50,16 @@ fn reference_rows_agree_to_1e_4() {
     for line in TABLE.lines().skip(1) {
         let fields: Vec<&str> = line.split(',').collect();
         let effect = find(fields[0]).unwrap_or_else(|| panic!("{line}"));
-        let value = |info: &ParameterInfo| {
+        let value = |(index, info): (usize, &ParameterInfo)| {
             let pair = fields[1].split(' ').find_map(|pair| pair.strip_prefix(info.key)?.strip_prefix('='));
-            pair.and_then(|value| value.parse().ok()).unwrap_or_else(|| panic!("{line}: {}", info.key))
+            let stated = pair.and_then(|value| value.parse().ok()).or_else(|| effect.unstated(index));
+            stated.unwrap_or_else(|| panic!("{line}: {}", info.key))
         };
-        let parameters: Vec<f64> = effect.parameters().iter().map(value).collect();
+        let parameters: Vec<f64> = effect.parameters().iter().enumerate().map(value).collect();
         let v: Vec<f64> = fields[2..].iter().map(|v| v.parse().expect("a number")).collect();
-        let state = solved(&with(&model, fields[0], &parameters), &at(v[0], v[1])).state;
+        // Rows of a drift are of the second series.
+        let place = Operation { series: 1, ..at(v[0], v[1]) };
+        let state = solved(&with(&model, fields[0], &parameters), &place).state;
         rows += 1;
         if v[2] == 0.0 {
             assert_eq!((state.status, state.amplitude, state.phase), (Status::Stuck, 0.0, 0.0), "{line}");

@@ -6,7 +6,7 @@ mod strength;
 
 pub use strength::{strengths, varied};
 
-use crate::effects::{Effect, REGISTRY, fits_rig};
+use crate::effects::{Effect, REGISTRY, fits_rig, for_series};
 use crate::model::Model;
 use crate::scenario::DEFAULT_EULER_STEPS;
 use crate::scenario::{Formulation, Scenario};
@@ -50,17 +50,18 @@ pub struct Entry {
 /// The result does not depend on the number of threads.
 pub fn run(scenario: &Scenario) -> Vec<Entry> {
     let bare = Model { effects: Vec::new(), ..Model::new(scenario) };
-    let shown = || REGISTRY.iter().filter(|effect| fits_rig(**effect, bare.has_contact).is_ok());
-    let wanted: Vec<(&'static dyn Effect, Vec<f64>)> = shown()
-        .flat_map(|effect| strengths(*effect).into_iter().map(move |parameters| (*effect, parameters)))
-        .collect();
+    let fits = |effect: &&&'static dyn Effect| fits_rig(**effect, bare.has_contact).is_ok();
+    // Of two series, the second of which is shown.
+    let shown = || REGISTRY.iter().filter(fits).filter_map(|effect| for_series(*effect, 2));
+    let wanted: Vec<(&'static dyn Effect, Vec<f64>)> =
+        shown().flat_map(|effect| strengths(effect).into_iter().map(move |parameters| (effect, parameters))).collect();
     let models: Vec<Model> = std::iter::once(bare.clone())
         .chain(wanted.iter().map(|with| Model { effects: vec![with.clone()], ..bare.clone() }))
         .collect();
     let mut curves = curves(&models).into_iter();
     let base = curves.next().unwrap_or_default();
     let mut strengths = wanted.into_iter().zip(curves).peekable();
-    let entry = |&effect: &&'static dyn Effect| {
+    let entry = |effect: &'static dyn Effect| {
         let own = |((other, _), _): &((&'static dyn Effect, Vec<f64>), Vec<Curve>)| other.name() == effect.name();
         let mut entry = Entry { effect, base: base.clone(), strengths: Vec::new() };
         while let Some(((_, parameters), curves)) = strengths.next_if(own) {

@@ -70,11 +70,9 @@ pub(super) fn split_complex(cell: &str) -> Option<[String; 2]> {
     let body = bare.strip_suffix(['i', 'j'])?.trim_end_matches('*');
     let is_sign = |(at, c): &(usize, char)| matches!(c, '+' | '-') && *at > 0 && !body[..*at].ends_with(['e', 'E']);
     let at = body.char_indices().filter(is_sign).next_back().map_or(0, |(at, _)| at);
-    let number = |part: &str, empty: &str| match part {
-        "" | "+" | "-" => format!("{part}{empty}"),
-        part => part.into(),
-    };
-    let parts = [number(&body[..at], "0"), number(&body[at..], "1")];
+    let real = if at == 0 { "0" } else { &body[..at] };
+    let imaginary = if matches!(&body[at..], "" | "+" | "-") { format!("{}1", &body[at..]) } else { body[at..].into() };
+    let parts = [real.into(), imaginary];
     parts.iter().all(|part| part.parse::<f64>().is_ok()).then_some(parts)
 }
 

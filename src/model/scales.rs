@@ -60,6 +60,6 @@ mod tests {
             }
         }
         let found = Model::new(&crate::scenario::paper()).scaled_at(&points).scales;
-        assert_eq!(found, Scales::PAPER);
+        assert_eq!(found, Scales { series: 1, ..Scales::PAPER });
     }
 }

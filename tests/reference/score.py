@@ -118,6 +118,7 @@ def intervals(truth, found, scenario, planted):
     steps = found.get("steps") or [{}]
     parameters = steps[-1].get("parameters") or {}
     true = {"rig.natural_frequency": truth["f0"], "rig.quality_factor": truth["Q"]}
+    true.update({f"effect.drift.{key}": value for key, value in truth.items() if "drift" in planted and key[:2] in ("d_", "g_")})
     scale = units(truth, scenario, parameters)
     if scale:
         alpha, beta = scale
