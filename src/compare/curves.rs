@@ -32,11 +32,8 @@ pub fn model_curves(
     driven: &[Vec<(f64, f64)>],
     series: &[Series],
 ) -> Vec<ModelCurve> {
-    let work: Vec<_> = settings.iter().zip(driven).zip(series).enumerate().collect();
-    let of = |(number, ((setting, driven), series)): &(usize, ((&Setting, &Vec<(f64, f64)>), &Series))| {
-        curve(model, (*number, setting), driven, series.direction)
-    };
-    work.par_iter().map(of).collect()
+    let of = |number: usize| curve(model, (number, &settings[number]), &driven[number], series[number].direction);
+    (0..settings.len().min(driven.len()).min(series.len())).into_par_iter().map(of).collect()
 }
 
 /// The drive at a frequency, from those of the readings about it.

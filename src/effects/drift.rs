@@ -1,6 +1,6 @@
 //! A rig that is another one from series to series.
 
-use super::{Effect, Group, Measure, ParameterInfo, Zero};
+use super::{Effect, Group, Measure, OfSeries, ParameterInfo, Zero};
 use crate::dual::Dual;
 
 /// Most series that it has numbers for, the first included: those of more would leave no room for any other effect.
@@ -18,35 +18,35 @@ pub static DRIFT: &Drift = &FORMS[MOST - 2];
 /// More than a softening to nothing, and no more than any rig that is still itself.
 const POSSIBLE: (f64, f64) = (-0.9, 10.0);
 
-const fn stiffness(key: &'static str, symbol: &'static str) -> ParameterInfo {
+const fn stiffness(key: &'static str, symbol: &'static str, meaning: &'static str) -> ParameterInfo {
     // Of a resonance that moves by a hundredth of its width up to ten widths.
-    ParameterInfo::searched((key, symbol, "1"), POSSIBLE, (2e-3, 0.5), "change of the stiffness in that series")
+    ParameterInfo::searched((key, symbol, "1"), POSSIBLE, (2e-3, 0.5), meaning)
         .in_units_of(Measure::Loss)
         .alone(0.01, 10.0)
         .of_change()
 }
 
-const fn gain(key: &'static str, symbol: &'static str) -> ParameterInfo {
-    ParameterInfo::searched((key, symbol, "1"), POSSIBLE, (1e-3, 0.5), "change of the gain in that series").of_change()
+const fn gain(key: &'static str, symbol: &'static str, meaning: &'static str) -> ParameterInfo {
+    ParameterInfo::searched((key, symbol, "1"), POSSIBLE, (1e-3, 0.5), meaning).of_change()
 }
 
 const LIST: [ParameterInfo; 2 * (MOST - 1)] = [
-    stiffness("d_2", "d₂"),
-    gain("g_2", "g₂"),
-    stiffness("d_3", "d₃"),
-    gain("g_3", "g₃"),
-    stiffness("d_4", "d₄"),
-    gain("g_4", "g₄"),
-    stiffness("d_5", "d₅"),
-    gain("g_5", "g₅"),
-    stiffness("d_6", "d₆"),
-    gain("g_6", "g₆"),
-    stiffness("d_7", "d₇"),
-    gain("g_7", "g₇"),
-    stiffness("d_8", "d₈"),
-    gain("g_8", "g₈"),
-    stiffness("d_9", "d₉"),
-    gain("g_9", "g₉"),
+    stiffness("d_2", "d₂", "change of the stiffness in series 2"),
+    gain("g_2", "g₂", "change of the gain in series 2"),
+    stiffness("d_3", "d₃", "change of the stiffness in series 3"),
+    gain("g_3", "g₃", "change of the gain in series 3"),
+    stiffness("d_4", "d₄", "change of the stiffness in series 4"),
+    gain("g_4", "g₄", "change of the gain in series 4"),
+    stiffness("d_5", "d₅", "change of the stiffness in series 5"),
+    gain("g_5", "g₅", "change of the gain in series 5"),
+    stiffness("d_6", "d₆", "change of the stiffness in series 6"),
+    gain("g_6", "g₆", "change of the gain in series 6"),
+    stiffness("d_7", "d₇", "change of the stiffness in series 7"),
+    gain("g_7", "g₇", "change of the gain in series 7"),
+    stiffness("d_8", "d₈", "change of the stiffness in series 8"),
+    gain("g_8", "g₈", "change of the gain in series 8"),
+    stiffness("d_9", "d₉", "change of the stiffness in series 9"),
+    gain("g_9", "g₉", "change of the gain in series 9"),
 ];
 
 const NONE: [Zero; 2 * (MOST - 1)] = {
@@ -97,7 +97,7 @@ impl Effect for Drift {
     fn unstated(&self, _index: usize) -> Option<f64> {
         Some(0.0)
     }
-    fn of_series(&self) -> Option<fn(usize) -> Option<&'static dyn Effect>> {
+    fn of_series(&self) -> Option<OfSeries> {
         Some(|count| Some(FORMS.get(count.checked_sub(2)?)? as &dyn Effect))
     }
 

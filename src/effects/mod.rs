@@ -108,6 +108,9 @@ pub struct Support {
     pub stiffness: Dual,
 }
 
+/// The form of an effect for a table of so many series.
+pub type OfSeries = fn(usize) -> Option<&'static dyn Effect>;
+
 /// What every effect of the catalogue states about itself, and its law. Every contribution defaults to none.
 ///
 /// `p` are the parameters in SI in the order of [`Effect::parameters`]. Contributions that enter the equations linearly
@@ -153,7 +156,7 @@ pub trait Effect: Sync {
         None
     }
     /// Its form for a table of so many series, where it has numbers of each; none where there are too few or too many.
-    fn of_series(&self) -> Option<fn(usize) -> Option<&'static dyn Effect>> {
+    fn of_series(&self) -> Option<OfSeries> {
         None
     }
     /// Keys of the parameters that a fit may move, as in `[fit] free`.

@@ -35,7 +35,8 @@ pub fn shapes(c: &Comparison, readings: &Readings<'_>, judged: &Judged<'_>, lead
     let usable: Vec<&'static dyn Effect> = c
         .model
         .catalogue()
-        .filter(|effect| !present(*effect))
+        // What differs from series to series is a class, no shape.
+        .filter(|effect| !present(*effect) && effect.of_series().is_none())
         .filter(|effect| {
             let mut all: Vec<&dyn Effect> = c.model.effects.iter().map(|(e, _)| *e as &dyn Effect).collect();
             all.push(*effect);

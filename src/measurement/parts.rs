@@ -69,7 +69,7 @@ pub(super) fn split_complex(cell: &str) -> Option<[String; 2]> {
     let bare = bare.replace('−', "-").replace(char::is_whitespace, "");
     let body = bare.strip_suffix(['i', 'j'])?.trim_end_matches('*');
     let is_sign = |(at, c): &(usize, char)| matches!(c, '+' | '-') && *at > 0 && !body[..*at].ends_with(['e', 'E']);
-    let at = body.char_indices().filter(is_sign).next_back().map_or(0, |(at, _)| at);
+    let at = body.char_indices().rfind(is_sign).map_or(0, |(at, _)| at);
     let real = if at == 0 { "0" } else { &body[..at] };
     let imaginary = if matches!(&body[at..], "" | "+" | "-") { format!("{}1", &body[at..]) } else { body[at..].into() };
     let parts = [real.into(), imaginary];
