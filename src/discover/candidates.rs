@@ -34,6 +34,14 @@ impl Candidates {
         words.iter().map(name).collect::<Result<_, _>>().map(Self::Named)
     }
 
+    /// Those that are named; none where all are asked for.
+    pub fn named(&self) -> &[&'static str] {
+        match self {
+            Self::All => &[],
+            Self::Named(names) => names,
+        }
+    }
+
     /// Whether an effect is among them; a formula, which a scenario states to be searched, always is.
     pub fn include(&self, effect: &dyn Effect) -> bool {
         match self {

@@ -1,6 +1,6 @@
 //! What the rounds of a search say together: verdict, ladder, ranking, rivals, and what remains open.
 
-use super::hypothesis::{Addition, Basis, Estimate, Hypothesis, count, extended};
+use super::hypothesis::{Addition, Basis, Estimate, Hypothesis, count, extended, not_searched};
 use super::known::{Entry, Known};
 use super::select::Search;
 use super::{Candidate, Discovery, Evidence, MARGIN, NotTestable, Step, Verdict, held_out, next, verdict};
@@ -104,7 +104,7 @@ impl Search<'_> {
         let not_testable = self.not_testable(&candidates, known, &showing);
         let next_measurement = self.next(&end.hypothesis, &rivals, &candidates);
         let correlations = end.comparison.correlations.clone();
-        let mut notes = Vec::new();
+        let mut notes = not_searched(&self.data.base, &self.pool, &self.options.candidates);
         let spent = !self.goes_on();
         if spent {
             notes.push(format!(

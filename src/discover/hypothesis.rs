@@ -1,7 +1,7 @@
 //! What may be wrong with a model: a number of the rig or the instrument, or an effect that is missing; alone or together.
 
 use super::candidates::Candidates;
-use crate::effects::{self, Effect, middle};
+use crate::effects::{self, Effect, find, middle};
 use crate::fit::{Fit, Problem, parameter, robust_square, typical_of};
 use crate::measurement::Point;
 use crate::model::Model;
@@ -71,6 +71,25 @@ pub fn additions(model: &Model, free: &[String], with_phase: bool, candidates: &
     let sized = |effect: &&'static dyn Effect| has_size(model, *effect);
     all.extend(model.catalogue().filter(asked).filter(absent).filter(sized).map(Addition::Effect));
     all
+}
+
+/// Why effects that were asked for by name are not searched, in words.
+pub fn not_searched(model: &Model, pool: &[Addition], candidates: &Candidates) -> Vec<String> {
+    let why = |name: &&'static str| {
+        let effect = find(name).filter(|_| !pool.iter().any(|addition| addition.name() == *name))?;
+        let series = model.scales.series;
+        let reason = if model.effects.iter().any(|(present, _)| present.name() == *name) {
+            "the scenario has it already".to_string()
+        } else if let Err(why) = effects::fits_rig(effect, model.has_contact) {
+            why
+        } else if effects::for_series(effect, series).is_none() {
+            format!("it has numbers of 2 to 9 series, and the table has {series}")
+        } else {
+            "the measurements leave it nothing to act on".to_string()
+        };
+        Some(format!("{name} was asked for and is not searched: {reason}"))
+    };
+    candidates.named().iter().filter_map(why).collect()
 }
 
 /// Whether the measurements give an effect a size to be looked for at: without any load on the contact some have none.

@@ -1,0 +1,94 @@
+//! A rig that is another one from series to series: tables from the closed form of a linear resonance, through the search and back.
+
+use std::fmt::Write as _;
+use std::path::Path;
+use stickslip::discover::{Candidates, Discovery, SearchOptions, Verdict, discover, fit_addition};
+use stickslip::effects;
+use stickslip::measurement::{self, Table};
+use stickslip::scenario::{self, Scenario};
+
+/// Stiffness and gain of every series beside those of the first.
+const CHANGES: [(f64, f64); 3] = [(0.0, 0.0), (0.012, -0.06), (-0.02, 0.11)];
+const RIG: &str = "title = \"t\"\n[rig]\nkind = \"oscillator\"\nmass = \"2 kg\"\nnatural_frequency = \"80 Hz\"\nquality_factor = 50\n\
+    drive = \"force\"\n[measurement]\nfile = \"t.csv\"\n[fit]\nfree = [\"rig.mass\", \"rig.natural_frequency\", \"rig.quality_factor\"]\n";
+
+/// So many of the series, at one drive each, with one percent of noise.
+fn written(folder: &Path, series: usize) -> (Scenario, Table) {
+    let mut text =
+        String::from("series,frequency_hz,force_n,amplitude_m,phase_rad,amplitude_sd_percent,phase_sd_rad\n");
+    let mut row = 0_u32;
+    for (number, (d, g)) in CHANGES[..series].iter().enumerate() {
+        for step in 0..41 {
+            let ratio = 1.0 + 0.002 * (f64::from(step) - 20.0);
+            let (re, im) = (1.0 + d - ratio * ratio, ratio / 50.0);
+            let noise = |of: u32| {
+                let sum: f64 = (0..12).map(|i| f64::from(sobol_burley::sample(row, 12 * of + i, 5))).sum();
+                0.01 * (sum - 6.0)
+            };
+            let amplitude = (1.0 + g) * 1e-5 / re.hypot(im) * (1.0 + noise(0));
+            let phase = -im.atan2(re) + noise(1);
+            let force = 1e-5 * 2.0 * (std::f64::consts::TAU * 80.0).powi(2);
+            writeln!(text, "{number},{:.6},{force:.8e},{amplitude:.8e},{phase:.7},1,0.01", 80.0 * ratio).unwrap();
+            row += 1;
+        }
+    }
+    std::fs::write(folder.join("t.csv"), text).unwrap();
+    std::fs::write(folder.join("t.toml"), RIG).unwrap();
+    let scenario = scenario::load(&folder.join("t.toml")).unwrap();
+    let table = measurement::load(&scenario).unwrap().unwrap();
+    (scenario, table)
+}
+
+fn asked(scenario: &Scenario, table: &Table) -> Discovery {
+    let candidates = Candidates::of(&["drift"]).unwrap();
+    discover(scenario, table, &SearchOptions { candidates, ..SearchOptions::default() })
+}
+
+#[test]
+fn a_drift_is_found_with_the_numbers_of_every_series_and_predicts_none_that_is_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let (scenario, table) = written(folder.path(), 3);
+    let found = discover(&scenario, &table, &SearchOptions::default());
+    assert_eq!(found.verdict, Verdict::EffectMissing, "{:?}", found.notes);
+    let last = found.steps.last().unwrap();
+    assert_eq!(last.hypothesis.label(), "drift");
+    for (number, (d, g)) in CHANGES.iter().enumerate().skip(1) {
+        for (key, truth) in [("d", d), ("g", g)] {
+            let key = format!("effect.drift.{key}_{}", number + 1);
+            let place = last.comparison.fit.parameters.iter().position(|p| p.key == key).unwrap();
+            let interval = last.comparison.intervals[place];
+            assert!(interval.low < *truth && *truth < interval.high, "{key} {truth}: {interval:?}");
+        }
+    }
+    let (held_out, own) = (last.held_out.unwrap(), &last.comparison.overall);
+    assert!(own.chi2_per_point < 1.3 && held_out.chi2_per_point > 30.0, "{held_out:?} {own:?}");
+}
+
+#[test]
+fn a_drift_that_is_added_by_hand_has_as_many_numbers_as_there_are_series() {
+    let folder = tempfile::tempdir().unwrap();
+    let (scenario, table) = written(folder.path(), 3);
+    let drift = effects::for_series(effects::find("drift").unwrap(), table.series.len()).unwrap();
+    let change = fit_addition(&scenario, &table, drift, 0);
+    assert_eq!(change.decided(), Some(true));
+    assert_eq!(change.after.fit.parameters.iter().filter(|p| p.key.starts_with("effect.drift.")).count(), 4);
+    // As it is read again: with numbers of nine series, of which those that there are count.
+    let text = format!(
+        "{}, \"effect.drift.d_2\"]\n[[effect]]\nname = \"drift\"\nd_2 = 0.012\n",
+        RIG.trim_end().trim_end_matches(']')
+    );
+    std::fs::write(folder.path().join("again.toml"), text).unwrap();
+    let again = scenario::load(&folder.path().join("again.toml")).unwrap();
+    assert_eq!((again.effects[0].parameters.len(), table.applied_to(&again).effects[0].parameters.len()), (16, 4));
+}
+
+#[test]
+fn of_one_series_no_drift_is_searched_and_that_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let (scenario, table) = written(folder.path(), 1);
+    let found = asked(&scenario, &table);
+    let said = "drift was asked for and is not searched: it has numbers of 2 to 9 series, and the table has 1";
+    assert!(found.notes.iter().any(|note| note == said), "{:?}", found.notes);
+    let (scenario, table) = written(folder.path(), 2);
+    assert!(!asked(&scenario, &table).notes.iter().any(|note| note.contains("asked for")));
+}
