@@ -34,7 +34,7 @@ fn written(folder: &Path, series: usize) -> (Scenario, Table) {
     }
     std::fs::write(folder.join("t.csv"), text).unwrap();
     std::fs::write(folder.join("t.toml"), RIG).unwrap();
-    let scenario = scenario::load(&folder.join("t.toml")).unwrap();
+    let scenario = scenario::load(folder.join("t.toml")).unwrap();
     let table = measurement::load(&scenario).unwrap().unwrap();
     (scenario, table)
 }
@@ -78,7 +78,7 @@ fn a_drift_that_is_added_by_hand_has_as_many_numbers_as_there_are_series() {
         RIG.trim_end().trim_end_matches(']')
     );
     std::fs::write(folder.path().join("again.toml"), text).unwrap();
-    let again = scenario::load(&folder.path().join("again.toml")).unwrap();
+    let again = scenario::load(folder.path().join("again.toml")).unwrap();
     assert_eq!((again.effects[0].parameters.len(), table.applied_to(&again).effects[0].parameters.len()), (16, 4));
 }
 

@@ -16,7 +16,7 @@ use crate::free_form::{self, FreeForm};
 use crate::gate::{self, Judged};
 use crate::measurement::Table;
 use crate::scenario::Scenario;
-use crate::units::Frequencies;
+use crate::units::{Frequencies, count};
 use std::path::{Path, PathBuf};
 
 /// Candidates shown on the terminal.
@@ -202,7 +202,9 @@ pub(super) fn words(d: &Discovery, output: Option<&Path>) -> Vec<String> {
     let outliers = if d.verdict == Verdict::Unexplained { 1 } else { SHOWN };
     lines.extend(d.outliers.iter().take(outliers).map(|outlier| stands_out(c, outlier)));
     if d.outliers.len() > outliers {
-        lines.push(format!("and {} more readings that stand out (see --json)", d.outliers.len() - outliers));
+        let more = count(d.outliers.len() - outliers, "reading");
+        let verb = if d.outliers.len() - outliers == 1 { "stands" } else { "stand" };
+        lines.push(format!("and {more} more that {verb} out (see --json)"));
     }
     if d.verdict == Verdict::Unexplained && !c.regions.is_empty() {
         lines.push("where the best model still fails:".into());

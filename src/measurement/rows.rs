@@ -68,8 +68,8 @@ pub(crate) fn readings(
 
 /// Whether a row is of frequency zero, with which a spectrum begins.
 fn is_constant_part(layout: &Layout, row: &Row) -> bool {
-    let cell = layout.slots[FREQUENCY].as_ref().and_then(Slot::index).and_then(|index| row.cells.get(index));
-    cell.is_some_and(|cell| cell.replace(',', ".").parse::<f64>() == Ok(0.0))
+    let Some(Slot::Cells(index, unit)) = &layout.slots[FREQUENCY] else { return false };
+    row.cells.get(*index).is_some_and(|cell| unit.convert(&cell.replace(',', ".")) == Ok(0.0))
 }
 
 /// What was made of the columns of a sheet.

@@ -287,9 +287,13 @@ fn sentence(claims: &[ClaimView], scenarios: &[ScenarioView], checks: &[CheckVie
         let found = |wanted: &[Found]| {
             scenarios.iter().filter_map(|s| s.discovery.as_ref()).filter(|d| wanted.contains(&d.verdict)).count()
         };
-        let (explained, not) = (found(&[Found::Effect, Found::Recalibrated]), found(&[Found::Unexplained]));
-        if explained + not > 0 {
-            parts.push(format!("what misfits is explained in {explained} and unexplained in {not}"));
+        let told = [
+            ("explained", found(&[Found::Effect, Found::Recalibrated])),
+            ("unexplained", found(&[Found::Unexplained])),
+        ];
+        let told: Vec<String> = told.iter().filter(|(_, n)| *n > 0).map(|(word, n)| format!("{word} in {n}")).collect();
+        if !told.is_empty() {
+            parts.push(format!("what misfits is {}", told.join(" and ")));
         }
     }
     if !checks.is_empty() {
