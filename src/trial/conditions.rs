@@ -105,10 +105,21 @@ impl Bench {
     pub fn hash(&self) -> String {
         // In the form of the committed results, which knew one kind of rig.
         let (rig, i) = (format!("{:?}", self.model.rig.arm()).replace("TorsionalArm", "Rig"), &self.model.instrument);
+        // Nor series: what was measured where is the same without.
+        let of = |at: &Operation| {
+            let Operation { speed, load, drive, frequency, .. } = at;
+            format!("Operation {{ speed: {speed:?}, load: {load:?}, drive: {drive:?}, frequency: {frequency:?} }}")
+        };
+        let operations: Vec<String> = self.operations.iter().map(of).collect();
         let text = format!(
             "Model {{ rig: {rig}, contact: {:?}, instrument: Instrument {{ drive_gain: {:?}, amplitude_gain: {:?}, phase_offset: {:?} }}, \
-             effects: [] }} {:?} {:?}",
-            self.model.contact, i.drive_gain, i.amplitude_gain, i.phase_offset, self.free, self.operations
+             effects: [] }} {:?} [{}]",
+            self.model.contact,
+            i.drive_gain,
+            i.amplitude_gain,
+            i.phase_offset,
+            self.free,
+            operations.join(", ")
         );
         blake3::hash(text.as_bytes()).to_hex().to_string()
     }
