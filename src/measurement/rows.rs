@@ -35,7 +35,8 @@ pub(crate) fn readings(
     written(sheet, commas, notes);
     let mut list = Vec::new();
     // A frequency of zero anywhere else is a slip.
-    let is_spectrum = sheet.rows().next().is_some_and(|first| is_constant_part(&layout, &first));
+    let is_spectrum = sheet.rows().next().is_some_and(|first| is_constant_part(&layout, &first))
+        && sheet.rows().any(|row| !is_constant_part(&layout, &row));
     let mut constant = 0;
     for (at, row) in sheet.rows().enumerate() {
         if is_spectrum && is_constant_part(&layout, &row) {

@@ -123,6 +123,9 @@ fn spectra_periods_and_complex_numbers_are_read_as_their_programs_write_them() {
     let spectrum = read(&text("f (Hz),x (mm)\n0,7", &|f| format!("{f},{}", f / 50.0)));
     same(&spectrum);
     assert!(spectrum.notes.iter().any(|note| note.starts_with("1 row at 0 Hz")), "{:?}", spectrum.notes);
+    // Nothing else is no spectrum.
+    let nothing = survey("t.csv", "f (Hz),x (mm)\n0,7\n0,8\n").expect_err("refused").to_string();
+    assert!(nothing.contains("outside its physical range"), "{nothing}");
 }
 
 #[test]
