@@ -87,7 +87,8 @@ fn of_one_series_no_drift_is_searched_and_that_is_said() {
     let folder = tempfile::tempdir().unwrap();
     let (scenario, table) = written(folder.path(), 1);
     let found = asked(&scenario, &table);
-    let said = "drift was asked for and is not searched: it has numbers of 2 to 9 series, and the table has 1";
+    let said =
+        "drift was asked for and is not searched: `drift` has numbers of each of 2 to 9 series, and the table has 1";
     assert!(found.notes.iter().any(|note| note == said), "{:?}", found.notes);
     let (scenario, table) = written(folder.path(), 2);
     assert!(!asked(&scenario, &table).notes.iter().any(|note| note.contains("asked for")));

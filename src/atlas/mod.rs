@@ -52,7 +52,7 @@ pub fn run(scenario: &Scenario) -> Vec<Entry> {
     let bare = Model { effects: Vec::new(), ..Model::new(scenario) };
     let fits = |effect: &&&'static dyn Effect| fits_rig(**effect, bare.has_contact).is_ok();
     // Of two series, the second of which is shown.
-    let shown = || REGISTRY.iter().filter(fits).filter_map(|effect| for_series(*effect, 2));
+    let shown = || REGISTRY.iter().filter(fits).filter_map(|effect| for_series(*effect, 2).ok());
     let wanted: Vec<(&'static dyn Effect, Vec<f64>)> =
         shown().flat_map(|effect| strengths(effect).into_iter().map(move |parameters| (effect, parameters))).collect();
     let models: Vec<Model> = std::iter::once(bare.clone())

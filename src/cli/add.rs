@@ -9,7 +9,6 @@ use crate::discover::{Change, fit_addition, fit_removal, has_size};
 use crate::effects::{self, Effect, REGISTRY};
 use crate::error::{Error, Result};
 use crate::fit::operation;
-use crate::measurement::Table;
 use crate::model::Model;
 use crate::scenario::Scenario;
 use crate::scenario::diagnostic::{nearest, quote, whole_file};
@@ -44,7 +43,10 @@ pub struct Job<'a> {
 /// input is found before the fit.
 pub fn execute(job: &Job<'_>, global: &Global) -> Result<()> {
     let (scenario, table) = with_measurements(job.path)?;
-    let effect = for_table(known(job.effect, &scenario)?, &table)?;
+    let refused = |why: String| {
+        Error::Input(whole_file(&why, "the free form of `stickslip discover` tells what changes from series to series"))
+    };
+    let effect = effects::for_series(known(job.effect, &scenario)?, table.series.len()).map_err(refused)?;
     check_applicable(job, &scenario)?;
     let places: Vec<_> = table.points.iter().map(|point| (operation(point), point.amplitude)).collect();
     if !job.remove && !has_size(&Model::new(&scenario).scaled_at(&places), effect) {
@@ -104,15 +106,6 @@ fn known(name: &str, scenario: &Scenario) -> Result<&'static dyn Effect> {
             None => format!("`stickslip effects` lists the catalogue: {}", names().collect::<Vec<_>>().join(", ")),
         };
         Error::Input(whole_file(&format!("unknown effect {}", quote(name)), &help))
-    })
-}
-
-/// The effect with as many numbers as the table has series, where it has some of each.
-fn for_table(effect: &'static dyn Effect, table: &Table) -> Result<&'static dyn Effect> {
-    effects::for_series(effect, table.series.len()).ok_or_else(|| {
-        let (name, series) = (quote(effect.name()), table.series.len());
-        let title = format!("{name} has numbers of each series, and the table has {series} series");
-        Error::Input(whole_file(&title, "tables of 2 to 9 series serve"))
     })
 }
 

@@ -77,15 +77,12 @@ pub fn additions(model: &Model, free: &[String], with_phase: bool, candidates: &
 pub fn not_searched(model: &Model, pool: &[Addition], candidates: &Candidates) -> Vec<String> {
     let why = |name: &&'static str| {
         let effect = find(name).filter(|_| !pool.iter().any(|addition| addition.name() == *name))?;
-        let series = model.scales.series;
         let reason = if model.effects.iter().any(|(present, _)| present.name() == *name) {
             "the scenario has it already".to_string()
-        } else if let Err(why) = effects::fits_rig(effect, model.has_contact) {
-            why
-        } else if effects::for_series(effect, series).is_none() {
-            format!("it has numbers of 2 to 9 series, and the table has {series}")
         } else {
-            "the measurements leave it nothing to act on".to_string()
+            let fits = effects::fits_rig(effect, model.has_contact);
+            let fits = fits.and_then(|()| effects::for_series(effect, model.scales.series).map(|_| ()));
+            fits.err().unwrap_or_else(|| "the measurements leave it nothing to act on".to_string())
         };
         Some(format!("{name} was asked for and is not searched: {reason}"))
     };

@@ -3,6 +3,7 @@
 
 use super::data::{Data, readings};
 use super::hypothesis::{Addition, Hypothesis, extended};
+use crate::effects::Effect;
 use crate::fit::resonance;
 use crate::fit::{Evaluation, Parameter, Prediction, Problem, TAIL, parameter, robust_chi2, typical_of};
 use crate::measurement::Point;
@@ -12,9 +13,6 @@ use nalgebra::{DMatrix, DVector};
 
 /// Singular values below this share of the largest count as none.
 const SINGULAR: f64 = 1e-9;
-
-/// A small change of a number of a series, of its range.
-const SMALL: f64 = 1e-3;
 
 /// A hypothesis to which something may be added, on some of the points.
 pub struct Parent<'a> {
@@ -213,8 +211,8 @@ enum Sample {
     Resonance,
     /// Numbers of each series as its resonance in the readings differs from that in the model, ...
     OfSeries,
-    /// ... or small ones.
-    Small,
+    /// ... or the smallest that are looked for.
+    Smallest,
 }
 
 impl Count<'_> {
@@ -225,7 +223,7 @@ impl Count<'_> {
             return vec![Sample::Step(-0.05), Sample::Step(0.05), Sample::Resonance];
         }
         if matches!(addition, Addition::Effect(effect) if effect.of_series().is_some()) {
-            return vec![Sample::OfSeries, Sample::Small];
+            return vec![Sample::OfSeries, Sample::Smallest];
         }
         let model = extended(&from.model, &[addition]);
         let own: Vec<Parameter> = addition.keys().iter().filter_map(|key| parameter(&model, key)).collect();
@@ -283,9 +281,11 @@ impl Sample {
                 with(&model, parameters, &[moved])
             }
             Self::OfSeries => with(&model, parameters, &parent.of_series(stated.len() / 2)),
-            Self::Small => {
-                let least: Vec<f64> = parameters.iter().map(|p| p.moved(0.0, SMALL * p.extent())).collect();
-                with(&model, parameters, &least)
+            Self::Smallest => {
+                let least = |(effect, p): &(&'static dyn Effect, Vec<f64>)| -> Vec<f64> {
+                    (0..p.len()).map(|number| effect.search_range(number, &model.scales).0).collect()
+                };
+                with(&model, parameters, &model.effects.last().map_or(stated, least))
             }
             Self::Resonance => resonance::started(&model, &addition.keys(), data.points).unwrap_or(model),
         }

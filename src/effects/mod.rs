@@ -328,9 +328,11 @@ pub static REGISTRY: &[&dyn Effect] = &[
     drift::DRIFT,
 ];
 
-/// The form of an effect for a table of so many series; none where it has none.
-pub fn for_series(effect: &'static dyn Effect, count: usize) -> Option<&'static dyn Effect> {
-    effect.of_series().map_or(Some(effect), |form| form(count))
+/// The form of an effect for a table of so many series; the error says why there is none.
+pub fn for_series(effect: &'static dyn Effect, count: usize) -> Result<&'static dyn Effect, String> {
+    effect.of_series().map_or(Some(effect), |form| form(count)).ok_or_else(|| {
+        format!("`{}` has numbers of each of 2 to {} series, and the table has {count}", effect.name(), drift::MOST)
+    })
 }
 
 /// The effect of that name.

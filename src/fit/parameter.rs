@@ -94,6 +94,22 @@ fn size_beside_zero(model: &Model, table: &str, info: &ParameterInfo) -> f64 {
     }
 }
 
+/// A positive magnitude with these bounds and this range of its logarithm.
+fn magnitude(key: &str, info: &ParameterInfo, index: usize, (bounds, range): ((f64, f64), (f64, f64))) -> Parameter {
+    Parameter {
+        key: key.into(),
+        unit: info.unit,
+        symbol: info.symbol,
+        index,
+        signed: false,
+        sign: 1.0,
+        logarithmic: true,
+        beside: 0.0,
+        bounds,
+        range,
+    }
+}
+
 fn of_base(key: &str, info: &ParameterInfo, index: usize, (value, beside_zero): (f64, f64), factor: f64) -> Parameter {
     let logarithmic = info.minimum >= 0.0;
     let (lower, upper) = match (logarithmic, value > 0.0) {
@@ -107,18 +123,7 @@ fn of_base(key: &str, info: &ParameterInfo, index: usize, (value, beside_zero): 
     let bounds = (scale(clip(lower)), scale(clip(upper)));
     let middle = if value > 0.0 && logarithmic { value.ln() } else { 0.5 * (bounds.0 + bounds.1) };
     let range = (0.5 * (bounds.0 + middle), 0.5 * (bounds.1 + middle));
-    Parameter {
-        key: key.into(),
-        unit: info.unit,
-        symbol: info.symbol,
-        index,
-        signed: false,
-        sign: 1.0,
-        logarithmic,
-        beside: 0.0,
-        bounds,
-        range,
-    }
+    Parameter { logarithmic, ..magnitude(key, info, index, (bounds, range)) }
 }
 
 fn of_effect(key: &str, info: &ParameterInfo, index: usize, value: f64, (low, high): (f64, f64)) -> Parameter {
@@ -137,35 +142,15 @@ fn of_effect(key: &str, info: &ParameterInfo, index: usize, value: f64, (low, hi
     // A value that a user wrote is within the bounds.
     let written = if value == 0.0 { range.0 } else { value.abs().ln() };
     let bounds = (smallest.ln().min(written), largest.ln().max(written));
-    Parameter {
-        key: key.into(),
-        unit: info.unit,
-        symbol: info.symbol,
-        index,
-        signed: info.signed,
-        sign: if value < 0.0 { -1.0 } else { 1.0 },
-        logarithmic: true,
-        beside: 0.0,
-        bounds,
-        range,
-    }
+    let sign = if value < 0.0 { -1.0 } else { 1.0 };
+    Parameter { signed: info.signed, sign, ..magnitude(key, info, index, (bounds, range)) }
 }
 
 /// A relative change, searched up to `high` to either side of none.
 fn of_change(key: &str, info: &ParameterInfo, index: usize, high: f64) -> Parameter {
     let whole = |change: f64| change.clamp(info.minimum, info.maximum).ln_1p();
-    Parameter {
-        key: key.into(),
-        unit: info.unit,
-        symbol: info.symbol,
-        index,
-        signed: false,
-        sign: 1.0,
-        logarithmic: true,
-        beside: 1.0,
-        bounds: (whole(info.minimum), whole(info.maximum)),
-        range: (whole(-high), whole(high)),
-    }
+    let bounds = (whole(info.minimum), whole(info.maximum));
+    Parameter { beside: 1.0, ..magnitude(key, info, index, (bounds, (whole(-high), whole(high)))) }
 }
 
 impl Parameter {

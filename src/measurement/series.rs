@@ -42,7 +42,7 @@ impl super::Table {
     pub fn applied_to(&self, scenario: &Scenario) -> Scenario {
         let mut scenario = Scenario { signals: self.signals, ..scenario.clone() };
         for setting in &mut scenario.effects {
-            if let Some(effect) = effects::for_series(setting.effect, self.series.len()) {
+            if let Ok(effect) = effects::for_series(setting.effect, self.series.len()) {
                 setting.effect = effect;
                 setting.parameters.truncate(effect.parameters().len());
             }

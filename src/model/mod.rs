@@ -82,7 +82,7 @@ impl Model {
     /// Everything that may be added: effects of the catalogue that fit the rig and the series measured, and formulas.
     pub fn catalogue(&self) -> impl Iterator<Item = &'static dyn Effect> + '_ {
         let registered = REGISTRY.iter().copied().filter(|effect| fits_rig(*effect, self.has_contact).is_ok());
-        let registered = registered.filter_map(|effect| for_series(effect, self.scales.series));
+        let registered = registered.filter_map(|effect| for_series(effect, self.scales.series).ok());
         registered.chain(self.candidates.iter().copied())
     }
 
