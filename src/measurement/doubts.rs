@@ -17,6 +17,8 @@ const NEAR: f64 = 0.05;
 const TOWARDS: f64 = 1.5;
 /// Fewest readings of a curve that may have been taken without a signal: a notch is narrower.
 const DEAD: usize = 5;
+/// Scatter of ln(amplitude) beyond which readings are below the detection limit, three times the noise (IUPAC 1976).
+const UNDETECTED: f64 = 1.0 / 3.0;
 /// So many rows are named.
 const NAMED: usize = 5;
 
@@ -43,15 +45,40 @@ pub(super) fn doubts(points: &[Point], arm: bool) -> Vec<String> {
     }
     for curve in points.chunk_by(same_curve) {
         let rows = dead(curve);
-        if let [first, .., last] = rows[..] {
-            doubts.push(format!(
-                "{} amplitudes (rows {first} to {last}) lie further below the others of their series than these spread: was there a signal? \
-                 Take these rows out if not",
-                rows.len()
-            ));
+        if !rows.is_empty() {
+            doubts.push(format!("{}: was there a signal? Take these rows out if not", far_below(&rows)));
         }
     }
     doubts
+}
+
+/// Which points were taken without a signal, as their series shows: far below the others, and nothing but noise.
+pub(super) fn without_signal(points: &[Point], notes: &mut Vec<String>) -> Vec<bool> {
+    let mut without = vec![false; points.len()];
+    let mut at = 0;
+    for curve in points.chunk_by(same_curve) {
+        let rows = dead(curve);
+        let mut readings: Vec<&Point> = curve.iter().filter(|point| rows.binary_search(&point.row).is_ok()).collect();
+        readings.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
+        let sizes: Vec<f64> = readings.iter().map(|point| (point.amplitude / point.drive).ln()).collect();
+        // What a line through neighbours leaves.
+        let left = sizes.windows(3).map(|near| (near[0] + near[2] - 2.0 * near[1]).powi(2) / 6.0);
+        if !rows.is_empty() && left.sum::<f64>() / (sizes.len() - 2) as f64 > UNDETECTED.powi(2) {
+            let noise = "scatter like noise without a signal: these rows are not used";
+            notes.push(format!("{} and {noise}", far_below(&rows)));
+            let flags = without[at..at + curve.len()].iter_mut().zip(curve);
+            flags.for_each(|(flag, point)| *flag = rows.binary_search(&point.row).is_ok());
+        }
+        at += curve.len();
+    }
+    without
+}
+
+fn far_below(rows: &[usize]) -> String {
+    let (count, first, last) = (rows.len(), rows[0], rows[rows.len() - 1]);
+    format!(
+        "{count} amplitudes (rows {first} to {last}) lie further below the others of their series than these spread"
+    )
 }
 
 /// Whether phases rise with the frequency, as where a lag is counted positive.
@@ -173,6 +200,13 @@ mod tests {
         points[15..22].iter_mut().for_each(|point| point.amplitude *= 1e-7);
         assert_eq!(dead(&points), (16..=22).collect::<Vec<_>>());
         assert!(doubts(&points, true).iter().any(|doubt| doubt.contains("7 amplitudes (rows 16 to 22)")));
+        // Small and smooth they may be what the rig does; not as noise.
+        let mut notes = Vec::new();
+        assert!(without_signal(&points, &mut notes).iter().all(|without| !without) && notes.is_empty());
+        points[15..22].iter_mut().zip([0.3, 1.9, 0.9, 1.2, 0.5, 2.2, 1.0]).for_each(|(point, r)| point.amplitude *= r);
+        let without = without_signal(&points, &mut notes);
+        assert!(without.iter().enumerate().all(|(at, without)| *without == (15..22).contains(&at)));
+        assert!(notes.len() == 1 && notes[0].starts_with("7 amplitudes (rows 16 to 22)"), "{notes:?}");
     }
 
     #[test]

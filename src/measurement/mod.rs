@@ -287,6 +287,9 @@ fn read(wanted: &MeasurementSource, bytes: &[u8], frame: &Frame<'_>, sweep: Opti
         return Err(Error::Input(whole_file(&title, help)));
     }
     let mut pooled = pool::pool(readings, frame.is_arm(), &mut notes)?;
+    let without = doubts::without_signal(&pooled.points, &mut notes);
+    let all = pooled.points.into_iter().zip(pooled.spreads).zip(without);
+    (pooled.points, pooled.spreads) = all.filter(|(_, without)| !without).map(|(kept, _)| kept).unzip();
     let mut series = std::mem::take(&mut pooled.series);
     let (mut points, amplitude_noise, phase_noise) = noise::assign(pooled, &wanted.file, signals, &mut notes)?;
     if let Some(point) = points.iter().find(|point| !point.is_finite()) {
