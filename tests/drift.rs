@@ -60,6 +60,8 @@ fn a_drift_is_found_with_the_numbers_of_every_series_and_predicts_none_that_is_l
             assert!(interval.low < *truth && *truth < interval.high, "{key} {truth}: {interval:?}");
         }
     }
+    // What a fourth series will have nobody knows.
+    assert!(found.next_measurement.is_none());
     let (held_out, own) = (last.held_out.unwrap(), &last.comparison.overall);
     assert!(own.chi2_per_point < 1.3 && held_out.chi2_per_point > 30.0, "{held_out:?} {own:?}");
 }

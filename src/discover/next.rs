@@ -77,7 +77,11 @@ struct Typical {
 /// most: the largest distance of the best two.
 pub(super) fn next(survivors: &[&Hypothesis], table: &Table, bounds: &Bounds) -> Option<NextMeasurement> {
     let [one, other, ..] = survivors else { return None };
-    let (at, sigma) = within(&one.fitted(), &other.fitted(), table, bounds)?;
+    let (fitted, rival) = (one.fitted(), other.fitted());
+    if has_numbers_of_series(&fitted) || has_numbers_of_series(&rival) {
+        return None;
+    }
+    let (at, sigma) = within(&fitted, &rival, table, bounds)?;
     Some(NextMeasurement {
         setting: setting(&at, table, one.model.has_contact),
         frequency_hz: at.frequency,
@@ -90,6 +94,9 @@ pub(super) fn next(survivors: &[&Hypothesis], table: &Table, bounds: &Bounds) ->
 /// Where an effect that the data cannot show would show most, in the one of its `forms` that shows most there, in words; empty
 /// where nowhere.
 pub(super) fn would_show(without: &Model, forms: &[Model], table: &Table, bounds: &Bounds) -> String {
+    if has_numbers_of_series(without) {
+        return String::new();
+    }
     let (typical, all) = (typical(table), grid(table, bounds, without.has_contact));
     let thin: Vec<Operation> = all.iter().step_by(THIN).copied().collect();
     let shown =
@@ -111,6 +118,11 @@ pub(super) fn would_show(without: &Model, forms: &[Model], table: &Table, bounds
         }
         _ => String::new(),
     }
+}
+
+/// Whether a model has numbers of each series, of which one that is still to be measured has none: nothing is predicted there.
+fn has_numbers_of_series(model: &Model) -> bool {
+    model.effects.iter().any(|(effect, _)| effect.of_series().is_some())
 }
 
 /// The condition of a point.
