@@ -328,41 +328,8 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
     let (contact, contact_model) = fingerprint(&model, &points);
     let column = table.signals.reading.reading_column();
     let outliers = (0..settings.len()).flat_map(|i| standing_out(&of(i), column, noise)).collect();
-    let mut notes = Vec::new();
-    for key in (Calibration { fit: fit.clone(), ..calibration.clone() }).at_bounds() {
-        notes.push(format!(
-            "{key} ended at the bound of its search: the data do not hold it, or it is far off as stated"
-        ));
-    }
-    if unfinished > 0 {
-        notes.push(format!(
-            "{} of intervals are where the curvature of the misfit puts them: to find all took more steady states than a search \
-             may solve",
-            count(unfinished, "end")
-        ));
-    }
-    let states = |p: &Compared| p.model.others.len() + usize::from(!p.model.beyond);
-    let two = points.iter().filter(|p| states(p) > 1).count();
-    if two > 0 {
-        let off = branches::off_the_sweep(&points, &table.series);
-        let which = match off {
-            0 => "all of them those that a sweep of the model is on".into(),
-            off => format!("{} with another than the one that a sweep of the model is on", count(off, "reading")),
-        };
-        notes.push(format!(
-            "the model has two stable states at {}; each reading is compared with the state nearest to it, {which}",
-            count(two, "point")
-        ));
-    }
-    let beyond = points.iter().filter(|p| p.model.beyond).count();
-    if beyond > 0 {
-        let (lies, it) = if beyond == 1 { ("lies", "it is") } else { ("lie", "they are") };
-        notes.push(format!(
-            "{} {lies} beyond the end of the branch of states that {it} on: held against that end, by how far off it is in amplitude and \
-             in drive",
-            count(beyond, "reading")
-        ));
-    }
+    let at_bounds = Calibration { fit: fit.clone(), ..calibration.clone() };
+    let notes = notes(&at_bounds.at_bounds(), unfinished, &points, table);
     Comparison {
         scenario: scenario.clone(),
         table: table.clone(),
@@ -383,6 +350,47 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
         error_budget: OnceLock::new(),
         curves: OnceLock::new(),
     }
+}
+
+/// What has to be known of a comparison: parameters that ended at a bound, ends of intervals that were not found, readings where the
+/// model has several states or none.
+fn notes(at_bounds: &[&str], unfinished: usize, points: &[Compared], table: &Table) -> Vec<String> {
+    let mut notes = Vec::new();
+    for key in at_bounds {
+        notes.push(format!(
+            "{key} ended at the bound of its search: the data do not hold it, or it is far off as stated"
+        ));
+    }
+    if unfinished > 0 {
+        notes.push(format!(
+            "{} of intervals are where the curvature of the misfit puts them: to find all took more steady states than a search \
+             may solve",
+            count(unfinished, "end")
+        ));
+    }
+    let states = |p: &Compared| p.model.others.len() + usize::from(!p.model.beyond);
+    let two = points.iter().filter(|p| states(p) > 1).count();
+    if two > 0 {
+        let off = branches::off_the_sweep(points, &table.series);
+        let which = match off {
+            0 => "all of them those that a sweep of the model is on".into(),
+            off => format!("{} with another than the one that a sweep of the model is on", count(off, "reading")),
+        };
+        notes.push(format!(
+            "the model has two stable states at {}; each reading is compared with the state nearest to it, {which}",
+            count(two, "point")
+        ));
+    }
+    let beyond = points.iter().filter(|p| p.model.beyond).count();
+    if beyond > 0 {
+        let (lies, it) = if beyond == 1 { ("lies", "it is") } else { ("lie", "they are") };
+        notes.push(format!(
+            "{} {lies} beyond the end of the branch of states that {it} on: held against that end, by how far off it is in amplitude and \
+             in drive",
+            count(beyond, "reading")
+        ));
+    }
+    notes
 }
 
 /// Readings that stand out, counted in words.

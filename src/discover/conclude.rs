@@ -40,6 +40,66 @@ fn beyond_prediction(steps: &mut Vec<Step>) -> Option<String> {
     first
 }
 
+/// What has to be known of the effects that are named: what looks like them, and signs that leave no trace.
+fn of_named(chosen: &Hypothesis) -> Vec<String> {
+    let named = chosen.additions.iter().filter_map(|a| match a {
+        Addition::Effect(effect) if !effect.impersonator().is_empty() => Some(effect),
+        _ => None,
+    });
+    let mut notes: Vec<String> =
+        named.map(|effect| format!("of {}: {}", effect.name(), effect.impersonator())).collect();
+    let hidden = (0..chosen.model.effects.len()).filter(|&index| chosen.model.hides_sign(index));
+    for (effect, _) in hidden.map(|index| &chosen.model.effects[index]) {
+        notes.extend(effect.parameters().iter().map(|info| {
+            let key = format!("effect.{}.{}", effect.name(), info.key);
+            format!("the sign of {key} leaves no trace in a fundamental: it is given as positive")
+        }));
+    }
+    notes
+}
+
+/// What the residuals of an explanation say, where its typical one is `unit` times the noise.
+fn of_what_is_left(end: &Step, unit: f64) -> Vec<String> {
+    let mut notes = Vec::new();
+    if unit > 1.0 {
+        notes.push(format!(
+            "what is left is {:.2} times the noise: BIC counts squares in that, not in the noise",
+            unit.sqrt()
+        ));
+    }
+    if !end.comparison.whiteness.testable {
+        notes.push(
+            "whether the residuals have structure cannot be tested: the series have too few neighbouring readings; no \
+             verdict rests on its absence"
+                .into(),
+        );
+    }
+    notes.extend(end.comparison.notes.iter().cloned());
+    let troubled = end.hypothesis.fit.evaluation.troubled();
+    if troubled > 0 {
+        notes.push(format!("{troubled} points have no steady state in the explanation; each counts as a misfit of at least 2 standard deviations, and as the others where these are worse"));
+    }
+    notes
+}
+
+/// Counts what contains a smaller hypothesis, and can do whatever that does, as if it did, where its own fit is worse; `all` are in
+/// the order of their size.
+fn counted_as_contained(all: &mut [(Hypothesis, bool)], unit: f64) {
+    for index in 0..all.len() {
+        let (smaller, rest) = all.split_at_mut(index);
+        let hypothesis = &mut rest[0].0;
+        let contained = |h: &Hypothesis| h.basis() == Basis::AllPoints && h.nested_in(hypothesis);
+        let least = smaller.iter().map(|(h, _)| h).filter(|h| contained(h));
+        if let Some(least) = least.min_by(|a, b| a.square(unit).total_cmp(&b.square(unit)))
+            && least.square(unit) + WORSE < hypothesis.square(unit)
+        {
+            let (residuals, scale) = least.left();
+            let basis = hypothesis.estimate.as_ref().map_or(Basis::Contained, |own| own.basis);
+            hypothesis.estimate = Some(Estimate { residuals: residuals.clone(), scale, basis });
+        }
+    }
+}
+
 impl Search<'_> {
     pub(super) fn conclude(
         &self,
@@ -50,7 +110,62 @@ impl Search<'_> {
         ties: &[Vec<Hypothesis>],
         noise: Noise,
     ) -> Discovery {
-        // The ladder, one addition after the other.
+        let mut steps = self.ladder(start, chosen, explanation, known);
+        let unit = self.unit(chosen);
+        let showing = self.showing(chosen, known);
+        let candidates = self.rank(&steps, (known, &showing), ties, unit);
+        let further = if self.structured(chosen) { beyond_prediction(&mut steps) } else { None };
+        let end = &steps[steps.len() - 1];
+        let additions = &end.hypothesis.additions;
+        let white = &end.comparison.whiteness;
+        let verdict = verdict(&Evidence {
+            testable: white.testable,
+            structured: white.structured,
+            unsolved: end.comparison.unsolved() as f64 / self.table.points.len() as f64,
+            effects: additions.iter().filter(|a| a.is_effect()).count(),
+            recalibrations: additions.iter().filter(|a| !a.is_effect()).count(),
+        });
+        let tied = || ties.iter().filter(|tied| tied.len() > 1);
+        let rivals: Vec<Hypothesis> = tied().flatten().cloned().collect();
+        let names =
+            |tied: &Vec<Hypothesis>| tied.iter().filter_map(|h| Some(h.additions.last()?.name().into())).collect();
+        let not_testable = self.not_testable(&candidates, known, &showing);
+        let next_measurement = self.next(&end.hypothesis, &rivals, &candidates);
+        let spent = !self.goes_on();
+        let mut notes = not_searched(&self.data.base, &self.pool, &self.options.candidates);
+        notes.extend(spent.then(|| {
+            format!("the search has spent its budget of {} steady states: this is the best so far", self.options.budget)
+        }));
+        notes.extend(noise.words(self.table.noise_sources()).map(|words| {
+            format!(
+                "{words}; the search went on with standard deviations so many times as large, and its chi2 is in these"
+            )
+        }));
+        if verdict == Verdict::EffectMissing {
+            notes.extend(of_named(&end.hypothesis));
+        }
+        notes.extend(self.not_chosen(&candidates, &end.hypothesis, further.as_deref()));
+        notes.extend(of_what_is_left(end, unit));
+        Discovery {
+            verdict,
+            candidates,
+            indistinguishable: tied().map(names).collect(),
+            asked: self.pool.iter().filter(|addition| addition.is_effect()).map(Addition::name).collect(),
+            not_testable,
+            outliers: end.comparison.outliers.clone(),
+            next_measurement,
+            noise,
+            correlations: end.comparison.correlations.clone(),
+            solved: self.data.solved(),
+            spent,
+            notes,
+            steps,
+            fall: OnceLock::new(),
+        }
+    }
+
+    /// What was chosen, one addition after the other, each fitted as well as anything that is known with these.
+    fn ladder(&self, start: &Hypothesis, chosen: &Hypothesis, explanation: Comparison, known: &Known) -> Vec<Step> {
         let rung = |length: usize| match length {
             0 => start.clone(),
             _ => {
@@ -79,109 +194,26 @@ impl Search<'_> {
                 c.overall.rms_error_percent = compare::rms_error_beside(c.points.iter(), base.comparison.points.iter());
             }
         }
-        let unit = self.unit(chosen);
-        let showing = self.showing(chosen, known);
-        let candidates = self.rank(&steps, (known, &showing), ties, unit);
-        let further = if self.structured(chosen) { beyond_prediction(&mut steps) } else { None };
-        let last = steps.len() - 1;
-        let end = &steps[last];
-        let chosen = &end.hypothesis.clone();
-        let white = &end.comparison.whiteness;
-        let verdict = verdict(&Evidence {
-            testable: white.testable,
-            structured: white.structured,
-            unsolved: end.comparison.unsolved() as f64 / self.table.points.len() as f64,
-            effects: chosen.additions.iter().filter(|a| a.is_effect()).count(),
-            recalibrations: chosen.additions.iter().filter(|a| !a.is_effect()).count(),
-        });
-        let mut indistinguishable: Vec<Vec<String>> = Vec::new();
-        let mut rivals: Vec<Hypothesis> = Vec::new();
-        for tied in ties.iter().filter(|tied| tied.len() > 1) {
-            rivals.extend(tied.iter().cloned());
-            indistinguishable.push(tied.iter().filter_map(|h| Some(h.additions.last()?.name().to_string())).collect());
-        }
-        let outliers = end.comparison.outliers.clone();
-        let not_testable = self.not_testable(&candidates, known, &showing);
-        let next_measurement = self.next(&end.hypothesis, &rivals, &candidates);
-        let correlations = end.comparison.correlations.clone();
-        let mut notes = not_searched(&self.data.base, &self.pool, &self.options.candidates);
-        let spent = !self.goes_on();
-        if spent {
-            notes.push(format!(
-                "the search has spent its budget of {} steady states: this is the best so far",
-                self.options.budget
-            ));
-        }
-        if let Some(words) = noise.words(self.table.noise_sources()) {
-            notes.push(format!(
-                "{words}; the search went on with standard deviations so many times as large, and its chi2 is in these"
-            ));
-        }
-        if verdict == Verdict::EffectMissing {
-            let named = chosen.additions.iter().filter_map(|a| match a {
-                Addition::Effect(effect) if !effect.impersonator().is_empty() => Some(effect),
-                _ => None,
-            });
-            notes.extend(named.map(|effect| format!("of {}: {}", effect.name(), effect.impersonator())));
-            let hidden = (0..chosen.model.effects.len()).filter(|&index| chosen.model.hides_sign(index));
-            let names = hidden.map(|index| chosen.model.effects[index].0).flat_map(|effect| {
-                effect.parameters().iter().map(move |info| format!("effect.{}.{}", effect.name(), info.key))
-            });
-            notes.extend(
-                names.map(|key| format!("the sign of {key} leaves no trace in a fundamental: it is given as positive")),
-            );
-        }
-        if let Some(best) = candidates.first().filter(|c| c.hypothesis.label() != end.hypothesis.label()) {
-            let above =
-                candidates.iter().find(|c| c.hypothesis.label() == end.hypothesis.label()).map_or(0.0, |c| c.delta_bic);
-            let (label, pool) = (best.hypothesis.label(), self.pool.len());
-            let more = best.hypothesis.additions.len().saturating_sub(end.hypothesis.additions.len());
-            let takes = MARGIN + 2.0 * more as f64 * (pool.max(1) as f64).ln();
-            let verdict = if let Some(further) = &further {
-                format!(
-                    "but {further} leaves too few steady states, or raises the error of the amplitude, of series that are left out too"
-                )
-            } else if above < takes {
-                format!("too little to decide for it: among {pool} that were looked at it takes {takes:.1}")
-            } else {
-                "and the search, which goes step by step, did not end there".into()
-            };
-            notes.push(format!("{label} would be better by {above:.1} in BIC, {verdict}"));
-        }
-        if unit > 1.0 {
-            notes.push(format!(
-                "what is left is {:.2} times the noise: BIC counts squares in that, not in the noise",
-                unit.sqrt()
-            ));
-        }
-        if !white.testable {
-            notes.push(
-                "whether the residuals have structure cannot be tested: the series have too few neighbouring readings; no \
-                 verdict rests on its absence"
-                    .into(),
-            );
-        }
-        notes.extend(end.comparison.notes.iter().cloned());
-        let troubled = end.hypothesis.fit.evaluation.troubled();
-        if troubled > 0 {
-            notes.push(format!("{troubled} points have no steady state in the explanation; each counts as a misfit of at least 2 standard deviations, and as the others where these are worse"));
-        }
-        Discovery {
-            verdict,
-            candidates,
-            indistinguishable,
-            asked: self.pool.iter().filter(|addition| addition.is_effect()).map(Addition::name).collect(),
-            not_testable,
-            outliers,
-            next_measurement,
-            noise,
-            correlations,
-            solved: self.data.solved(),
-            spent,
-            notes,
-            steps,
-            fall: OnceLock::new(),
-        }
+        steps
+    }
+
+    /// Why the best of all candidates, where it is another one, is not the explanation.
+    fn not_chosen(&self, candidates: &[Candidate], end: &Hypothesis, further: Option<&str>) -> Option<String> {
+        let best = candidates.first().filter(|c| c.hypothesis.label() != end.label())?;
+        let above = candidates.iter().find(|c| c.hypothesis.label() == end.label()).map_or(0.0, |c| c.delta_bic);
+        let (label, pool) = (best.hypothesis.label(), self.pool.len());
+        let more = best.hypothesis.additions.len().saturating_sub(end.additions.len());
+        let takes = MARGIN + 2.0 * more as f64 * (pool.max(1) as f64).ln();
+        let verdict = if let Some(further) = further {
+            format!(
+                "but {further} leaves too few steady states, or raises the error of the amplitude, of series that are left out too"
+            )
+        } else if above < takes {
+            format!("too little to decide for it: among {pool} that were looked at it takes {takes:.1}")
+        } else {
+            "and the search, which goes step by step, did not end there".into()
+        };
+        Some(format!("{label} would be better by {above:.1} in BIC, {verdict}"))
     }
 
     /// A hypothesis against the readings; with `profile` intervals are by profile likelihood as far as the budget goes.
@@ -219,22 +251,9 @@ impl Search<'_> {
                 add(hypothesis, hypothesis.additions.last().is_none_or(|a| showing.contains(a)));
             }
         }
-        // What contains a smaller hypothesis can do whatever that does: where its own fit is worse it is counted as if.
         all.sort_by_key(|(hypothesis, _)| hypothesis.additions.len());
-        for index in 0..all.len() {
-            let (smaller, rest) = all.split_at_mut(index);
-            let hypothesis = &mut rest[0].0;
-            let contained = |h: &Hypothesis| h.basis() == Basis::AllPoints && h.nested_in(hypothesis);
-            let least = smaller.iter().map(|(h, _)| h).filter(|h| contained(h));
-            if let Some(least) = least.min_by(|a, b| a.square(unit).total_cmp(&b.square(unit)))
-                && least.square(unit) + WORSE < hypothesis.square(unit)
-            {
-                let (residuals, scale) = least.left();
-                let basis = hypothesis.estimate.as_ref().map_or(Basis::Contained, |own| own.basis);
-                hypothesis.estimate = Some(Estimate { residuals: residuals.clone(), scale, basis });
-            }
-            hypothesis.bic = self.bic(unit, hypothesis);
-        }
+        counted_as_contained(&mut all, unit);
+        all.iter_mut().for_each(|(hypothesis, _)| hypothesis.bic = self.bic(unit, hypothesis));
         // What was not fitted to all points is estimated, and never better than what was.
         let full = |h: &Hypothesis| h.basis() == Basis::AllPoints;
         let least = all.iter().map(|(h, _)| h).filter(|h| full(h)).map(|h| h.bic).fold(f64::INFINITY, f64::min);
@@ -247,37 +266,34 @@ impl Search<'_> {
         // An estimate that was not allowed to be better has no share in the evidence: that was not looked at.
         let evidence = |h: &Hypothesis| if full(h) || h.bic > least { (-0.5 * (h.bic - best)).exp() } else { 0.0 };
         let total: f64 = all.iter().map(|(h, _)| evidence(h)).sum();
-        all.into_iter()
-            .enumerate()
-            .map(|(rank, (hypothesis, testable))| {
-                let step = steps.iter().find(|s| s.hypothesis.additions == hypothesis.additions);
-                let mut hypothesis = hypothesis;
-                let tied = rank < RIVALS && ties.iter().flatten().any(|tied| tied.same_additions(&hypothesis));
-                let intervals: Vec<Interval> = match step {
-                    Some(step) => step.comparison.intervals.clone(),
-                    // Profiles may come below the fit, and move it.
-                    None if tied => {
-                        let profiled = self.comparison(&hypothesis, true);
-                        hypothesis.fit = profiled.fit;
-                        profiled.intervals
-                    }
-                    None => approximate_intervals(&hypothesis.fit, 1.0),
-                };
-                Candidate {
-                    delta_bic: hypothesis.bic - best,
-                    weight: evidence(&hypothesis) / total,
-                    testable,
-                    chi2_per_point: hypothesis.chi2() / self.readings() as f64,
-                    intervals,
-                    held_out: match step {
-                        Some(step) => step.held_out,
-                        None if rank < RIVALS && hypothesis.estimate.is_none() => held_out(&self.data, &hypothesis),
-                        None => None,
-                    },
-                    hypothesis,
+        let weigh = |(rank, (mut hypothesis, testable)): (usize, (Hypothesis, bool))| {
+            let step = steps.iter().find(|s| s.hypothesis.additions == hypothesis.additions);
+            let tied = rank < RIVALS && ties.iter().flatten().any(|tied| tied.same_additions(&hypothesis));
+            let intervals: Vec<Interval> = match step {
+                Some(step) => step.comparison.intervals.clone(),
+                // Profiles may come below the fit, and move it.
+                None if tied => {
+                    let profiled = self.comparison(&hypothesis, true);
+                    hypothesis.fit = profiled.fit;
+                    profiled.intervals
                 }
-            })
-            .collect()
+                None => approximate_intervals(&hypothesis.fit, 1.0),
+            };
+            let is_rival = rank < RIVALS && hypothesis.estimate.is_none();
+            Candidate {
+                delta_bic: hypothesis.bic - best,
+                weight: evidence(&hypothesis) / total,
+                testable,
+                chi2_per_point: hypothesis.chi2() / self.readings() as f64,
+                intervals,
+                held_out: match step {
+                    Some(step) => step.held_out,
+                    None => is_rival.then(|| held_out(&self.data, &hypothesis)).flatten(),
+                },
+                hypothesis,
+            }
+        };
+        all.into_iter().enumerate().map(weigh).collect()
     }
 
     /// Additions of which the strongest plausible form would be found beside something: what was fitted, or the explanation.

@@ -338,25 +338,11 @@ impl<'a> Search<'a> {
         let mut entries: Vec<Entry> = Vec::new();
         let sure = MARGIN.max(2.0 * (self.pool.len() as f64 / MISTAKE).ln());
         for (of, ((number, addition), look)) in work.iter().zip(looks).enumerate() {
+            let from = parents[*number];
             let Look { starts, visibility, strongest } = look;
-            let rest = places[usize::from(costly(parents[*number], *addition))][*number][0].rest();
-            let new = |start| Runner::new(&self.data, (parents[*number], of, sure), *addition, (start, &rest));
-            let runners = starts.into_iter().map(new);
-            let mut runners: Vec<Runner<'s, 'a>> = runners.collect();
-            // The starting points of a candidate compete with one another first: a linear estimate tells them apart, but little
-            // of what candidates are worth.
-            let typical = runners.iter().map(Competitor::typical).fold(f64::INFINITY, f64::min);
-            runners.sort_by(|a, b| a.badness(typical).total_cmp(&b.badness(typical)));
-            // Of a continuum of sliders fewer by what it costs, but one.
-            let model = extended(&parents[*number].model, &[*addition]);
-            let share = if model.has_sliders() { cost(&model) } else { 1 };
-            let most = (o.entrants as u64 / share).max(1) as usize;
-            let most = ((runners.len() as f64 * kept).ceil() as usize).min(most);
-            if addition.is_effect() {
-                entrants(&mut runners, most)
-            } else {
-                runners.truncate(most)
-            }
+            let rest = places[usize::from(costly(from, *addition))][*number][0].rest();
+            let new = |start| Runner::new(&self.data, (from, of, sure), *addition, (start, &rest));
+            let runners = self.best_starts(starts.into_iter().map(new).collect(), kept);
             entries.extend(runners.first().map(|r| Entry { hypothesis: r.hypothesis(false), visibility, strongest }));
             field.extend(runners);
         }
@@ -380,6 +366,26 @@ impl<'a> Search<'a> {
             field.iter_mut().for_each(|runner| runner.bar = Bar::Parent);
         }
         (field, entries)
+    }
+
+    /// The starting points of a candidate that are worth a fit, of which it keeps a share, the best first. They compete with one another
+    /// first: a linear estimate tells them apart, but little of what candidates are worth.
+    fn best_starts<'s>(&'s self, mut runners: Vec<Runner<'s, 'a>>, kept: f64) -> Vec<Runner<'s, 'a>> {
+        let Some(first) = runners.first() else { return runners };
+        let (from, addition) = (first.from, first.addition);
+        let typical = runners.iter().map(Competitor::typical).fold(f64::INFINITY, f64::min);
+        runners.sort_by(|a, b| a.badness(typical).total_cmp(&b.badness(typical)));
+        // Of a continuum of sliders fewer by what it costs, but one.
+        let model = extended(&from.model, &[addition]);
+        let share = if model.has_sliders() { cost(&model) } else { 1 };
+        let most = (self.options.entrants as u64 / share).max(1) as usize;
+        let most = ((runners.len() as f64 * kept).ceil() as usize).min(most);
+        if addition.is_effect() {
+            entrants(&mut runners, most)
+        } else {
+            runners.truncate(most)
+        }
+        runners
     }
 
     /// The best fit of one addition to a hypothesis.

@@ -159,30 +159,60 @@ impl<'a> Problem<'a> {
         self.evaluations += 1;
         let model = self.model(values);
         let indices: Vec<usize> = if derivatives { self.parameters.iter().map(|p| p.index).collect() } else { vec![] };
-        let tolerance = self.tolerance;
-        let gives_up = self.gives_up;
-        let share = if gives_up && model.has_sliders() { LOST_COSTLY } else { LOST.0 };
+        let share = if self.gives_up && model.has_sliders() { LOST_COSTLY } else { LOST.0 };
         let allowed = share * self.points.len() as f64;
+        let (solved, troubled) = self.states(&model, &indices, allowed);
+        // Of all points, those between the ones that were solved too.
+        let missing = solved.iter().filter(|(prediction, _)| !prediction.status.is_steady()).count();
+        let lost = troubled.max(missing) as f64 > allowed;
+        let rows = self.points.iter().map(|p| 1 + usize::from(p.phase.is_some())).sum();
+        let mut residuals = DVector::zeros(rows);
+        let mut jacobian = DMatrix::zeros(rows, indices.len());
+        if lost && self.gives_up {
+            // Whichever points were solved before: the same for any order of them.
+            residuals.fill(LOST.1);
+            let predictions = solved.into_iter().map(|(p, _)| p).collect();
+            return Evaluation { residuals, jacobian, predictions, lost };
+        }
+        let pairs = || self.points.iter().copied().zip(solved.iter().map(|(prediction, _)| prediction));
+        let left = read_all(pairs, lost);
+        let mut row = 0;
+        for ((point, (amplitude, phase)), (_, gradient)) in self.points.iter().zip(left).zip(&solved) {
+            residuals[row] = amplitude;
+            for (column, (by_amplitude, _)) in gradient.iter().enumerate() {
+                jacobian[(row, column)] = by_amplitude / point.amplitude_sd;
+            }
+            row += 1;
+            if let (Some(phase), Some(sd)) = (phase, point.phase_sd) {
+                residuals[row] = phase;
+                for (column, (_, by_phase)) in gradient.iter().enumerate() {
+                    jacobian[(row, column)] = by_phase / sd;
+                }
+                row += 1;
+            }
+        }
+        Evaluation { residuals, jacobian, predictions: solved.into_iter().map(|(p, _)| p).collect(), lost }
+    }
+
+    /// The steady states of a model at all points, with their derivatives by the parameters of these indices, and at how many of those that
+    /// were solved there is none; one that may be given up is once these are more than allowed.
+    fn states(&mut self, model: &Model, indices: &[usize], allowed: f64) -> (Vec<Solved>, usize) {
+        let (tolerance, gives_up, points) = (self.tolerance, self.gives_up, &self.points);
         let troubled = AtomicUsize::new(0);
-        let points = &self.points;
         let spent = AtomicU64::new(0);
         // What was integrated comes on top; the balance of a mode alone costs what was expected, or more.
-        let least = if model.has_sliders() { 1 } else { cost(&model) };
+        let least = if model.has_sliders() { 1 } else { cost(model) };
         let solve = |(index, warm): (usize, &mut Warm)| -> (usize, Solved) {
             let point = points[index];
             warm.forget_orbit();
             warm.expect(point.amplitude, point.phase);
             if gives_up && troubled.load(Relaxed) as f64 > allowed {
                 let status = Status::Failed("one of too many points without a steady state".into());
-                return (
-                    index,
-                    (
-                        Prediction { amplitude: f64::NAN, phase: f64::NAN, status, others: Vec::new(), beyond: false },
-                        vec![],
-                    ),
-                );
+                let (amplitude, phase) = (f64::NAN, f64::NAN);
+                let none = Prediction { amplitude, phase, status, others: Vec::new(), beyond: false };
+                return (index, (none, vec![]));
             }
-            let solution = solve_steady(&model, &operation(point), &tolerance, derivatives, warm);
+            let solution = solve_steady(model, &operation(point), &tolerance, !indices.is_empty(), warm);
             let own = solution.steps as u64 / STEPS_A_STATE;
             spent.fetch_add(if model.has_contact { least + own } else { least.max(own) }, Relaxed);
             let state = solution.state;
@@ -219,37 +249,7 @@ impl<'a> Problem<'a> {
         }
         self.solved += spent.into_inner();
         readings.iter().for_each(|reading| reading.fill(points, &mut solved));
-        let solved: Vec<Solved> = solved.into_iter().flatten().collect();
-        let rows = self.points.iter().map(|p| 1 + usize::from(p.phase.is_some())).sum();
-        let mut residuals = DVector::zeros(rows);
-        let mut jacobian = DMatrix::zeros(rows, indices.len());
-        // Of all points, those between the ones that were solved too.
-        let missing = solved.iter().filter(|(prediction, _)| !prediction.status.is_steady()).count();
-        let lost = troubled.into_inner().max(missing) as f64 > allowed;
-        if lost && gives_up {
-            // Whichever points were solved before: the same for any order of them.
-            residuals.fill(LOST.1);
-            let predictions = solved.into_iter().map(|(p, _)| p).collect();
-            return Evaluation { residuals, jacobian, predictions, lost };
-        }
-        let pairs = || self.points.iter().copied().zip(solved.iter().map(|(prediction, _)| prediction));
-        let left = read_all(pairs, lost);
-        let mut row = 0;
-        for ((point, (amplitude, phase)), (_, gradient)) in self.points.iter().zip(left).zip(&solved) {
-            residuals[row] = amplitude;
-            for (column, (by_amplitude, _)) in gradient.iter().enumerate() {
-                jacobian[(row, column)] = by_amplitude / point.amplitude_sd;
-            }
-            row += 1;
-            if let (Some(phase), Some(sd)) = (phase, point.phase_sd) {
-                residuals[row] = phase;
-                for (column, (_, by_phase)) in gradient.iter().enumerate() {
-                    jacobian[(row, column)] = by_phase / sd;
-                }
-                row += 1;
-            }
-        }
-        Evaluation { residuals, jacobian, predictions: solved.into_iter().map(|(p, _)| p).collect(), lost }
+        (solved.into_iter().flatten().collect(), troubled.into_inner())
     }
 }
 
