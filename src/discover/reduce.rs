@@ -75,11 +75,7 @@ impl Search<'_> {
                 continue;
             }
             let simpler = self.moved(&chosen, &model, additions);
-            let effort = self.data.effort(CONTINUED, 1);
-            if !self.data.affords(&simpler.model, effort) {
-                continue;
-            }
-            let mut simpler = self.data.fitted(simpler, effort);
+            let mut simpler = self.data.fitted(simpler, self.data.last_effort(4 * CONTINUED));
             self.settle_all(vec![&mut simpler], &chosen);
             known.improve(&simpler);
             let unit = self.unit(&chosen);
