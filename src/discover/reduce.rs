@@ -56,14 +56,17 @@ impl Search<'_> {
         Hypothesis { additions, model, fit, estimate: None, bic: f64::INFINITY }
     }
 
-    /// Puts the simpler effect that one is with a parameter at a value in its place, fitted from where that is, unless the data tell
-    /// the two apart: a race may have ended beside the minimum of the simpler one.
+    /// Puts the simpler effect that one is with a parameter at a value, or acts like, in its place, fitted from where that is, unless the
+    /// data tell the two apart: a race may have ended beside the minimum of the simpler one.
     pub(super) fn simplified(&self, chosen: Hypothesis, known: &mut Known) -> Hypothesis {
         let mut chosen = chosen;
         for index in 0..chosen.additions.len() {
             let mut model = chosen.fitted();
             let own = model.effects.iter().find(|(effect, _)| effect.name() == chosen.additions[index].name());
-            let Some((name, values)) = own.and_then(|(effect, values)| effect.simpler(values)) else { continue };
+            let Some((name, values)) = own.and_then(|(effect, values)| effect.simpler(values, &self.data.base.scales))
+            else {
+                continue;
+            };
             let Some(&simple) = self.pool.iter().find(|a| a.name() == name && !chosen.additions.contains(a)) else {
                 continue;
             };

@@ -1,7 +1,7 @@
 //! A restoring torque or force that is not the same to both sides.
 
 use super::{Effect, Group, Law, Measure, ParameterInfo, Zero};
-use crate::parameter::ANY;
+use crate::parameter::{ANY, Scales};
 
 /// Quadratic stiffness.
 pub struct AsymmetricStiffness;
@@ -50,6 +50,9 @@ impl Effect for AsymmetricStiffness {
         LIST
     }
 
+    fn simpler(&self, p: &[f64], scales: &Scales) -> Option<(&'static str, Vec<f64>)> {
+        (!scales.has_contact).then(|| ("cubic-stiffness", vec![-10.0 * p[0] * p[0] / (9.0 * scales.stiffness)]))
+    }
     fn torque_is_odd(&self) -> bool {
         false
     }
@@ -74,5 +77,16 @@ mod tests {
         assert_eq!(at(0.0).value, 0.0);
         assert!((at(1e-3).value + 0.4).abs() < 1e-15 && at(-1e-3).value == at(1e-3).value);
         assert!((at(1e-3).d_first + 800.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_cubic_that_acts_like_it_bends_the_resonance_as_much() {
+        let scales = Scales { stiffness: 1000.0, has_contact: false, ..Scales::PAPER };
+        let (name, values) = AsymmetricStiffness.simpler(&[4e5], &scales).expect("without a contact");
+        assert_eq!(name, "cubic-stiffness");
+        // Nayfeh and Mook, sections 2.3 and 4.1: -5 K_2^2 X^2/(12 K^2) and 3 K_3 X^2/(8 K) of the frequency.
+        let (own, cubic) = (-5.0 / 12.0 * (4e5f64 / 1000.0).powi(2), 3.0 / 8.0 * values[0] / 1000.0);
+        assert!((own / cubic - 1.0).abs() < 1e-12, "{own} {cubic}");
+        assert!(AsymmetricStiffness.simpler(&[4e5], &Scales { has_contact: true, ..scales }).is_none());
     }
 }

@@ -151,8 +151,9 @@ pub trait Effect: Sync {
     fn unstated(&self, _index: usize) -> Option<f64> {
         None
     }
-    /// The name and the parameters of a simpler effect near these values, which this one is with one of its parameters at a value.
-    fn simpler(&self, _p: &[f64]) -> Option<(&'static str, Vec<f64>)> {
+    /// The name and the parameters of a simpler effect near these values: which this one is with one of its parameters at a value, or what
+    /// it does to a fundamental, to first order, on a rig of this size.
+    fn simpler(&self, _p: &[f64], _scales: &Scales) -> Option<(&'static str, Vec<f64>)> {
         None
     }
     /// Its form for a table of so many series, where it has numbers of each; none where there are too few or too many.

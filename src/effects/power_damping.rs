@@ -2,7 +2,7 @@
 
 use super::{Effect, Group, Law, Measure, ParameterInfo, Zero};
 use crate::dual::Dual;
-use crate::parameter::{POSITIVE, ZERO_OR_MORE};
+use crate::parameter::{POSITIVE, Scales, ZERO_OR_MORE};
 
 /// Damping by a power law.
 pub struct PowerDamping;
@@ -62,7 +62,7 @@ impl Effect for PowerDamping {
         // D is the coefficient of the power itself.
         (index == 2).then_some(1.0)
     }
-    fn simpler(&self, p: &[f64]) -> Option<(&'static str, Vec<f64>)> {
+    fn simpler(&self, p: &[f64], _scales: &Scales) -> Option<(&'static str, Vec<f64>)> {
         let [d, exponent, at] = [p[0], p[1], p[2]];
         Some(if exponent > 1.0 { ("quadratic-damping", vec![d / (at * at)]) } else { ("pivot-friction", vec![d]) })
     }
@@ -111,7 +111,7 @@ mod tests {
     fn simpler_effects_are_it_with_a_whole_power() {
         for (exponent, name) in [(2.0, "quadratic-damping"), (0.0, "pivot-friction")] {
             let p = [6.0, exponent, 2.0];
-            let (found, values) = PowerDamping.simpler(&p).expect("one");
+            let (found, values) = PowerDamping.simpler(&p, &Scales::PAPER).expect("one");
             assert_eq!(found, name);
             let effect = crate::effects::find(name).expect("registered");
             let force = |e: &dyn Effect, p: &[f64]| {
