@@ -55,6 +55,34 @@ fn what_the_generator_hid_is_found_from_the_table_alone() {
     }
 }
 
+/// The levels of a notch, as an analyser saves them: a flank of a resonance outside the readings leaves less than a peak where the dip
+/// is, and yet the search begins at the dip.
+#[test]
+fn a_notch_of_levels_alone_is_a_resonance_beside_a_crosstalk() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let csv = folder.path().join("notch.csv");
+    let level = |row: i32| {
+        let frequency = 5440.0 + 0.4 * f64::from(row);
+        let detuning = 2.0 * 1000.0 * (frequency / 5478.0 - 1.0);
+        // 1 - 0.6 exp(0.2 i)/(1 + i detuning), read to 0.01 dB.
+        let (re, im) = (0.6 * 0.2f64.cos(), 0.6 * 0.2f64.sin());
+        let norm = 1.0 + detuning * detuning;
+        let rest = (1.0 - (re + im * detuning) / norm).hypot((im - re * detuning) / norm);
+        let noise = 0.01 * (f64::from(row * 7919 % 101) / 50.0 - 1.0);
+        format!("{frequency},{:.4}\n", 20.0 * rest.log10() - 9.0 + noise)
+    };
+    std::fs::write(&csv, format!("f [MHz],S21 [dB]\n{}", (0..201).map(level).collect::<String>())).expect("a table");
+    let path = folder.path().join("notch.toml");
+    new(&csv, &path);
+    let found = found(&path);
+    let [base, .., last] = &found.steps[..] else { panic!("nothing was found") };
+    let note = "the model resonates at ";
+    assert!(base.comparison.notes.iter().any(|one| one.starts_with(note)), "{:?}", base.comparison.notes);
+    assert_eq!(last.hypothesis.label(), "crosstalk");
+    assert!(last.comparison.overall.rms_error_percent < 0.2, "{:?}", last.comparison.overall);
+    assert!(!last.comparison.notes.iter().any(|one| one.starts_with(note)), "{:?}", last.comparison.notes);
+}
+
 /// `discover -o` writes what was found: nothing is missing in it any more, and it compares as the discovery ended.
 #[test]
 fn what_was_found_is_written_as_a_scenario_that_explains_the_table() {

@@ -185,6 +185,10 @@ fn became(before: &Metrics, after: &Metrics) -> String {
 fn judgement(job: &Job<'_>, change: &Change) -> String {
     let gain = change.gain;
     let (before, after) = (change.before.unsolved(), change.after.unsolved());
+    if change.leaves_more() {
+        return "the data do not decide: with this effect chi2 and error are larger, only most readings are nearer"
+            .into();
+    }
     if before != after && change.decided().is_none() {
         let (with, without) = if job.remove { (before, after) } else { (after, before) };
         return format!(

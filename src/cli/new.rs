@@ -1,7 +1,7 @@
 //! `stickslip new`: looks at a measured table, says what it sees, and writes a scenario that fits it.
 
 use super::{Global, say};
-use crate::compare::{calibrate, judge};
+use crate::compare::{EXCESS, calibrate, judge};
 use crate::discover::{Hypothesis, MARGIN, SearchOptions, explain};
 use crate::error::{Error, Result};
 use crate::files;
@@ -307,8 +307,10 @@ impl<'a> Draft<'a> {
         let (kind, text) = drafts.remove(best);
         let own = criteria.remove(best);
         let margin = criteria.iter().map(|other| other - own).fold(f64::INFINITY, f64::min);
-        let by = if margin > MARGIN {
+        let by = if margin > MARGIN && unit <= EXCESS {
             format!("explains the readings, with what is missing, better by {margin:.0} in BIC")
+        } else if margin > MARGIN {
+            "leaves less of the readings, but nothing that was tried explains them: it is an assumption".into()
         } else {
             "is an assumption, the readings do not decide".into()
         };

@@ -23,7 +23,7 @@ const LOWER: f64 = 1e-3;
 pub(crate) const TIGHTER: f64 = 0.9;
 /// Mean square of the residuals beyond which they are more than a noise that was estimated from the scatter of the readings
 /// along series: that estimate is known to a fifth or so.
-pub(super) const EXCESS: f64 = 2.0;
+pub const EXCESS: f64 = 2.0;
 /// Evaluations of one fit at most.
 const EVALUATIONS: usize = 60;
 /// A residual this many times the scatter of its neighbours about a line, or the step from one to the next, away from that line
@@ -114,6 +114,10 @@ pub fn calibrate(model: &Model, keys: &[String], points: &[Point], tolerance: To
             break;
         }
         let there = problem(&best.base, keys, [], tolerance).model(&best.fit.values).scaled_at(&operations);
+        // Beside something that is missing a flank may leave less than the peak that the readings show.
+        if resonance::left_readings(&there, points).is_some() {
+            break;
+        }
         let other = calibrate_about(&there, keys, points, tolerance, (seed, u64::MAX));
         solved += other.solved;
         // Of a number that the data do not determine any value does.

@@ -15,7 +15,7 @@ mod whiteness;
 
 pub use budget::ErrorBudget;
 pub(crate) use calibrate::TIGHTER;
-pub use calibrate::{Calibration, MOST, calibrate, calibrate_about, problem, settings_of};
+pub use calibrate::{Calibration, EXCESS, MOST, calibrate, calibrate_about, problem, settings_of};
 pub use curves::{ModelCurve, model_curves};
 pub use fingerprint::{ContactPoint, fingerprint};
 pub use json::{ComparisonJson, ForceJson, ParameterJson, SCHEMA, SettingJson, json, of_contact, units_of_force};
@@ -24,6 +24,7 @@ pub use regions::{Region, regions, words};
 pub use shifts::shifts;
 pub use whiteness::{Whiteness, scatter, whiteness};
 
+use crate::fit::resonance;
 use crate::fit::{
     Correlation, Fit, Interval, Prediction, Problem, TAIL, approximate_intervals, correlations, is_lost, profiled,
     read_all, robust_chi2, typical_of,
@@ -34,6 +35,7 @@ use crate::scenario::{Scenario, Signal, Signals};
 use crate::solver::cycle::Tolerance;
 use crate::statistics::wrap;
 use crate::units::count;
+use crate::units::readable::quantity;
 use std::sync::OnceLock;
 
 /// Version of the comparison: raised whenever the same input may give other numbers, so that a limit that is suddenly
@@ -329,7 +331,11 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
     let column = table.signals.reading.reading_column();
     let outliers = (0..settings.len()).flat_map(|i| standing_out(&of(i), column, noise)).collect();
     let at_bounds = Calibration { fit: fit.clone(), ..calibration.clone() };
-    let notes = notes(&at_bounds.at_bounds(), unfinished, &points, table);
+    let mut notes = notes(&at_bounds.at_bounds(), unfinished, &points, table);
+    notes.extend(resonance::left_readings(&model, &table.points).map(|(own, seen)| {
+        let [own, seen] = [own, seen].map(|f| quantity(f, "Hz", 3));
+        format!("the model resonates at {own}, where nothing was read, the readings near {seen}: it follows a flank of theirs")
+    }));
     Comparison {
         scenario: scenario.clone(),
         table: table.clone(),

@@ -28,14 +28,29 @@ pub struct Change {
 
 impl Change {
     /// Whether the data decide for the change, or against it; a model without a steady state at measured points where the other
-    /// has one is none to decide for, whatever its sum of squares.
+    /// has one is none to decide for, whatever its sum of squares, nor is a larger one that leaves more of everything.
     pub fn decided(&self) -> Option<bool> {
+        if self.leaves_more() {
+            return None;
+        }
         let (before, after) = (self.before.unsolved(), self.after.unsolved());
         match after.cmp(&before) {
             std::cmp::Ordering::Greater if self.gain > -MARGIN => None,
             std::cmp::Ordering::Less if self.gain < MARGIN => None,
             _ => (self.gain.abs() > MARGIN).then_some(self.gain > 0.0),
         }
+    }
+
+    /// Whether the model with more effects is preferred though chi2 and the error of the amplitude are larger with it, which only residuals
+    /// that count little make possible: it contains the other, and could leave less.
+    pub fn leaves_more(&self) -> bool {
+        let (with, without) = match self.gain > 0.0 {
+            true => (&self.after, &self.before),
+            false => (&self.before, &self.after),
+        };
+        with.model.effects.len() > without.model.effects.len()
+            && with.overall.chi2_per_point >= without.overall.chi2_per_point
+            && with.overall.rms_error_percent >= without.overall.rms_error_percent
     }
 }
 

@@ -16,8 +16,8 @@ const WORSE: f64 = 1.0;
 const RIVALS: usize = 3;
 
 /// Takes off the last additions as long as they leave no steady state, or raise the error of the amplitude, of what was fitted and
-/// of series that are left out, where what is left is no noise: misfit of one cause, spread over many readings, makes terms
-/// significant that only follow it. Tells the first that was taken off.
+/// of series that are left out, or that of the latter with numbers of each series, where what is left is no noise: misfit of one
+/// cause, spread over many readings, makes terms significant that only follow it. Tells the first that was taken off.
 fn beyond_prediction(steps: &mut Vec<Step>) -> Option<String> {
     let mut first = None;
     let lost = |step: &Step| is_lost(step.comparison.points.iter().map(|p| &p.model));
@@ -27,12 +27,16 @@ fn beyond_prediction(steps: &mut Vec<Step>) -> Option<String> {
     {
         first = steps.pop()?.added;
     }
-    // Of a single series nothing is left out.
+    // Of a single series nothing is left out. What has numbers of each series can follow any misfit of these.
+    let follows_series = |last: &Step| {
+        last.hypothesis.additions.last().is_some_and(|a| matches!(a, Addition::Effect(e) if e.of_series().is_some()))
+    };
     let predicts_worse = |before: &Step, last: &Step| {
         before.held_out.zip(last.held_out).is_none_or(|(before, last)| last.rms_percent > before.rms_percent)
     };
     while let [.., before, last] = &steps[..]
-        && last.comparison.overall.rms_error_percent > before.comparison.overall.rms_error_percent
+        && (last.comparison.overall.rms_error_percent > before.comparison.overall.rms_error_percent
+            || follows_series(last))
         && predicts_worse(before, last)
     {
         first = steps.pop()?.added;
@@ -205,9 +209,7 @@ impl Search<'_> {
         let more = best.hypothesis.additions.len().saturating_sub(end.additions.len());
         let takes = MARGIN + 2.0 * more as f64 * (pool.max(1) as f64).ln();
         let verdict = if let Some(further) = further {
-            format!(
-                "but {further} leaves too few steady states, or raises the error of the amplitude, of series that are left out too"
-            )
+            format!("but {further} leaves too few steady states, or raises the error of series that are left out")
         } else if above < takes {
             format!("too little to decide for it: among {pool} that were looked at it takes {takes:.1}")
         } else {

@@ -215,6 +215,18 @@ pub fn started(model: &Model, free: &[String], points: &[Point]) -> Option<Model
     Some(model)
 }
 
+/// The natural frequency \[Hz\] of a rig by itself that lies outside the readings, though these show a resonance among them, and where that is.
+pub fn left_readings(model: &Model, points: &[Point]) -> Option<(f64, f64)> {
+    let Rig::Oscillator(rig) = &model.rig else { return None };
+    let own = (rig.stiffness() / rig.mass).sqrt() / TAU;
+    let frequencies = || points.iter().map(|p| p.frequency);
+    if model.has_contact || (frequencies().any(|f| f <= own) && frequencies().any(|f| f >= own)) {
+        return None;
+    }
+    let seen = of_all(points, model.signals.reading.order)?;
+    seen.spanned.then_some((own, seen.frequency))
+}
+
 /// Gives a rig a natural frequency \[Hz\] and a quality factor as far as its numbers are `free`.
 fn put(rig: &mut Oscillator, free: &[String], frequency: f64, quality: f64) {
     let is_free = |key: &str| free.iter().any(|k| k == key);
