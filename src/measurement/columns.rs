@@ -1,36 +1,18 @@
 //! Which column of a table is which: by its header, by the scenario's mapping, or from the scenario where it is one value.
 
 use super::frame::{DRIVES, Frame};
-use super::header::{self, AMPLITUDE, DRIVE, FREQUENCY, LOAD, Meaning, NUMBERS, SERIES, SPEED, SWEEP};
+use super::header::{self, Meaning};
+use super::names::{AMPLITUDE, DRIVE, FREQUENCY, LOAD, NUMBERS, SERIES, SPEED, SWEEP};
 use super::parts::Parts;
 use super::samples;
-use super::search::{Found, column_of, search};
+use super::search::{Found, Slot, column_of, search};
 use super::sheet::{Complaints, Sheet};
 use super::swings::{is_effective, is_peak_to_peak};
-use super::unit::{Unit, Wanted};
+use super::unit::Wanted;
 use crate::scenario::Sweep;
 use crate::scenario::diagnostic::{MAX_TOLD, nearest, quote};
 use crate::scenario::parameters::COLUMNS;
 use crate::units;
-
-/// Where the numbers of a column come from.
-#[derive(Debug, Clone)]
-pub(crate) enum Slot {
-    /// A column of the table and the unit of its numbers.
-    Cells(usize, Unit),
-    /// One value for all rows, in SI.
-    Value(f64, &'static str),
-}
-
-impl Slot {
-    /// The SI unit of its values.
-    pub fn si(&self) -> &'static str {
-        match self {
-            Self::Cells(_, unit) => unit.si,
-            Self::Value(_, si) => si,
-        }
-    }
-}
 
 /// The columns of a table in standard order, and the positions of those that are kept aside.
 pub(crate) struct Layout {

@@ -1,8 +1,8 @@
 //! Tables of text: CSV and its relatives with semicolons or tabs. Rows are taken apart as they are needed and not kept.
 
 use super::preamble::bare;
-use super::sheet::{Complaints, MAX_COLUMNS, MAX_ROWS, Row, Sheet};
-use super::unit::{gravity, known};
+use super::sheet::{Complaints, MAX_COLUMNS, MAX_ROWS, Row, Sheet, records};
+use super::unit::units_of;
 use crate::error::{Error, Result};
 use crate::scenario::diagnostic::{Place, whole_file};
 use crate::scenario::source::Source;
@@ -43,15 +43,6 @@ fn first_line(text: &str) -> &str {
     text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or("")
 }
 
-/// The units that a row below the header states: nothing else stands in it.
-pub(super) fn units_of(row: &[String], width: usize) -> Option<Vec<String>> {
-    let bare = |cell: &String| cell.trim_matches(['[', ']', '(', ')']).trim().to_string();
-    let cells: Vec<String> = row.iter().map(bare).map(|cell| if cell == "-" { String::new() } else { cell }).collect();
-    let unit = |cell: &String| cell.is_empty() || cell == "%" || known(cell) || gravity(cell).is_some();
-    let stated = cells.iter().filter(|cell| !cell.is_empty()).count();
-    (stated > 1 && cells.len() == width && cells.iter().all(unit)).then_some(cells)
-}
-
 /// What separates the cells of a header: semicolons before tabs before commas, quotes and brackets apart.
 fn separator(header: &str) -> u8 {
     let (mut quoted, mut depth) = (false, 0i32);
@@ -70,40 +61,6 @@ fn separator(header: &str) -> u8 {
         [true, _] => b';',
         [_, true] => b'\t',
         _ => b',',
-    }
-}
-
-/// All records that hold anything, with their places. The text is valid, and so are they.
-pub(super) fn records(text: &str, delimiter: u8) -> impl Iterator<Item = Row> {
-    let reader = csv::ReaderBuilder::new()
-        .delimiter(delimiter)
-        .has_headers(false)
-        .flexible(true)
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .from_reader(text.as_bytes());
-    let (mut line, mut counted) = (1, 0);
-    let row = move |record: csv::StringRecord| {
-        let start = skip_remarks(text, record.position().map_or(0, |position| position.byte() as usize));
-        line += text[counted..start].bytes().filter(|byte| *byte == b'\n').count();
-        counted = start;
-        let holds = record.iter().any(|cell| !cell.is_empty());
-        holds.then(|| Row { line, start, cells: record.iter().map(String::from).collect() })
-    };
-    reader.into_records().map_while(std::result::Result::ok).filter_map(row)
-}
-
-/// Where the record really starts: its position counts blank lines and remarks before it.
-fn skip_remarks(text: &str, mut at: usize) -> usize {
-    loop {
-        let rest = &text[at..];
-        if !(rest.starts_with('#') || rest.starts_with('\n')) {
-            return at;
-        }
-        match rest.find('\n') {
-            Some(end) => at += end + 1,
-            None => return text.len(),
-        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! What a scenario's rig makes of a table: which quantities may be its drive and its reading, and whether it needs a contact's
 //! load and speed. A table that is read without a scenario may hold any of them.
 
-use super::header::{AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LOAD, MEAN, SPEED};
+use super::names::{AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LOAD, MEAN, PHASE, SPEED};
 use crate::scenario::parameters::MEASURED;
 use crate::scenario::{Coordinate, Excitation, Rig, Scenario, Signal, Signals};
 
@@ -101,7 +101,7 @@ impl<'a> Frame<'a> {
             (MEAN, "rad") => "mean_rad",
             (MEAN, "V") => "mean_v",
             (MEAN, _) => "mean_m",
-            (super::header::PHASE, _) => "phase_rad",
+            (PHASE, _) => "phase_rad",
             _ => "phase_sd_rad",
         }
     }

@@ -2,27 +2,9 @@
 
 use super::frame::{DRIVES, Frame, READINGS, kind};
 use super::likely::likely;
-use super::names::{ALIASES, NAMES, SAYING};
+use super::names::{ALIASES, AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, MEAN, NAMES, SAYING, SERIES, SWEEP};
 use super::unit::{Unit, Wanted, gravity, known, suffix};
 use crate::scenario::parameters::MEASURED;
-
-/// Position of a column in [`MEASURED`] and in `scenario::parameters::COLUMNS`.
-pub(crate) const SPEED: usize = 0;
-pub(crate) const LOAD: usize = 1;
-pub(crate) const DRIVE: usize = 2;
-pub(crate) const FREQUENCY: usize = 3;
-pub(crate) const AMPLITUDE: usize = 4;
-pub(crate) const PHASE: usize = 5;
-pub(crate) const AMPLITUDE_SD: usize = 6;
-pub(crate) const PHASE_SD: usize = 7;
-pub(crate) const MEAN: usize = 8;
-/// How many columns hold numbers.
-pub(crate) const NUMBERS: usize = 9;
-/// Position in `scenario::parameters::COLUMNS` of the columns that hold words.
-pub(crate) const SERIES: usize = 9;
-pub(crate) const SWEEP: usize = 10;
-/// How many columns a table may have.
-pub(crate) const ALL: usize = 11;
 
 /// Spellings of one over a second.
 const PER_SECOND: [&str; 5] = ["1/s", "s^-1", "s-1", "s⁻¹", "s−1"];
@@ -269,6 +251,7 @@ pub(crate) fn plain(name: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::names::{LOAD, NUMBERS, PHASE, PHASE_SD, SPEED};
     use super::*;
     use std::f64::consts::TAU;
 

@@ -1,7 +1,7 @@
 //! What a header probably is that is none of the known names: by its words and the dimension of its unit.
 
 use super::frame::{DRIVES, READINGS};
-use super::header::{AMPLITUDE, DRIVE, FREQUENCY, PHASE};
+use super::names::{AMPLITUDE, DRIVE, FREQUENCY, PHASE};
 use super::unit::{Unit, Wanted, suffix};
 
 /// Beginnings of words of a column that is none of the four: statistics, harmonics, swings that are no amplitudes, a lag whose sign

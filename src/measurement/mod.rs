@@ -22,6 +22,7 @@ mod noise;
 mod parts;
 mod pool;
 mod preamble;
+mod reading;
 mod rows;
 mod samples;
 mod scatter;
@@ -40,9 +41,10 @@ pub(crate) use file::bytes;
 pub(crate) use header::{plain, split};
 pub use modes::{Mode, modes};
 pub use noise::Noise;
+pub use reading::Direction;
 pub(crate) use rows::{decimal_commas, written};
 pub use scatter::{Scatter, Spread, scatter};
-pub use series::{Direction, Series, by_condition};
+pub use series::{Series, by_condition};
 pub(crate) use sheet::{Complaints, Row, Sheet};
 pub use survey::{Column, Survey, survey, survey_between, survey_bytes};
 pub(crate) use unit::{Unit, Wanted, suffix};
@@ -52,6 +54,7 @@ use crate::scenario::diagnostic::whole_file;
 use crate::scenario::{MeasurementSource, Scenario, Signals, Sweep};
 use crate::statistics::median;
 use frame::Frame;
+use reading::Readings;
 
 /// One measured steady state, SI units.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -277,7 +280,7 @@ fn read(wanted: &MeasurementSource, bytes: &[u8], frame: &Frame<'_>, sweep: Opti
     };
     let readings = within(readings, wanted, &mut notes)?;
     unused_keys(wanted, format, &mut notes);
-    let pool::Readings { signals, columns, choices, .. } = &readings;
+    let Readings { signals, columns, choices, .. } = &readings;
     let (signals, columns, choices) = (*signals, columns.clone(), choices.clone());
     let sweeps = if readings.drive_assumed { series::sweeps(&readings.list) } else { 1 };
     if sweeps > 1 {
@@ -312,9 +315,9 @@ fn read(wanted: &MeasurementSource, bytes: &[u8], frame: &Frame<'_>, sweep: Opti
 }
 
 /// The readings that a scenario asks for.
-fn within(readings: pool::Readings, wanted: &MeasurementSource, notes: &mut Vec<String>) -> Result<pool::Readings> {
+fn within(readings: Readings, wanted: &MeasurementSource, notes: &mut Vec<String>) -> Result<Readings> {
     let Some((from, to)) = wanted.band else { return Ok(readings) };
-    let (mut kept, all) = (readings, |readings: &pool::Readings| readings.list.len());
+    let (mut kept, all) = (readings, |readings: &Readings| readings.list.len());
     let before = all(&kept);
     kept.list.retain(|reading| (from..=to).contains(&reading.frequency));
     let [from, to] = [from, to].map(|f| crate::units::format(f, "Hz"));

@@ -1,6 +1,22 @@
-//! What columns are called.
+//! Which columns there are, and what they are called.
 
-use super::header::{AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LOAD, MEAN, PHASE, PHASE_SD, SPEED};
+/// Position of a column in [`MEASURED`](crate::scenario::parameters::MEASURED) and in `COLUMNS` there.
+pub(crate) const SPEED: usize = 0;
+pub(crate) const LOAD: usize = 1;
+pub(crate) const DRIVE: usize = 2;
+pub(crate) const FREQUENCY: usize = 3;
+pub(crate) const AMPLITUDE: usize = 4;
+pub(crate) const PHASE: usize = 5;
+pub(crate) const AMPLITUDE_SD: usize = 6;
+pub(crate) const PHASE_SD: usize = 7;
+pub(crate) const MEAN: usize = 8;
+/// How many columns hold numbers.
+pub(crate) const NUMBERS: usize = 9;
+/// Position in `COLUMNS` of the columns that hold words.
+pub(crate) const SERIES: usize = 9;
+pub(crate) const SWEEP: usize = 10;
+/// How many columns a table may have.
+pub(crate) const ALL: usize = 11;
 
 /// Names of columns in headers, and which column each is.
 pub(crate) const NAMES: &[(&str, usize)] = &[

@@ -3,6 +3,7 @@
 
 use super::frame::{Frame, READINGS};
 use super::header::split;
+use super::names::AMPLITUDE;
 use super::sheet::Sheet;
 use super::unit::{Unit, Wanted, suffix};
 
@@ -34,7 +35,7 @@ pub(crate) fn parts(sheet: &Sheet, frame: &Frame<'_>, taken: &[bool]) -> Option<
     let reals = all.iter().filter(|(_, part)| !part.imaginary);
     let mut pairs = reals.filter_map(|(real, part)| {
         let imaginary = imaginary_of(part)?;
-        let unit = part.unit.clone().unwrap_or(Unit::of(frame.serving(super::header::AMPLITUDE).last()?));
+        let unit = part.unit.clone().unwrap_or(Unit::of(frame.serving(AMPLITUDE).last()?));
         Some(Parts { real: *real, imaginary, unit, stated: part.unit.is_some() })
     });
     match (pairs.next(), pairs.next()) {
@@ -53,14 +54,14 @@ fn complex(sheet: &Sheet, frame: &Frame<'_>, taken: &[bool]) -> Option<Parts> {
     let header = sheet.headed(index);
     let unit = split(&header).1.and_then(|text| reading_unit(text, frame));
     let stated = unit.is_some();
-    let unit = unit.unwrap_or(Unit::of(frame.serving(super::header::AMPLITUDE).last()?));
+    let unit = unit.unwrap_or(Unit::of(frame.serving(AMPLITUDE).last()?));
     Some(Parts { real: index, imaginary: index, unit, stated })
 }
 
 /// The unit of a reading.
 fn reading_unit(text: &str, frame: &Frame<'_>) -> Option<Unit> {
     let wanted = Wanted { possible: READINGS, natural: None, share: false, per_drive: true };
-    wanted.unit(text).ok().filter(|unit| frame.serving(super::header::AMPLITUDE).contains(&unit.si))
+    wanted.unit(text).ok().filter(|unit| frame.serving(AMPLITUDE).contains(&unit.si))
 }
 
 /// Real and imaginary part of `(1.2e-3-4e-4j)`, `1 + 2i` and the like.

@@ -1,51 +1,10 @@
 //! Readings in canonical order; those of one condition and frequency are united.
 
 use std::collections::BTreeMap;
-use std::f64::consts::{PI, TAU};
 
-use super::{Column, Direction, Point, Series, series};
+use super::reading::{Reading, Readings, wrap};
+use super::{Point, Series, series};
 use crate::error::Result;
-use crate::scenario::Signals;
-
-/// One row as it was read, SI units and rad.
-#[derive(Debug, Clone)]
-pub(crate) struct Reading {
-    pub row: usize,
-    pub line: usize,
-    pub speed: f64,
-    pub load: f64,
-    pub drive: f64,
-    pub frequency: f64,
-    pub amplitude: f64,
-    pub phase: Option<f64>,
-    pub amplitude_sd: Option<f64>,
-    pub phase_sd: Option<f64>,
-    pub mean: Option<f64>,
-    /// What the table calls its series.
-    pub name: String,
-    /// Which way the table says that the frequency was swept.
-    pub sweep: Option<Direction>,
-    /// Number of its series, once these are found.
-    pub series: usize,
-    /// Cells of the columns that are not used, with zeros between them; they tell a repetition from a copy.
-    pub aside: String,
-}
-
-/// The readings of a file and what it states about their noise.
-#[derive(Debug)]
-pub(crate) struct Readings {
-    pub list: Vec<Reading>,
-    /// What drive and amplitude are.
-    pub signals: Signals,
-    /// What was made of the file's columns.
-    pub columns: Vec<Column>,
-    /// Keys and headers that a scenario has to map, as several columns could serve.
-    pub choices: Vec<(String, String)>,
-    /// Whether nothing states the drive, and one setting is taken for all rows.
-    pub drive_assumed: bool,
-    pub amplitude_stated: bool,
-    pub phase_stated: bool,
-}
 
 /// Spread of repeated readings: sum of squares about their mean, and its degrees of freedom.
 #[derive(Debug, Clone, Copy, Default)]
@@ -80,12 +39,6 @@ pub(crate) struct Pooled {
     pub amplitude_repeats: Repeats,
     /// Of phases.
     pub phase_repeats: Repeats,
-}
-
-/// The angle in (-pi, pi].
-pub(crate) fn wrap(angle: f64) -> f64 {
-    let turned = angle - TAU * (angle / TAU).round();
-    if turned <= -PI { turned + TAU } else { turned }
 }
 
 /// Finds the series, sorts, leaves out copies of rows, unites repetitions. `arm` tells the paper's rig.

@@ -1,8 +1,8 @@
 //! What instruments write before the numbers: settings, titles, a header behind a remark sign; and cells that blanks part. The text is
 //! changed in place, byte for byte, so that every place in it stays what it was.
 
-use super::delimited::units_of;
 use super::sheet::MAX_COLUMNS;
+use super::unit::units_of;
 use crate::units::count;
 
 /// What may part cells, and is tried in this order; blanks last.

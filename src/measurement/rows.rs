@@ -1,11 +1,12 @@
 //! Cells become readings in SI; every cell that is no such number is told with its place.
 
-use super::columns::{Layout, Slot, layout};
+use super::columns::{Layout, layout};
 use super::frame::{Frame, amplitude_header, kind};
-use super::header::{AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LOAD, MEAN, PHASE, PHASE_SD, SERIES, SPEED, SWEEP};
+use super::names::{AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LOAD, MEAN, PHASE, PHASE_SD, SERIES, SPEED, SWEEP};
 use super::parts::{Parts, split_complex};
-use super::pool::{Reading, Readings};
 use super::preamble::BLANKS;
+use super::reading::{Reading, Readings, wrap};
+use super::search::Slot;
 use super::sheet::{Complaints, Row, Sheet};
 use super::unit::Unit;
 use super::{Column, Direction};
@@ -194,7 +195,7 @@ impl Cells<'_, '_> {
             drive: drive?,
             frequency: frequency?,
             amplitude: amplitude?,
-            phase: phase?.map(super::pool::wrap),
+            phase: phase?.map(wrap),
             amplitude_sd: amplitude_sd?.map(|sd| if share { sd * amplitude.unwrap_or(0.0) } else { sd }),
             phase_sd: phase_sd?,
             mean: mean?,

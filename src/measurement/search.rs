@@ -1,18 +1,34 @@
 //! The search for columns: those that the scenario maps, then those whose headers say what they are.
 
-use super::columns::Slot;
 use super::frame::{Frame, READINGS, kind};
-use super::header::{
-    self, ALL, AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LOAD, Meaning, NUMBERS, PHASE, PHASE_SD, SPEED,
-};
+use super::header::{self, Meaning};
 use super::likely::{in_hertz, is_deviation, is_other};
-use super::names::LAG;
+use super::names::{ALL, AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LAG, LOAD, NUMBERS, PHASE, PHASE_SD, SPEED};
 use super::parts::{Parts, parts};
 use super::sheet::{Complaints, Row, Sheet};
 use super::swings::{is_peak_to_peak, other_amplitude};
 use super::unit::{Unit, Wanted};
 use crate::scenario::diagnostic::{nearest, quote};
 use crate::scenario::parameters::{COLUMNS, MEASURED};
+
+/// Where the numbers of a column come from.
+#[derive(Debug, Clone)]
+pub(crate) enum Slot {
+    /// A column of the table and the unit of its numbers.
+    Cells(usize, Unit),
+    /// One value for all rows, in SI.
+    Value(f64, &'static str),
+}
+
+impl Slot {
+    /// The SI unit of its values.
+    pub fn si(&self) -> &'static str {
+        match self {
+            Self::Cells(_, unit) => unit.si,
+            Self::Value(_, si) => si,
+        }
+    }
+}
 
 /// What a search found.
 pub(crate) struct Found {

@@ -3,22 +3,10 @@
 use std::collections::BTreeMap;
 
 use super::Point;
-use super::pool::Reading;
+use super::reading::{Direction, Reading};
 use crate::effects;
 use crate::scenario::Scenario;
 use crate::statistics::median;
-
-/// Which way the frequency was swept.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Direction {
-    /// From low to high.
-    Up,
-    /// From high to low.
-    Down,
-    /// Not known: the rows are in no order, or their order is not known.
-    Unknown,
-}
 
 /// One sweep.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]

@@ -3,7 +3,6 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-use super::delimited::records;
 use crate::error::{Error, Result};
 use crate::scenario::diagnostic::{MAX_TOLD, Place, Problems};
 use crate::scenario::source::Source;
@@ -91,6 +90,40 @@ impl Sheet {
             rest = (rest - 1) / 26;
         }
         format!("cell {}{}: ", letters.iter().collect::<String>(), row.line)
+    }
+}
+
+/// All records that hold anything, with their places. The text is valid, and so are they.
+pub(super) fn records(text: &str, delimiter: u8) -> impl Iterator<Item = Row> {
+    let reader = csv::ReaderBuilder::new()
+        .delimiter(delimiter)
+        .has_headers(false)
+        .flexible(true)
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .from_reader(text.as_bytes());
+    let (mut line, mut counted) = (1, 0);
+    let row = move |record: csv::StringRecord| {
+        let start = skip_remarks(text, record.position().map_or(0, |position| position.byte() as usize));
+        line += text[counted..start].bytes().filter(|byte| *byte == b'\n').count();
+        counted = start;
+        let holds = record.iter().any(|cell| !cell.is_empty());
+        holds.then(|| Row { line, start, cells: record.iter().map(String::from).collect() })
+    };
+    reader.into_records().map_while(std::result::Result::ok).filter_map(row)
+}
+
+/// Where the record really starts: its position counts blank lines and remarks before it.
+fn skip_remarks(text: &str, mut at: usize) -> usize {
+    loop {
+        let rest = &text[at..];
+        if !(rest.starts_with('#') || rest.starts_with('\n')) {
+            return at;
+        }
+        match rest.find('\n') {
+            Some(end) => at += end + 1,
+            None => return text.len(),
+        }
     }
 }
 

@@ -3,8 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::frame::Frame;
-use super::header::PHASE;
-use super::names::LAG;
+use super::names::{LAG, PHASE};
 use super::{Format, Table, doubts, file, read, universal};
 use crate::error::Result;
 use crate::scenario::parameters::COLUMNS;

@@ -1,6 +1,6 @@
 //! Names of columns that hold another measure of a swing than its amplitude.
 
-use super::header::{AMPLITUDE, DRIVE};
+use super::names::{AMPLITUDE, DRIVE};
 use crate::scenario::diagnostic::quote;
 
 /// Whether the name of a column says that it holds the whole swing.

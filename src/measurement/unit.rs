@@ -135,6 +135,15 @@ pub(crate) fn known(text: &str) -> bool {
     !digits && matches!(units::parse(&format!("1 {}", spelt(text)), "m"), Ok(_) | Err(UnitError::Dimension { .. }))
 }
 
+/// The units that a row below the header states: nothing else stands in it.
+pub(super) fn units_of(row: &[String], width: usize) -> Option<Vec<String>> {
+    let bare = |cell: &String| cell.trim_matches(['[', ']', '(', ')']).trim().to_string();
+    let cells: Vec<String> = row.iter().map(bare).map(|cell| if cell == "-" { String::new() } else { cell }).collect();
+    let unit = |cell: &String| cell.is_empty() || cell == "%" || known(cell) || gravity(cell).is_some();
+    let stated = cells.iter().filter(|cell| !cell.is_empty()).count();
+    (stated > 1 && cells.len() == width && cells.iter().all(unit)).then_some(cells)
+}
+
 /// What the unit of a column may be.
 pub(crate) struct Wanted {
     /// SI units that a column of its name may have.
