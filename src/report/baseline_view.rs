@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::figure_view::FigureView;
 use super::verdict::Change;
-use super::view::{FigureView, Quantity};
+use crate::units::readable::Quantity;
 
 /// This run against an earlier one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -2,8 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::figure_view::{FigureView, NoteView};
+use super::rig_view::SignalsView;
 use super::verdict::Match;
-use super::view::{FigureView, NoteView, Quantity, SignalsView};
+use crate::units::readable::Quantity;
 
 /// Model against measurements.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -3,8 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::comparison_view::{FittedView, OutlierView};
+use super::figure_view::FigureView;
 use super::verdict::Found;
-use super::view::{FigureView, Quantity};
+use crate::units::readable::Quantity;
 
 /// Which effect is missing, as a story.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -2,58 +2,13 @@
 
 use super::anchor;
 use super::comparison::{none, shown};
+use super::free_form_view::{DependenceView, FreeFormView, ShapeView};
 use super::scenario::{FigureInput, figure};
-use super::view::{FigureView, Quantity, ScenarioView};
+use super::view::ScenarioView;
 use crate::free_form::{FreeForm, Shape, Standing};
-use serde::{Deserialize, Serialize};
 
 /// Shapes that are listed.
 const SHAPES: usize = 8;
-
-/// The free form, as data.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct FreeFormView {
-    /// Stable id in the page.
-    pub anchor: String,
-    /// What follows, in a sentence.
-    pub statement: String,
-    /// Where the force acts.
-    pub acts_on: String,
-    /// What limits it.
-    pub notes: Vec<String>,
-    /// The classes of laws, a constant first.
-    pub classes: Vec<DependenceView>,
-    /// Named effects with that shape, nearest first.
-    pub shapes: Vec<ShapeView>,
-    /// Its figure.
-    pub figures: Vec<FigureView>,
-}
-
-/// A class of laws.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct DependenceView {
-    /// Its variables.
-    pub name: String,
-    /// What the data say of it.
-    pub standing: String,
-    /// Error of the amplitude that it leaves.
-    pub left: Quantity,
-    /// Share of the misfit that it explains at most.
-    pub explained: Quantity,
-    /// Error of series predicted from the others.
-    pub predicted: Quantity,
-}
-
-/// A named effect.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ShapeView {
-    /// Its name.
-    pub effect: String,
-    /// Error of the amplitude that it leaves.
-    pub left: Quantity,
-    /// Share of the misfit that it explains.
-    pub explained: Quantity,
-}
 
 impl ScenarioView {
     /// The section with a free form in it.

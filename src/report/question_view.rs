@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::view::{FigureView, Quantity};
+use super::figure_view::FigureView;
+use crate::units::readable::Quantity;
 
 /// Which effects can give the curve asked for: hypotheses, all simulated.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -5,9 +5,11 @@ use serde::{Deserialize, Serialize};
 pub use super::baseline_view::{BaselineView, HistoryView, StepChangeView};
 pub use super::comparison_view::{ComparisonView, FittedView, MatchView, OutlierView, PeakView};
 pub use super::discovery_view::{CandidateView, DiscoveryView, NextView, NotTestableView, StepView};
-pub use super::free_form::FreeFormView;
+pub use super::figure_view::{FigureView, FileView, NoteView};
+pub use super::free_form_view::FreeFormView;
 pub use super::question_view::{AbleView, QuestionView, SettingView};
-pub use super::trust::TrustView;
+pub use super::rig_view::{EquationView, RigView, SignalView, SignalsView, SymbolView};
+pub use super::trust_view::TrustView;
 use super::verdict::{Agreement, Completeness, Passed, Verdict};
 pub use crate::units::readable::Quantity;
 
@@ -198,40 +200,6 @@ pub struct ScenarioView {
     pub hash: String,
 }
 
-/// A rig that is not the paper's.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct RigView {
-    /// What drives it and what is read of it in a sweep.
-    #[serde(flatten)]
-    pub signals: SignalsView,
-    /// Whether it has a contact.
-    pub contact: bool,
-    /// Its equations without effects.
-    pub equations: Vec<EquationView>,
-    /// Symbols of these and of what is said of its readings.
-    pub symbols: Vec<SymbolView>,
-}
-
-/// What drives a rig and what is read of it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct SignalsView {
-    /// The drive.
-    pub drive: SignalView,
-    /// The reading.
-    pub reading: SignalView,
-}
-
-/// A drive or a reading.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct SignalView {
-    /// Name in running text.
-    pub name: String,
-    /// Symbol.
-    pub symbol: String,
-    /// SI unit in the notation of scenario files.
-    pub unit: String,
-}
-
 /// A parameter with its origin.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ParameterView {
@@ -247,37 +215,6 @@ pub struct ParameterView {
     pub unit: String,
     /// Where it comes from.
     pub source: String,
-}
-
-/// A drawing.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct FigureView {
-    /// Name of the figure.
-    pub name: String,
-    /// Stable id in the page.
-    pub anchor: String,
-    /// Title.
-    pub title: String,
-    /// What it shows and what to look for.
-    pub caption: String,
-    /// The drawing in words, for those who cannot see it.
-    pub alt: String,
-    /// Numbers that belong to it.
-    pub notes: Vec<NoteView>,
-    /// What good looks like, what bad looks like, what to do.
-    #[serde(default)]
-    pub reading: Vec<NoteView>,
-    /// Files beside the report.
-    pub files: Vec<FileView>,
-    /// The drawing, checked when the page is made. Not part of the JSON: it is among the files.
-    #[serde(skip)]
-    pub svg: String,
-    /// The same for a narrow screen, where it has such a form; among the files too.
-    #[serde(skip)]
-    pub narrow: Option<String>,
-    /// What is shown as a table. Not part of the JSON either.
-    #[serde(skip)]
-    pub csv: String,
 }
 
 /// An effect of the catalogue and what it does to resonance curves.
@@ -318,26 +255,6 @@ pub struct EffectParameterView {
     pub unit: String,
     /// Magnitudes that a search covers.
     pub range: String,
-}
-
-/// A labelled remark under a figure.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct NoteView {
-    /// Label, e.g. "largest difference".
-    pub label: String,
-    /// Text.
-    pub text: String,
-}
-
-/// A file beside the report.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct FileView {
-    /// Path relative to the report.
-    pub name: String,
-    /// The same as a safe relative link.
-    pub href: String,
-    /// What it is: `SVG`, `PNG`, `CSV`.
-    pub kind: String,
 }
 
 /// A setting that distinguishes curves, or is the same for all of them.
@@ -422,29 +339,6 @@ pub struct CheckView {
     pub tolerance: String,
     /// The verdict.
     pub verdict: Agreement,
-}
-
-/// A symbol of the equations.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct SymbolView {
-    /// Id in the page.
-    #[serde(default)]
-    pub anchor: String,
-    /// Symbol.
-    pub symbol: String,
-    /// SI unit.
-    pub unit: String,
-    /// Meaning.
-    pub meaning: String,
-}
-
-/// An equation of the model.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct EquationView {
-    /// What it is of.
-    pub of: String,
-    /// The equation in plain characters.
-    pub equation: String,
 }
 
 /// Where the report comes from.
