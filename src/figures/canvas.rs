@@ -6,24 +6,16 @@
 use super::FigureError;
 use super::compact::compact;
 use super::hooks::{self, Hooks};
-pub use super::pen::{Anchor, Dash, Stroke, Type};
+pub use super::pen::{Anchor, Stroke, Type};
+pub use super::pixels::Point;
+use super::pixels::{FINE, fine};
+pub use super::style::Dash;
 use super::style::{Color, WHITE, text_width, typeface};
 use plotters::coord::Shift;
 use plotters::element::{Drawable, PointCollection};
 use plotters::prelude::*;
 use plotters::style::Color as _;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-
-/// A point in logical pixels.
-pub type Point = (f64, f64);
-
-/// Units of the backend per logical pixel.
-pub const FINE: f64 = 16.0;
-
-/// A length in units of the backend.
-pub fn fine(length: f64) -> i32 {
-    (length * FINE).round() as i32
-}
 
 fn line(stroke: Stroke) -> ShapeStyle {
     ShapeStyle { stroke_width: fine(stroke.width).max(1) as u32, filled: false, ..fill(stroke.color) }
@@ -99,8 +91,17 @@ impl<'a> Canvas<'a> {
     }
 
     /// A circle larger than any drawing, which stands for one end of a group.
-    pub(super) fn end(&mut self, number: i32) {
+    fn end(&mut self, number: i32) {
         self.put(Circle::new((0, 0), hooks::HUGE + number, fill(WHITE)));
+    }
+
+    /// Draws into a group that opens with this tag.
+    pub(super) fn group<R>(&mut self, tag: String, draw: impl FnOnce(&mut Self) -> R) -> R {
+        let number = self.hooks.open(tag);
+        self.end(number);
+        let drawn = draw(self);
+        self.end(hooks::END);
+        drawn
     }
 
     /// A straight line.

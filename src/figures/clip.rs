@@ -1,6 +1,6 @@
 //! Clipping of lines to a rectangle, and thinning of them, which plotters does not do.
 
-use super::canvas::Point;
+use super::pixels::Point;
 
 /// A rectangle: its upper left and its lower right corner.
 pub type Window = (Point, Point);

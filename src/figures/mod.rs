@@ -2,7 +2,7 @@
 //! SVG. Nothing is simulated here.
 //!
 //! One file per figure: a pure function extracts what is shown, another draws it. [`style`] holds everything they look
-//! alike in, [`canvas`] a thin layer over plotters, [`axes`] panels and ticks on its coordinates, [`data`] selections.
+//! alike in, [`canvas`] a thin layer over plotters, [`axes`] panels on its coordinates, [`data`] selections.
 
 pub mod atlas;
 pub mod axes;
@@ -15,7 +15,9 @@ pub mod comparison;
 pub mod data;
 pub mod discovery;
 pub mod formulations;
+mod frame;
 pub mod friction_independence;
+mod groups;
 pub mod history;
 mod hooks;
 pub mod legend;
@@ -23,6 +25,7 @@ pub mod loops;
 pub mod marks;
 pub mod orbits;
 pub mod pen;
+pub mod pixels;
 pub mod preset;
 pub mod prony;
 pub mod question;

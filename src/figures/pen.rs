@@ -1,17 +1,6 @@
 //! How lines and texts look.
 
-use super::style::{Color, INK, TICK_SIZE};
-
-/// How a line is interrupted.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Dash {
-    /// Not at all.
-    Solid,
-    /// Dashes of a length and the gaps between them \[px\].
-    Dashes(f64, f64),
-    /// The same with a dot in every gap.
-    DashDots(f64, f64),
-}
+use super::style::{Color, Dash, INK, TICK_SIZE};
 
 /// How a line is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,7 +1,7 @@
 //! What all figures share in looks: sizes, colours, font, numbers with units, CSV, and pixels.
 
 use super::FigureError;
-use super::canvas::{Dash, FINE};
+use super::pixels::FINE;
 pub use crate::units::count;
 use plotters::style::colors::colormaps::{ColorMap, ViridisRGB};
 use plotters::style::{FontDesc, FontFamily, FontStyle, RGBColor, register_font};
@@ -55,6 +55,17 @@ pub const ROLLER: Color = Color(0x00, 0x8a, 0x63);
 pub const STATIC_BAND: Color = Color(0xa6, 0xce, 0xe8);
 /// Full slip as a wide pale line.
 pub const SLIP_BAND: Color = Color(0xf7, 0xc9, 0xa3);
+
+/// How a line is interrupted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Dash {
+    /// Not at all.
+    Solid,
+    /// Dashes of a length and the gaps between them \[px\].
+    Dashes(f64, f64),
+    /// The same with a dot in every gap.
+    DashDots(f64, f64),
+}
 
 /// Dash of the wide static-contact limit.
 pub const DASH_BAND: Dash = Dash::Dashes(16.0, 5.0);
