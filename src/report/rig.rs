@@ -37,6 +37,15 @@ impl RigView {
     }
 }
 
+fn symbol(id: &str, symbol: &str, unit: &str, meaning: &str) -> SymbolView {
+    SymbolView {
+        anchor: format!("symbol-{}", super::anchor::slug(id)),
+        symbol: symbol.into(),
+        unit: crate::units::printed(unit),
+        meaning: meaning.into(),
+    }
+}
+
 /// An oscillator as it is spoken of.
 struct Of<'a> {
     oscillator: &'a Oscillator,
@@ -113,47 +122,74 @@ impl Of<'_> {
         (of, format!("{motion} → {} sin(ωt + φ)", reading.symbol))
     }
 
+    /// A unit of this oscillator, by what its coordinate is.
+    fn unit(&self, linear: &'static str, angular: &'static str) -> &'static str {
+        if self.angle() { angular } else { linear }
+    }
+
     fn symbols(&self, signals: &Signals) -> Vec<SymbolView> {
+        let mut list = self.of_motion();
+        list.extend(self.of_excitation());
+        list.extend(self.of_drive(&signals.drive));
+        list.extend(self.of_reading(&signals.reading));
+        if self.contact {
+            list.extend(self.of_contact());
+        }
+        list.extend(of_everything());
+        list
+    }
+
+    /// Coordinate, mass, damping and stiffness of the mode.
+    fn of_motion(&self) -> Vec<SymbolView> {
         let (o, angle) = (self.oscillator, self.angle());
-        let unit = |linear: &'static str, angular: &'static str| if angle { angular } else { linear };
-        let (drive, reading) = (&signals.drive, &signals.reading);
-        let mut list: Vec<(String, &str, &str, String)> = Vec::new();
-        let mut add = |id: &str, symbol: &'static str, unit: &'static str, meaning: &str| {
-            list.push((id.into(), symbol, unit, meaning.into()));
-        };
         let moves = match (o.excitation, angle) {
             (Excitation::Base, false) => "displacement from the base",
             (Excitation::Base, true) => "rotation from the base",
             (_, false) => "displacement",
             (_, true) => "angle",
         };
-        add("coordinate", self.x(), unit("m", "rad"), moves);
         let mass = match (o.mass_stated, angle) {
             (true, false) => "modal mass",
             (true, true) => "moment of inertia of the mode",
             (false, _) => "mass, not stated: 1, the drive being known up to a factor",
         };
-        add("mass", "M", unit("kg", "kg m²"), mass);
-        add("damping-C", "C", unit("N s/m", "N m s/rad"), "damping of the mode");
-        add("stiffness-K", "K", unit("N/m", "N m/rad"), "stiffness of the mode");
+        let mut list = vec![
+            symbol("coordinate", self.x(), self.unit("m", "rad"), moves),
+            symbol("mass", "M", self.unit("kg", "kg m²"), mass),
+            symbol("damping-C", "C", self.unit("N s/m", "N m s/rad"), "damping of the mode"),
+            symbol("stiffness-K", "K", self.unit("N/m", "N m/rad"), "stiffness of the mode"),
+        ];
         if o.elasticity_form == Elasticity::NaturalFrequency {
-            add("natural-frequency", "f₀", "Hz", "natural frequency without damping");
+            list.push(symbol("natural-frequency", "f₀", "Hz", "natural frequency without damping"));
         }
-        match o.dissipation_form {
-            Dissipation::Damping => {}
-            Dissipation::QualityFactor => add("quality-factor", "Q", "", "quality factor of the resonance"),
-            Dissipation::DampingRatio => add("damping-ratio", "ζ", "", "damping over the critical damping, 1/(2Q)"),
-        }
-        match o.excitation {
-            Excitation::Force => {}
-            Excitation::Base => add("base", "y", unit("m", "rad"), "motion of the base"),
-            Excitation::Spring => {
-                add("end", "u", unit("m", "rad"), "motion of the end of the driving spring");
-                add("driving-stiffness", "k_s", unit("N/m", "N m/rad"), "stiffness of the driving spring, part of K");
-                add("driving-damping", "c_s", unit("N s/m", "N m s/rad"), "damping of the driving spring, part of C");
+        list.extend(match o.dissipation_form {
+            Dissipation::Damping => None,
+            Dissipation::QualityFactor => Some(symbol("quality-factor", "Q", "", "quality factor of the resonance")),
+            Dissipation::DampingRatio => {
+                Some(symbol("damping-ratio", "ζ", "", "damping over the critical damping, 1/(2Q)"))
             }
+        });
+        list
+    }
+
+    /// The motion by which the oscillator is driven, where it is not a force.
+    fn of_excitation(&self) -> Vec<SymbolView> {
+        let (stiffness, damping) = (self.unit("N/m", "N m/rad"), self.unit("N s/m", "N m s/rad"));
+        match self.oscillator.excitation {
+            Excitation::Force => Vec::new(),
+            Excitation::Base => vec![symbol("base", "y", self.unit("m", "rad"), "motion of the base")],
+            Excitation::Spring => vec![
+                symbol("end", "u", self.unit("m", "rad"), "motion of the end of the driving spring"),
+                symbol("driving-stiffness", "k_s", stiffness, "stiffness of the driving spring, part of K"),
+                symbol("driving-damping", "c_s", damping, "damping of the driving spring, part of C"),
+            ],
         }
-        let what = match (drive.unit, o.excitation) {
+    }
+
+    /// Amplitude and frequency of the drive.
+    fn of_drive(&self, drive: &Signal) -> Vec<SymbolView> {
+        let (excitation, angle) = (self.oscillator.excitation, self.angle());
+        let what = match (drive.unit, excitation) {
             ("V", _) => "voltage that stands for the drive",
             (_, Excitation::Force) if angle => "amplitude of the torque",
             (_, Excitation::Force) => "amplitude of the force",
@@ -161,44 +197,46 @@ impl Of<'_> {
             (_, Excitation::Base) => "amplitude of the motion of the base",
             (_, Excitation::Spring) => "amplitude of the motion of the spring's end",
         };
-        list.push((format!("drive-{}", drive.drive_column()), drive.symbol, drive.unit, what.into()));
-        if o.excitation == Excitation::Force && drive.unit == "V" {
+        let of =
+            |own: &Signal, what: &str| symbol(&format!("drive-{}", own.drive_column()), own.symbol, own.unit, what);
+        let mut list = vec![of(drive, what)];
+        if excitation == Excitation::Force && drive.unit == "V" {
             let own = if angle { Signal::TORQUE } else { Signal::FORCE };
-            let what = format!("amplitude of the {}, known by its voltage", own.name);
-            list.push((format!("drive-{}", own.drive_column()), own.symbol, own.unit, what));
+            list.push(of(&own, &format!("amplitude of the {}, known by its voltage", own.name)));
         }
-        list.push(("frequency-f".into(), "f", "Hz", "drive frequency".into()));
-        list.push(("omega".into(), "ω", "rad/s", "angular drive frequency, 2πf".into()));
-        let whose = if o.absolute { " in space" } else { "" };
+        list.push(symbol("frequency-f", "f", "Hz", "drive frequency"));
+        list.push(symbol("omega", "ω", "rad/s", "angular drive frequency, 2πf"));
+        list
+    }
+
+    /// Amplitude and phase of what is read.
+    fn of_reading(&self, reading: &Signal) -> Vec<SymbolView> {
+        let whose = if self.oscillator.absolute { " in space" } else { "" };
+        let id = format!("reading-{}", reading.reading_column());
         let what = format!("amplitude of the {}{whose} at the drive frequency", reading.name);
-        list.push((format!("reading-{}", reading.reading_column()), reading.symbol, reading.unit, what));
+        let mut list = vec![symbol(&id, reading.symbol, reading.unit, &what)];
         if reading.unit == "V" {
-            list.push(("sensitivity".into(), "S", "", "voltage read per motion".into()));
+            list.push(symbol("sensitivity", "S", "", "voltage read per motion"));
         }
-        list.push(("phase".into(), "φ", "rad", format!("phase of the {}, relative to the drive", reading.name)));
-        if o.absolute {
+        let what = format!("phase of the {}, relative to the drive", reading.name);
+        list.push(symbol("phase", "φ", "rad", &what));
+        if self.oscillator.absolute {
             let meaning = "participation: motion of the place that is read over that of a mass on a spring, both relative to the base";
-            list.push(("participation".into(), "Γ", "", meaning.into()));
+            list.push(symbol("participation", "Γ", "", meaning));
         }
-        if self.contact {
-            let contact = [
-                ("factor", "q", unit("", "m/rad"), "motion at the contact per unit of the coordinate"),
-                ("contact-kc", "k_c", "N/m", "stiffness of the bristles of the contact"),
-                ("contact-cc", "c_c", "N s/m", "damping of the bristles of the contact"),
-                ("mu", "μ", "", "coefficient of friction"),
-                ("load-W", "W", "N", "normal load; 0 means no contact"),
-                ("speed-V", "V", "m/s", "speed of the surface that slides on the rig"),
-                ("force-F", "F", "N", "tangential force of that surface on the rig"),
-            ];
-            list.extend(contact.map(|(id, symbol, unit, meaning)| (id.into(), symbol, unit, meaning.into())));
-        }
-        let view = |(id, symbol, unit, meaning): (String, &str, &str, String)| SymbolView {
-            anchor: format!("symbol-{}", super::anchor::slug(&id)),
-            symbol: symbol.into(),
-            unit: crate::units::printed(unit),
-            meaning,
-        };
-        list.into_iter().map(view).chain(of_everything()).collect()
+        list
+    }
+
+    fn of_contact(&self) -> [SymbolView; 7] {
+        [
+            symbol("factor", "q", self.unit("", "m/rad"), "motion at the contact per unit of the coordinate"),
+            symbol("contact-kc", "k_c", "N/m", "stiffness of the bristles of the contact"),
+            symbol("contact-cc", "c_c", "N s/m", "damping of the bristles of the contact"),
+            symbol("mu", "μ", "", "coefficient of friction"),
+            symbol("load-W", "W", "N", "normal load; 0 means no contact"),
+            symbol("speed-V", "V", "m/s", "speed of the surface that slides on the rig"),
+            symbol("force-F", "F", "N", "tangential force of that surface on the rig"),
+        ]
     }
 }
 

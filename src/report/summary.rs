@@ -5,8 +5,8 @@ use super::glossary::{equations, glossary};
 use super::provenance::{Provenance, SECTION};
 use super::verdict::{Agreement, Completeness, Found, Match, Tone, Verdict};
 use super::view::{
-    CheckView, ClaimView, ComparisonView, DiscoveryView, EffectView, EquationView, Headline, ReportView, SCHEMA,
-    ScenarioView, SummaryView, SymbolView, TallyView,
+    CheckView, ClaimView, ComparisonView, DiscoveryView, EffectView, EquationView, FigureView, Headline, ReportView,
+    SCHEMA, ScenarioView, SummaryView, SymbolView, TallyView,
 };
 use crate::units;
 
@@ -31,6 +31,15 @@ const PAPER: &str = "The experiment of Nakano and others (Frontiers in Mechanica
 
 const PLAIN: &str = "Simulations of a torsional rig in frictional contact with a driven roller, after Nakano and others (Frontiers in \
     Mechanical Engineering 5:9, 2019): the figures with their numbers, and how far these can be trusted.";
+
+/// What the report is, in a paragraph.
+fn lead(claims: &[ClaimView], scenarios: &[ScenarioView]) -> String {
+    match (claims.is_empty(), scenarios.iter().any(|scenario| scenario.rig.is_some())) {
+        (false, _) => PAPER.into(),
+        (true, false) => PLAIN.into(),
+        (true, true) => of_others(scenarios),
+    }
+}
 
 /// Of scenarios that are not all about the paper's kind of rig.
 fn of_others(scenarios: &[ScenarioView]) -> String {
@@ -66,6 +75,41 @@ fn of_rigs(scenarios: &[ScenarioView]) -> (Vec<EquationView>, Vec<SymbolView>) {
     (all, symbols)
 }
 
+/// Names scenarios that share a title by their ids as well.
+fn distinguish(scenarios: &mut [ScenarioView]) {
+    let titles: Vec<String> = scenarios.iter().map(|scenario| scenario.title.clone()).collect();
+    for scenario in scenarios {
+        if titles.iter().filter(|title| **title == scenario.title).count() > 1 {
+            scenario.title = format!("{} ({})", scenario.title, scenario.id);
+        }
+    }
+}
+
+/// Makes the anchors of a part of the page and of its figures unique.
+fn claim_part<'a>(anchors: &mut Anchors, part: &mut String, figures: impl IntoIterator<Item = &'a mut FigureView>) {
+    *part = anchors.claim(part);
+    for figure in figures {
+        figure.anchor = anchors.claim(&figure.anchor);
+    }
+}
+
+/// The same of a scenario's section and of the parts in it.
+fn claim_scenario(anchors: &mut Anchors, scenario: &mut ScenarioView) {
+    claim_part(anchors, &mut scenario.anchor, &mut scenario.figures);
+    if let Some(discovery) = &mut scenario.discovery {
+        claim_part(anchors, &mut discovery.anchor, discovery.figures.iter_mut().chain(&mut discovery.more));
+    }
+    if let Some(free_form) = &mut scenario.free_form {
+        claim_part(anchors, &mut free_form.anchor, &mut free_form.figures);
+    }
+    if let Some(question) = &mut scenario.question {
+        claim_part(anchors, &mut question.anchor, &mut question.figures);
+    }
+    if let Some(comparison) = &mut scenario.comparison {
+        claim_part(anchors, &mut comparison.anchor, comparison.figures.iter_mut().chain(&mut comparison.more));
+    }
+}
+
 impl ReportView {
     /// The report from its parts. Anchors are made unique, links to figures that do not exist are dropped.
     pub fn assemble(
@@ -76,49 +120,16 @@ impl ReportView {
         mut verification: Vec<CheckView>,
         provenance: &Provenance,
     ) -> Self {
-        let titles: Vec<String> = scenarios.iter().map(|scenario| scenario.title.clone()).collect();
-        for scenario in &mut scenarios {
-            if titles.iter().filter(|title| **title == scenario.title).count() > 1 {
-                scenario.title = format!("{} ({})", scenario.title, scenario.id);
-            }
-        }
+        distinguish(&mut scenarios);
         let mut anchors = Anchors::default();
         for section in SECTIONS {
             anchors.claim(section);
         }
         for scenario in &mut scenarios {
-            scenario.anchor = anchors.claim(&scenario.anchor);
-            for figure in &mut scenario.figures {
-                figure.anchor = anchors.claim(&figure.anchor);
-            }
-            if let Some(discovery) = &mut scenario.discovery {
-                discovery.anchor = anchors.claim(&discovery.anchor);
-                for figure in discovery.figures.iter_mut().chain(&mut discovery.more) {
-                    figure.anchor = anchors.claim(&figure.anchor);
-                }
-            }
-            if let Some(free_form) = &mut scenario.free_form {
-                free_form.anchor = anchors.claim(&free_form.anchor);
-                for figure in &mut free_form.figures {
-                    figure.anchor = anchors.claim(&figure.anchor);
-                }
-            }
-            if let Some(question) = &mut scenario.question {
-                question.anchor = anchors.claim(&question.anchor);
-                for figure in &mut question.figures {
-                    figure.anchor = anchors.claim(&figure.anchor);
-                }
-            }
-            if let Some(comparison) = &mut scenario.comparison {
-                comparison.anchor = anchors.claim(&comparison.anchor);
-                for figure in comparison.figures.iter_mut().chain(&mut comparison.more) {
-                    figure.anchor = anchors.claim(&figure.anchor);
-                }
-            }
+            claim_scenario(&mut anchors, scenario);
         }
         for effect in &mut atlas {
-            effect.anchor = anchors.claim(&effect.anchor);
-            effect.figure.anchor = anchors.claim(&effect.figure.anchor);
+            claim_part(&mut anchors, &mut effect.anchor, [&mut effect.figure]);
         }
         for claim in &mut claims {
             claim.figure = claim.figure.take().filter(|figure| anchors.has(figure));
@@ -128,16 +139,10 @@ impl ReportView {
             check.anchor = anchors.claim(&anchor::check(&check.name));
         }
         let (equations, glossary) = of_rigs(&scenarios);
-        let others = scenarios.iter().any(|scenario| scenario.rig.is_some());
-        let lead = match (claims.is_empty(), others) {
-            (false, _) => PAPER.into(),
-            (true, false) => PLAIN.into(),
-            (true, true) => of_others(&scenarios),
-        };
         Self {
             schema: SCHEMA.into(),
             title: title.into(),
-            lead,
+            lead: lead(&claims, &scenarios),
             summary: SummaryView::of(&claims, &scenarios, &verification),
             gates: Vec::new(),
             baseline: None,
