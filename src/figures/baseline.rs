@@ -1,9 +1,9 @@
 //! Curves of an earlier run under those of this one.
 
-use super::axes::{Axis, Panel};
+use super::axes::{Axis, Panel, range};
 use super::canvas::{Dash, Point, Stroke, document};
 use super::legend::{Key, legend, legend_width};
-use super::style::{GREY, STATIC, Table, Unit, WIDTH, cell, count, ramp, significant};
+use super::style::{Color, GREY, STATIC, Table, Unit, WIDTH, cell, count, ramp, significant};
 use super::{Drawing, FigureError};
 use crate::scenario::Signal;
 
@@ -75,47 +75,52 @@ pub fn draw(pairs: &[Pair], id: &str, tolerance: f64, reading: &Signal) -> Resul
         count(differing.len(), "curve"),
         pairs.len()
     );
-    let amplitudes = || differing.iter().flat_map(|p| p.before.iter().chain(&p.after)).map(|p| p.1);
-    let unit = Unit::of_signal(amplitudes().filter(|a| a.is_finite()).fold(0.0, f64::max), reading.unit);
+    let svg = curves(&differing, (&title, &alt), &format!("{name} {}", reading.symbol), reading.unit)?;
+    let how_to_read = [
+        "Solid lines on the dashed ones of the same colour: what was changed does not show.",
+        "A solid line that leaves its dashed one where nothing was meant to change.",
+        "See among the changed inputs whether that follows from one of them; if not, from the program.",
+    ];
+    Ok(Drawing::new(("baseline", &title), (caption, alt), (svg, csv(&differing, reading.unit)), how_to_read))
+}
+
+/// Both curves of every pair in one panel; `label` and `unit` are those of the amplitude.
+fn curves(pairs: &[&Pair], words: (&str, &str), label: &str, unit: &str) -> Result<String, FigureError> {
+    let points = || pairs.iter().flat_map(|p| p.before.iter().chain(&p.after));
+    let unit = Unit::of_signal(points().map(|p| p.1).filter(|a| a.is_finite()).fold(0.0, f64::max), unit);
     let scaled = |points: &[Point]| points.iter().map(|&(f, a)| (f, unit.of(a))).collect::<Vec<_>>();
-    let color = |index: usize| if differing.len() == 1 { STATIC } else { ramp(index, differing.len()) };
-    let before = |index: usize| Stroke::dashed(color(index).mix(GREY, 0.35), 3.0, Dash::Dashes(7.0, 5.0));
-    let entries: Vec<_> =
-        std::iter::once((Key::Line(Stroke::dashed(GREY, 3.0, Dash::Dashes(7.0, 5.0))), "before".into()))
-            .chain(differing.iter().enumerate().map(|(i, p)| (Key::Line(Stroke::solid(color(i), 2.2)), p.name.clone())))
-            .collect();
+    let color = |index: usize| if pairs.len() == 1 { STATIC } else { ramp(index, pairs.len()) };
+    let before = |color: Color| Stroke::dashed(color, 3.0, Dash::Dashes(7.0, 5.0));
+    let now = |index: usize| Stroke::solid(color(index), 2.2);
+    let named = pairs.iter().enumerate().map(|(i, p)| (Key::Line(now(i)), p.name.clone()));
+    let entries: Vec<_> = std::iter::once((Key::Line(before(GREY)), "before".into())).chain(named).collect();
     let width = (WIDTH - LEFT - legend_width(&entries) - 50.0).max(420.0);
-    let svg = document((LEFT + width + legend_width(&entries) + 50.0, TOP + 330.0 + 66.0), (&title, &alt), |canvas| {
-        let frequencies = differing.iter().flat_map(|p| p.before.iter().chain(&p.after)).map(|p| p.0);
-        let (low, high) = super::axes::range(frequencies);
+    document((LEFT + width + legend_width(&entries) + 50.0, TOP + 330.0 + 66.0), words, |canvas| {
+        let (low, high) = range(points().map(|p| p.0));
         let x = Axis::frequency("drive frequency f", low, high);
-        let y = Axis::around(format!("{name} {} [{}]", reading.symbol, unit.label), amplitudes().map(|a| unit.of(a)));
+        let y = Axis::around(format!("{label} [{}]", unit.label), points().map(|p| unit.of(p.1)));
         let panel = Panel { left: LEFT, top: TOP, width, height: 330.0, x, y };
         panel.frame(canvas, true, true);
-        for (index, pair) in differing.iter().enumerate() {
-            canvas.series(&pair.name, |canvas| {
-                panel.curve(canvas, &scaled(&pair.after), Stroke::solid(color(index), 2.2));
-            });
+        for (index, pair) in pairs.iter().enumerate() {
+            canvas.series(&pair.name, |canvas| panel.curve(canvas, &scaled(&pair.after), now(index)));
         }
         canvas.series("before", |canvas| {
-            for (index, pair) in differing.iter().enumerate() {
-                panel.curve(canvas, &scaled(&pair.before), before(index));
+            for (index, pair) in pairs.iter().enumerate() {
+                panel.curve(canvas, &scaled(&pair.before), before(color(index).mix(GREY, 0.35)));
             }
         });
         legend(canvas, LEFT + width + 24.0, TOP - 12.0, &entries);
-    })?;
-    let mut table = Table::new(&["curve", "run", "frequency [Hz]", &format!("amplitude [{}]", reading.unit)]);
-    for pair in &differing {
+    })
+}
+
+fn csv(pairs: &[&Pair], unit: &str) -> String {
+    let mut table = Table::new(&["curve", "run", "frequency [Hz]", &format!("amplitude [{unit}]")]);
+    for pair in pairs {
         for (run, points) in [("before", &pair.before), ("now", &pair.after)] {
             for (f, a) in points {
                 table.row([pair.name.clone(), run.into(), cell(*f), cell(*a)]);
             }
         }
     }
-    let reading = [
-        "Solid lines on the dashed ones of the same colour: what was changed does not show.",
-        "A solid line that leaves its dashed one where nothing was meant to change.",
-        "See among the changed inputs whether that follows from one of them; if not, from the program.",
-    ];
-    Ok(Drawing::new(("baseline", &title), (caption, alt), (svg, table.finish()), reading))
+    table.finish()
 }

@@ -171,6 +171,51 @@ impl<'a> Data<'a> {
         panel.marks(canvas, &data::self_excited(styled.curve, of), Mark::Circle, 4.0, solid.color, false);
     }
 
+    /// Peaks and folds as key numbers.
+    fn notes(&self, digits: &Frequencies) -> Vec<(String, String)> {
+        let mut notes = Vec::new();
+        for (limit, _) in &self.limits {
+            notes.push((format!("Peak, case {}", limit_name(limit.case)), self.limiting_peak(limit, digits)));
+        }
+        for styled in &self.scheme.curves {
+            if let Some(peak) = peak_of(styled.curve).filter(|_| styled.curve.frequency.len() > 2) {
+                notes.push((format!("Peak, {}", styled.label), peak_text(peak, &self.unit, digits)));
+            }
+            let folds = folds(styled.curve);
+            if !folds.is_empty() {
+                let one = |fold: &Fold| {
+                    let way = if fold.down { "down" } else { "up" };
+                    format!("sweeping {way} jumps at {}", digits.show(styled.curve.frequency[fold.from]))
+                };
+                let text = folds.iter().map(one).collect::<Vec<_>>().join(", ");
+                notes.push((format!("Folds, {}", styled.label), text));
+            }
+        }
+        notes
+    }
+
+    fn limiting_peak(&self, limit: &LimitCurve, digits: &Frequencies) -> String {
+        peak_text((limit.peak_frequency, limit.peak_amplitude), &self.unit, digits)
+    }
+
+    /// What the caption says about the peaks of the limiting cases.
+    fn limiting_peaks(&self, effects: bool, digits: &Frequencies) -> String {
+        let [(slip, _), (fixed, _)] = self.limits.as_slice() else { return String::new() };
+        let curves: Vec<_> = self.scheme.curves.iter().map(|styled| styled.curve).collect();
+        let drives = data::Field::Drive(self.signals.drive).distinct(&curves).len();
+        let of_drive = if drives > 1 { format!(" of the first of {drives} drives") } else { String::new() };
+        format!(
+            " The limiting cases{of_drive} peak at {} (full slip or no contact) and {} (static contact); look for how {}.",
+            self.limiting_peak(slip, digits),
+            self.limiting_peak(fixed, digits),
+            if effects {
+                "the effects of the scenario take the curves away from both"
+            } else {
+                "each computed curve leaves the one and nears the other"
+            }
+        )
+    }
+
     fn csv(&self) -> String {
         let amplitude = format!("amplitude [{}]", self.unit.label);
         let mut table = Table::new(&["curve", "frequency [Hz]", &amplitude, "phase [deg]", "status"]);
@@ -290,43 +335,7 @@ impl Figure for Resonance {
         let data = Data::of(outcome)?;
         let curves: Vec<_> = data.scheme.curves.iter().map(|styled| styled.curve).collect();
         let (signals, digits) = (&outcome.scenario.signals, data::frequencies(outcome));
-        let peak_text = |peak: Point, unit: &Unit| peak_text(peak, unit, &digits);
-        let mut notes = Vec::new();
-        for (limit, _) in &data.limits {
-            notes.push((
-                format!("Peak, case {}", limit_name(limit.case)),
-                peak_text((limit.peak_frequency, limit.peak_amplitude), &data.unit),
-            ));
-        }
-        for styled in &data.scheme.curves {
-            if let Some(peak) = peak_of(styled.curve).filter(|_| styled.curve.frequency.len() > 2) {
-                notes.push((format!("Peak, {}", styled.label), peak_text(peak, &data.unit)));
-            }
-            let folds = folds(styled.curve);
-            if !folds.is_empty() {
-                let one = |fold: &Fold| {
-                    let way = if fold.down { "down" } else { "up" };
-                    format!("sweeping {way} jumps at {}", digits.show(styled.curve.frequency[fold.from]))
-                };
-                let text = folds.iter().map(one).collect::<Vec<_>>().join(", ");
-                notes.push((format!("Folds, {}", styled.label), text));
-            }
-        }
-        let drives = data::Field::Drive(signals.drive).distinct(&curves).len();
-        let of_drive = if drives > 1 { format!(" of the first of {drives} drives") } else { String::new() };
-        let peaks = match data.limits.as_slice() {
-            [(slip, _), (fixed, _)] => format!(
-                " The limiting cases{of_drive} peak at {} (full slip or no contact) and {} (static contact); look for how {}.",
-                peak_text((slip.peak_frequency, slip.peak_amplitude), &data.unit),
-                peak_text((fixed.peak_frequency, fixed.peak_amplitude), &data.unit),
-                if outcome.scenario.effects.is_empty() {
-                    "each computed curve leaves the one and nears the other"
-                } else {
-                    "the effects of the scenario take the curves away from both"
-                }
-            ),
-            _ => String::new(),
-        };
+        let peaks = data.limiting_peaks(!outcome.scenario.effects.is_empty(), &digits);
         let drawn = data.scheme.curves.len();
         let (from, to) = range(curves.iter().flat_map(|curve| curve.frequency.iter().copied()));
         let (whose, limiting) = match signals.of_arm() {
@@ -349,7 +358,7 @@ impl Figure for Resonance {
             count(drawn, "condition")
         );
         let svg = data.draw(self.title(), &alt)?;
-        let mut drawing = Drawing::of(self, (caption, alt), (svg, data.csv()), notes);
+        let mut drawing = Drawing::of(self, (caption, alt), (svg, data.csv()), data.notes(&digits));
         if outcome.scenario.contact.is_none() {
             drawing.reading = ALONE.map(String::from);
         }

@@ -61,9 +61,38 @@ impl<'a> Data<'a> {
         speed > 0.0 && speed <= 1.5 * top
     }
 
+    /// Name of a curve in the legend.
+    fn name(&self, curve: &Curve) -> String {
+        let partial = curve.states.iter().any(|s| s.stick_fraction > 0.0 && s.stick_fraction < 1.0);
+        match self.curves.as_slice() {
+            [_] if partial => "computed, partial stick".into(),
+            [_] => "computed".into(),
+            _ => Field::Speed.equation(&curve.condition),
+        }
+    }
+
+    /// Name and dashes of the roller's speed in the legend.
+    fn roller(&self) -> (String, Stroke) {
+        let (name, color) = match self.curves.as_slice() {
+            [(curve, _)] => (Field::Speed.equation(&curve.condition), ROLLER),
+            _ => ("V in the curve's colour".into(), INK),
+        };
+        (name, Stroke::dashed(color, 2.0, DASH_ROLLER))
+    }
+
+    fn legend(&self, roller: bool) -> Vec<Entry> {
+        let mut entries: Vec<Entry> = vec![(Key::Heading, "Arm, bωα".into())];
+        entries.extend(self.curves.iter().map(|(curve, stroke)| (Key::Line(*stroke), self.name(curve))));
+        entries.extend(self.limits.iter().map(|(limit, stroke)| (Key::Line(*stroke), limit_name(limit.case).into())));
+        if roller {
+            let (name, dashes) = self.roller();
+            entries.extend([(Key::Heading, "Roller".into()), (Key::Line(dashes), name)]);
+        }
+        entries
+    }
+
     fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
         let unit = Unit::speed();
-        let single = self.curves.len() == 1;
         let states = self.curves.iter().flat_map(|(curve, _)| curve.states.iter().map(|s| s.speed_amplitude));
         let of_limits =
             self.limits.iter().flat_map(|(l, _)| limit_points(l, &l.speed_amplitude, self.span, 1.0)).map(|p| p.1);
@@ -71,66 +100,53 @@ impl<'a> Data<'a> {
         let speeds: Vec<f64> =
             self.curves.iter().map(|(c, _)| c.condition.speed).filter(|v| self.fits(*v, top)).collect();
         let values = speeds.iter().copied().chain([0.0, top]).map(|v| unit.of(v));
-        let mut entries: Vec<Entry> = vec![(Key::Heading, "Arm, bωα".into())];
-        let name = |curve: &Curve| {
-            let partial = curve.states.iter().any(|s| s.stick_fraction > 0.0 && s.stick_fraction < 1.0);
-            let alone = if partial { "computed, partial stick" } else { "computed" };
-            if single { alone.into() } else { Field::Speed.equation(&curve.condition) }
-        };
-        entries.extend(self.curves.iter().map(|(curve, stroke)| (Key::Line(*stroke), name(curve))));
-        let mut roller = String::new();
-        entries.extend(self.limits.iter().map(|(limit, stroke)| (Key::Line(*stroke), limit_name(limit.case).into())));
-        if !speeds.is_empty() {
-            let text = if single {
-                Field::Speed.equation(&self.curves[0].0.condition)
-            } else {
-                "V in the curve's colour".into()
-            };
-            entries.push((Key::Heading, "Roller".into()));
-            roller = text.clone();
-            entries.push((Key::Line(Stroke::dashed(if single { ROLLER } else { INK }, 2.0, DASH_ROLLER)), text));
-        }
+        let entries = self.legend(!speeds.is_empty());
         let width = WIDTH - 92.0 - 50.0 - legend_width(&entries);
         let x = Axis::frequency("frequency f", self.span.0, self.span.1);
-        let panel = Panel {
-            left: 92.0,
-            top: 24.0,
-            width,
-            height: 536.0,
-            x,
-            y: Axis::around("speed amplitude bωα [mm/s]", values),
-        };
+        let y = Axis::around("speed amplitude bωα [mm/s]", values);
+        let panel = Panel { left: 92.0, top: 24.0, width, height: 536.0, x, y };
         document((WIDTH, HEIGHT), (title, alt), |canvas| {
             panel.frame(canvas, true, true);
-            for (curve, stroke) in &self.curves {
-                let speed = curve.condition.speed;
-                if self.fits(speed, top) {
-                    let level = unit.of(speed);
-                    let dashes = Stroke::dashed(stroke.color, 2.0, DASH_ROLLER);
-                    let ends = [(panel.x.low, level), (panel.x.high, level)];
-                    canvas.series(&roller, |canvas| panel.curve(canvas, &ends, dashes));
-                }
-                let draw =
-                    |canvas: &mut Canvas| draw_curve(&panel, canvas, curve, *stroke, |s| unit.of(s.speed_amplitude));
-                canvas.series(&name(curve), draw);
-            }
+            self.draw_curves(canvas, &panel, top);
             for (limit, stroke) in &self.limits {
                 let points = limit_points(limit, &limit.speed_amplitude, self.span, unit.factor);
                 draw_limit(&panel, canvas, &points, limit.case, *stroke);
             }
-            for (curve, _) in &self.curves {
-                let level = unit.of(curve.condition.speed);
-                let roots = self.onsets(&curve.condition);
-                let marks: Vec<Point> = roots.iter().map(|f| (*f, level)).collect();
-                canvas.series("full slip is as fast as the roller", |canvas| {
-                    panel.marks(canvas, &marks, Mark::Circle, 6.0, SLIP, false);
-                });
-                if single {
-                    canvas.within(&panel, |canvas| drop_lines(&panel, canvas, &roots, level));
-                }
-            }
+            self.draw_onsets(canvas, &panel);
             legend(canvas, panel.right() + 30.0, 20.0, &entries);
         })
+    }
+
+    /// The curves, and beneath each the speed of its roller where that fits.
+    fn draw_curves(&self, canvas: &mut Canvas, panel: &Panel, top: f64) {
+        let unit = Unit::speed();
+        let (roller, _) = self.roller();
+        for (curve, stroke) in &self.curves {
+            let speed = curve.condition.speed;
+            if self.fits(speed, top) {
+                let level = unit.of(speed);
+                let dashes = Stroke::dashed(stroke.color, 2.0, DASH_ROLLER);
+                let ends = [(panel.x.low, level), (panel.x.high, level)];
+                canvas.series(&roller, |canvas| panel.curve(canvas, &ends, dashes));
+            }
+            let draw = |canvas: &mut Canvas| draw_curve(panel, canvas, curve, *stroke, |s| unit.of(s.speed_amplitude));
+            canvas.series(&self.name(curve), draw);
+        }
+    }
+
+    /// Marks where full slip is as fast as the roller, and what frequencies these are where there is one curve.
+    fn draw_onsets(&self, canvas: &mut Canvas, panel: &Panel) {
+        for (curve, _) in &self.curves {
+            let level = Unit::speed().of(curve.condition.speed);
+            let roots = self.onsets(&curve.condition);
+            let marks: Vec<Point> = roots.iter().map(|f| (*f, level)).collect();
+            canvas.series("full slip is as fast as the roller", |canvas| {
+                panel.marks(canvas, &marks, Mark::Circle, 6.0, SLIP, false);
+            });
+            if self.curves.len() == 1 {
+                canvas.within(panel, |canvas| drop_lines(panel, canvas, &roots, level));
+            }
+        }
     }
 
     fn csv(&self) -> String {
