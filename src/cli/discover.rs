@@ -8,7 +8,7 @@ use super::folder::Folder;
 use super::gates::{self, GateLimits, Verdicts};
 use super::plot::{self, Plot};
 use super::{Global, Json, Stamped, page, progress, say, simulate};
-use crate::compare::{self, outlier_words};
+use crate::compare::{self, Comparison, outlier_words};
 use crate::discover::{self, Addition, Basis, Candidate, Discovery, SearchOptions, Verdict};
 use crate::error::Result;
 use crate::fit::Correlation;
@@ -156,60 +156,22 @@ fn plots(d: &Discovery) -> Vec<String> {
 
 /// The discovery in lines of text; it is written into that scenario, if into any.
 pub(super) fn words(d: &Discovery, output: Option<&Path>) -> Vec<String> {
-    let end = d.explanation();
-    let scenario = &end.comparison.scenario;
-    let mut lines = vec![format!("{}: {}", scenario.title, discover::sentence(d))];
-    let notes = end.comparison.table.notes.iter().chain(&d.notes);
-    lines.extend(notes.cloned().chain(uncalibrated(scenario)).map(|note| format!("note: {note}")));
+    let c = &d.explanation().comparison;
+    let mut lines = vec![format!("{}: {}", c.scenario.title, discover::sentence(d))];
+    let notes = c.table.notes.iter().chain(&d.notes);
+    lines.extend(notes.cloned().chain(uncalibrated(&c.scenario)).map(|note| format!("note: {note}")));
     lines.extend(compare::shifts(&d.steps[0].comparison).iter().map(|shift| format!("  before: {shift}")));
-    lines.push("ladder:                                chi2   rms error  left-out".into());
-    for step in &d.steps {
-        let c = &step.comparison.overall;
-        let held_out = step.held_out.map_or("-".into(), |h| format!("{:.2} %", h.rms_percent));
-        let name = step.name();
-        lines.push(format!("  {name:<32} {:>9.2} {:>9.2} % {held_out:>9}", c.chi2_per_point, c.rms_error_percent));
-    }
-    let c = &end.comparison;
-    let without: Option<Vec<String>> =
-        d.steps.iter().map(|step| Some(format!("{:.2}", step.comparison.chi2_without(c)?))).collect();
-    lines.extend(without.map(|all| format!("  chi2 without {}: {}", outlier_words(c.outliers.len()), all.join(", "))));
+    lines.extend(ladder(d, c));
     lines.push(format!("parameters ({}):", interval_words(c)));
     lines.extend(c.fit.parameters.iter().zip(&c.intervals).map(|(p, i)| format!("  {}", parameter(p, i))));
     lines.extend(tied(d));
     lines.push(verdict(c));
-    lines.push("candidates:                       delta BIC  weight      chi2  left-out  from".into());
-    // What does no better than a smaller one that it contains says nothing of its own.
-    let own = |c: &&Candidate| c.hypothesis.basis() != Basis::Contained;
-    let shown: Vec<&Candidate> = d.candidates.iter().filter(own).take(CANDIDATES).collect();
-    lines.extend(shown.iter().map(|candidate| ranked(candidate, c.table.points.len())));
-    if d.candidates.len() > shown.len() {
-        lines.push(format!("  and {} more (see --json)", d.candidates.len() - shown.len()));
-    }
-    lines.push(LEGEND.into());
+    lines.extend(candidates(d, c.table.points.len()));
     for group in &d.indistinguishable {
         lines.push(format!("these data do not tell apart: {}", group.join(", ")));
     }
-    if !d.not_testable.is_empty() {
-        let names: Vec<&str> = d.not_testable.iter().map(|e| e.effect.as_str()).collect();
-        let show = d.not_testable.iter().find(|e| !e.would_show.is_empty());
-        let shows = match show {
-            Some(effect) => format!("{} would show {}", effect.effect, effect.would_show),
-            None => "nor in any measurement within the bounds".into(),
-        };
-        lines.push(format!("not testable with these data: {} ({shows})", names.join(", ")));
-    }
-    // Beside a model that fails what stands out of it is no finding of its own.
-    let outliers = if d.verdict == Verdict::Unexplained { 1 } else { SHOWN };
-    lines.extend(d.outliers.iter().take(outliers).map(|outlier| stands_out(c, outlier)));
-    if d.outliers.len() > outliers {
-        let more = count(d.outliers.len() - outliers, "reading");
-        let verb = if d.outliers.len() - outliers == 1 { "stands" } else { "stand" };
-        lines.push(format!("and {more} more that {verb} out (see --json)"));
-    }
-    if d.verdict == Verdict::Unexplained && !c.regions.is_empty() {
-        lines.push("where the best model still fails:".into());
-        lines.extend(c.regions.iter().take(SHOWN).map(|region| format!("  {}", region.sentence)));
-    }
+    lines.extend(not_testable(d));
+    lines.extend(misfits(d, c));
     if let Some(next) = &d.next_measurement {
         let [one, other] = &next.separates;
         lines.push(format!(
@@ -221,6 +183,69 @@ pub(super) fn words(d: &Discovery, output: Option<&Path>) -> Vec<String> {
         ));
     }
     lines.extend(step(d, output));
+    lines
+}
+
+/// The steps of the ladder, and their chi2 without the outliers of its end `c`.
+fn ladder(d: &Discovery, c: &Comparison) -> Vec<String> {
+    let mut lines = vec!["ladder:                                chi2   rms error  left-out".into()];
+    for step in &d.steps {
+        let overall = &step.comparison.overall;
+        let held_out = step.held_out.map_or("-".into(), |h| format!("{:.2} %", h.rms_percent));
+        let name = step.name();
+        lines.push(format!(
+            "  {name:<32} {:>9.2} {:>9.2} % {held_out:>9}",
+            overall.chi2_per_point, overall.rms_error_percent
+        ));
+    }
+    let without: Option<Vec<String>> =
+        d.steps.iter().map(|step| Some(format!("{:.2}", step.comparison.chi2_without(c)?))).collect();
+    lines.extend(without.map(|all| format!("  chi2 without {}: {}", outlier_words(c.outliers.len()), all.join(", "))));
+    lines
+}
+
+/// The candidates that rank first.
+fn candidates(d: &Discovery, points: usize) -> Vec<String> {
+    let mut lines = vec!["candidates:                       delta BIC  weight      chi2  left-out  from".into()];
+    // What does no better than a smaller one that it contains says nothing of its own.
+    let own = |c: &&Candidate| c.hypothesis.basis() != Basis::Contained;
+    let shown: Vec<&Candidate> = d.candidates.iter().filter(own).take(CANDIDATES).collect();
+    lines.extend(shown.iter().map(|candidate| ranked(candidate, points)));
+    if d.candidates.len() > shown.len() {
+        lines.push(format!("  and {} more (see --json)", d.candidates.len() - shown.len()));
+    }
+    lines.push(LEGEND.into());
+    lines
+}
+
+/// The effects that the data cannot show, on one line.
+fn not_testable(d: &Discovery) -> Option<String> {
+    if d.not_testable.is_empty() {
+        return None;
+    }
+    let names: Vec<&str> = d.not_testable.iter().map(|e| e.effect.as_str()).collect();
+    let show = d.not_testable.iter().find(|e| !e.would_show.is_empty());
+    let shows = match show {
+        Some(effect) => format!("{} would show {}", effect.effect, effect.would_show),
+        None => "nor in any measurement within the bounds".into(),
+    };
+    Some(format!("not testable with these data: {} ({shows})", names.join(", ")))
+}
+
+/// Outliers of the best model `c`, and where it fails.
+fn misfits(d: &Discovery, c: &Comparison) -> Vec<String> {
+    // Beside a model that fails what stands out of it is no finding of its own.
+    let outliers = if d.verdict == Verdict::Unexplained { 1 } else { SHOWN };
+    let mut lines: Vec<String> = d.outliers.iter().take(outliers).map(|outlier| stands_out(c, outlier)).collect();
+    if d.outliers.len() > outliers {
+        let more = count(d.outliers.len() - outliers, "reading");
+        let verb = if d.outliers.len() - outliers == 1 { "stands" } else { "stand" };
+        lines.push(format!("and {more} more that {verb} out (see --json)"));
+    }
+    if d.verdict == Verdict::Unexplained && !c.regions.is_empty() {
+        lines.push("where the best model still fails:".into());
+        lines.extend(c.regions.iter().take(SHOWN).map(|region| format!("  {}", region.sentence)));
+    }
     lines
 }
 

@@ -110,21 +110,30 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     let view = plain.with_gates(&judged).with_baseline(against);
     let view = write(view, past, &provenance, kept, &results)?;
     let extras = extras.write(&view)?;
-    say(global, &view.summary.sentence)?;
-    if let Some(folder) = cache.folder() {
-        say(global, &format!("  {kept} of {of} parts as an earlier run left them in {}", folder.display()))?;
-    }
-    view.baseline.iter().flat_map(baseline::words).try_for_each(|line| say(global, &line))?;
-    record::words(&view).iter().try_for_each(|line| say(global, line))?;
-    for (part, seconds) in &provenance.timings {
-        say(global, &format!("  {part}: {seconds:.2} s"))?;
-    }
+    let of_cache = cache.folder().map(|folder| (kept, of, folder));
+    tell(global, &view, of_cache, &provenance.timings)?;
     say(global, &format!("wrote {} and {}", out.join("report.html").display(), out.join("report.json").display()))?;
     extras.iter().try_for_each(|path| say(global, &format!("wrote {}", path.display())))?;
     if *open {
         super::browser::open(&out.join("report.html"));
     }
     gates::passed(&judged)
+}
+
+/// Says what the report comes to, how many parts of how many a cache has kept, and how long each part took.
+fn tell(
+    global: &Global,
+    view: &ReportView,
+    cache: Option<(usize, usize, &Path)>,
+    timings: &[(String, f64)],
+) -> Result<()> {
+    say(global, &view.summary.sentence)?;
+    if let Some((kept, of, folder)) = cache {
+        say(global, &format!("  {kept} of {of} parts as an earlier run left them in {}", folder.display()))?;
+    }
+    view.baseline.iter().flat_map(baseline::words).try_for_each(|line| say(global, &line))?;
+    record::words(view).iter().try_for_each(|line| say(global, line))?;
+    timings.iter().try_for_each(|(part, seconds)| say(global, &format!("  {part}: {seconds:.2} s")))
 }
 
 /// The scenarios with the gates of the command line, in the order of the figures, then of the names.
