@@ -15,6 +15,7 @@ use crate::scenario::parameters::COLUMNS;
 use crate::units;
 
 /// The columns of a table in standard order, and the positions of those that are kept aside.
+#[derive(Default)]
 pub(crate) struct Layout {
     /// By position in [`COLUMNS`].
     pub slots: [Option<Slot>; NUMBERS],
@@ -41,28 +42,8 @@ pub(crate) fn layout(
     complaints: &mut Complaints<'_>,
     notes: &mut Vec<String>,
 ) -> Layout {
-    let known = |index: usize| {
-        let found = header::meaning(&sheet.headed(index), frame);
-        matches!(
-            found,
-            Meaning::Column(FREQUENCY, ..)
-                | Meaning::Alias(FREQUENCY, ..)
-                | Meaning::Likely(FREQUENCY, _)
-                | Meaning::BadUnit(FREQUENCY, _)
-        )
-    };
-    let named = mapping.iter().any(|(key, _)| column_of(key) == Some(FREQUENCY));
-    if !named && !(0..sheet.header.cells.len()).any(known) && samples::refuse(sheet, complaints) {
-        let slots = Default::default();
-        return Layout {
-            slots,
-            series: None,
-            sweep: None,
-            aside: Vec::new(),
-            choices: Vec::new(),
-            parts: None,
-            drive_assumed: false,
-        };
+    if is_recording(sheet, mapping, frame, complaints) {
+        return Layout::default();
     }
     let Found { mut slots, words, taken, told, choices, parts } = search(sheet, mapping, frame, complaints, notes);
     per_drive(sheet, frame, sweep, &mut slots, notes);
@@ -94,6 +75,26 @@ pub(crate) fn layout(
     without_sensitivity(sheet, frame, &slots, notes);
     let (series, sweep) = (words[SERIES - NUMBERS], words[SWEEP - NUMBERS]);
     Layout { slots, series, sweep, aside, choices, parts, drive_assumed }
+}
+
+/// Whether nothing names a frequency and the rows are a recording in time, which is complained about.
+fn is_recording(
+    sheet: &Sheet,
+    mapping: &[(String, String)],
+    frame: &Frame<'_>,
+    complaints: &mut Complaints<'_>,
+) -> bool {
+    let frequency = |index: usize| {
+        matches!(
+            header::meaning(&sheet.headed(index), frame),
+            Meaning::Column(FREQUENCY, ..)
+                | Meaning::Alias(FREQUENCY, ..)
+                | Meaning::Likely(FREQUENCY, _)
+                | Meaning::BadUnit(FREQUENCY, _)
+        )
+    };
+    let mapped = mapping.iter().any(|(key, _)| column_of(key) == Some(FREQUENCY));
+    !mapped && !(0..sheet.header.cells.len()).any(frequency) && samples::refuse(sheet, complaints)
 }
 
 /// Whether a drive that nothing states may be taken as one setting: the rig may be driven by a voltage, and no column looks like its drive.

@@ -70,6 +70,21 @@ struct Candidate {
     stated: bool,
 }
 
+/// What headers say, by the column that they speak for.
+#[derive(Default)]
+struct Said {
+    /// By its name.
+    named: [Vec<Candidate>; NUMBERS],
+    /// By another name, which serves where no column has the name itself.
+    aliases: [Vec<Candidate>; NUMBERS],
+    /// By words and unit together.
+    likely: [Vec<Candidate>; NUMBERS],
+    /// By its name, without a unit.
+    unstated: [Vec<Candidate>; NUMBERS],
+    /// Columns of the table that cannot serve, what for, and why: in words, or their unit.
+    unsuited: Vec<(usize, usize, Result<String, &'static str>)>,
+}
+
 /// The columns found so far.
 struct Search<'a, 'b> {
     sheet: &'a Sheet,
@@ -113,14 +128,9 @@ impl Search<'_, '_> {
         self.parts = Some(parts);
     }
 
-    /// Columns whose headers say what they are.
-    fn find(&mut self) {
-        self.find_parts();
-        let mut candidates: [Vec<Candidate>; NUMBERS] = Default::default();
-        let mut aliases: [Vec<Candidate>; NUMBERS] = Default::default();
-        let mut likely: [Vec<Candidate>; NUMBERS] = Default::default();
-        let mut unstated: [Vec<Candidate>; NUMBERS] = Default::default();
-        let mut unsuited = Vec::new();
+    /// What the headers say of columns that have no use yet.
+    fn read_headers(&mut self) -> Said {
+        let mut said = Said::default();
         for index in 0..self.taken.len() {
             if self.taken[index] {
                 continue;
@@ -129,30 +139,30 @@ impl Search<'_, '_> {
                 Meaning::Column(column, unit, stated) if !self.told[column] => {
                     let unit = self.of_phase(index, column, unit, stated);
                     if self.frame.serving(column).contains(&unit.si) {
-                        candidates[column].push(Candidate { index, unit, stated });
+                        said.named[column].push(Candidate { index, unit, stated });
                     } else {
-                        unsuited.push((index, column, Err(unit.si)));
+                        said.unsuited.push((index, column, Err(unit.si)));
                     }
                 }
                 Meaning::Alias(column, unit, stated)
                     if !self.told[column] && self.frame.serving(column).contains(&unit.si) =>
                 {
                     let unit = self.of_phase(index, column, unit, stated);
-                    aliases[column].push(Candidate { index, unit, stated });
+                    said.aliases[column].push(Candidate { index, unit, stated });
                 }
                 Meaning::Likely(column, unit)
                     if !self.told[column] && self.frame.serving(column).contains(&unit.si) =>
                 {
-                    likely[column].push(Candidate { index, unit, stated: true });
+                    said.likely[column].push(Candidate { index, unit, stated: true });
                 }
                 // Of a drive or a reading without a unit nothing is known but that it goes with the force or the motion.
                 Meaning::NoUnit(column @ (DRIVE | AMPLITUDE)) if self.frame.is_free() && !self.told[column] => {
-                    unstated[column].push(Candidate { index, unit: Unit::of("V"), stated: false });
+                    said.unstated[column].push(Candidate { index, unit: Unit::of("V"), stated: false });
                 }
                 Meaning::NoUnit(column) if !self.told[column] => {
-                    unsuited.push((index, column, Ok("no unit is stated, and nothing else tells it".into())));
+                    said.unsuited.push((index, column, Ok("no unit is stated, and nothing else tells it".into())));
                 }
-                Meaning::BadUnit(column, why) if !self.told[column] => unsuited.push((index, column, Ok(why))),
+                Meaning::BadUnit(column, why) if !self.told[column] => said.unsuited.push((index, column, Ok(why))),
                 Meaning::Words(column) if !self.told[column] => {
                     if let Some(before) = self.words[column - NUMBERS] {
                         self.twice(column, before, index);
@@ -164,15 +174,22 @@ impl Search<'_, '_> {
                 _ => {}
             }
         }
-        let contact = self.frame.has_contact() || self.frame.is_free() && !candidates[LOAD].is_empty();
-        let roller = self.told[SPEED] || !candidates[SPEED].is_empty() || !aliases[SPEED].is_empty();
+        said
+    }
+
+    /// Columns whose headers say what they are.
+    fn find(&mut self) {
+        self.find_parts();
+        let Said { named, aliases, likely, unstated, unsuited } = self.read_headers();
+        let contact = self.frame.has_contact() || self.frame.is_free() && !named[LOAD].is_empty();
+        let roller = self.told[SPEED] || !named[SPEED].is_empty() || !aliases[SPEED].is_empty();
         let with_speed = !contact || roller;
-        for (column, ((candidates, aliases), likely)) in candidates.into_iter().zip(aliases).zip(likely).enumerate() {
-            if candidates.is_empty() {
+        for (column, ((named, aliases), likely)) in named.into_iter().zip(aliases).zip(likely).enumerate() {
+            if named.is_empty() {
                 let others = if aliases.is_empty() { likely } else { aliases };
                 self.choose_alias(column, others, with_speed);
             } else {
-                self.choose(column, candidates);
+                self.choose(column, named);
             }
         }
         self.find_hertz();
@@ -419,67 +436,70 @@ impl Search<'_, '_> {
 
     /// The columns that the scenario maps.
     fn map(&mut self, mapping: &[(String, String)]) {
-        let (sheet, frame) = (self.sheet, self.frame);
-        let headers = &sheet.header.cells;
         for (key, wanted) in mapping {
             let Some(column) = column_of(key) else { continue };
-            let place_of = |index: usize| sheet.place(&sheet.header, index);
-            let wanted = wanted.trim();
-            let exact = headers.iter().position(|header| header == wanted);
-            let index = exact.or_else(|| headers.iter().position(|header| header.eq_ignore_ascii_case(wanted)));
-            let Some(index) = index else {
-                let title =
-                    format!("the table has no column {}, which [measurement] columns names as {key}", quote(wanted));
-                let near = nearest(wanted, headers.iter().map(String::as_str));
-                let label =
-                    near.map_or("the columns that there are".into(), |near| format!("did you mean {}?", quote(near)));
-                let help = format!("write {key} = \"…\" in columns with one of these headers, letter by letter");
-                self.complaints.add(&sheet.row_place(&sheet.header), &title, &label, &help);
-                self.told[column] = true;
-                continue;
-            };
-            if self.told[column] {
-                let title = format!("[measurement] columns names the {} twice", COLUMNS[column]);
-                let help = "drive, force and torque are one: name the one that drives the rig";
-                self.complaints.add(&place_of(index), &title, &format!("named as {key}"), help);
-                continue;
-            }
-            self.told[column] = true;
-            if self.taken[index] {
-                let title = format!("[measurement] columns uses {} twice", quote(wanted));
-                self.complaints.add(
-                    &place_of(index),
-                    &title,
-                    &format!("named again as {key}"),
-                    "name each header once",
-                );
-                continue;
-            }
+            let Some(index) = self.mapped_index(key, wanted.trim(), column) else { continue };
             self.taken[index] = true;
             if column >= NUMBERS {
                 self.words[column - NUMBERS] = Some(index);
-                self.notes.push(format!("{} is read as {key}", quote(&headers[index])));
-                continue;
+                self.notes.push(format!("{} is read as {key}", quote(&self.sheet.header.cells[index])));
+            } else {
+                self.map_numbers(key, index, column);
             }
-            match header::mapped(&sheet.headed(index), key, column, frame) {
-                Ok((unit, _)) if !frame.serving(column).contains(&unit.si) => self.unsuited(index, column, unit.si),
-                Ok((unit, stated)) => {
-                    let unit = self.of_phase(index, column, unit, stated).counted(key == LAG);
-                    let read = if stated {
-                        format!("in {}", unit.shown())
-                    } else {
-                        format!("in {}, no unit being stated", unit.shown())
-                    };
-                    self.notes.push(format!("{} is read as {key} {read}", quote(&headers[index])));
-                    self.notes.extend(other_amplitude(&headers[index], column));
-                    self.slots[column] = Some(Slot::Cells(index, unit));
-                }
-                Err(why) => {
-                    let title = format!("the unit of column {} does not serve as {key}", quote(&headers[index]));
-                    let si = frame.natural(column).unwrap_or(MEASURED[column].unit);
-                    let help = format!("`{key}` is the {}, in units like {si}", MEASURED[column].meaning);
-                    self.complaints.add(&place_of(index), &title, &why, &help);
-                }
+        }
+    }
+
+    /// Where the header stands that is mapped to a key; none where there is none, or the column or the header is mapped already.
+    fn mapped_index(&mut self, key: &str, wanted: &str, column: usize) -> Option<usize> {
+        let sheet = self.sheet;
+        let headers = &sheet.header.cells;
+        let place_of = |index: usize| sheet.place(&sheet.header, index);
+        let exact = headers.iter().position(|header| header == wanted);
+        let index = exact.or_else(|| headers.iter().position(|header| header.eq_ignore_ascii_case(wanted)));
+        let again = std::mem::replace(&mut self.told[column], true);
+        let Some(index) = index else {
+            let title =
+                format!("the table has no column {}, which [measurement] columns names as {key}", quote(wanted));
+            let near = nearest(wanted, headers.iter().map(String::as_str));
+            let label =
+                near.map_or("the columns that there are".into(), |near| format!("did you mean {}?", quote(near)));
+            let help = format!("write {key} = \"…\" in columns with one of these headers, letter by letter");
+            self.complaints.add(&sheet.row_place(&sheet.header), &title, &label, &help);
+            return None;
+        };
+        if again {
+            let title = format!("[measurement] columns names the {} twice", COLUMNS[column]);
+            let help = "drive, force and torque are one: name the one that drives the rig";
+            self.complaints.add(&place_of(index), &title, &format!("named as {key}"), help);
+            return None;
+        }
+        if self.taken[index] {
+            let title = format!("[measurement] columns uses {} twice", quote(wanted));
+            let label = format!("named again as {key}");
+            self.complaints.add(&place_of(index), &title, &label, "name each header once");
+            return None;
+        }
+        Some(index)
+    }
+
+    /// A column of numbers that is mapped to a key, in the unit that its header states or that is taken for granted.
+    fn map_numbers(&mut self, key: &str, index: usize, column: usize) {
+        let (sheet, frame) = (self.sheet, self.frame);
+        let header = &sheet.header.cells[index];
+        match header::mapped(&sheet.headed(index), key, column, frame) {
+            Ok((unit, _)) if !frame.serving(column).contains(&unit.si) => self.unsuited(index, column, unit.si),
+            Ok((unit, stated)) => {
+                let unit = self.of_phase(index, column, unit, stated).counted(key == LAG);
+                let more = if stated { "" } else { ", no unit being stated" };
+                self.notes.push(format!("{} is read as {key} in {}{more}", quote(header), unit.shown()));
+                self.notes.extend(other_amplitude(header, column));
+                self.slots[column] = Some(Slot::Cells(index, unit));
+            }
+            Err(why) => {
+                let title = format!("the unit of column {} does not serve as {key}", quote(header));
+                let si = frame.natural(column).unwrap_or(MEASURED[column].unit);
+                let help = format!("`{key}` is the {}, in units like {si}", MEASURED[column].meaning);
+                self.complaints.add(&sheet.place(&sheet.header, index), &title, &why, &help);
             }
         }
     }

@@ -7,7 +7,7 @@
 mod binary;
 mod dataset;
 
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 use std::path::Path;
 
 use super::columns::{only_value, sweep_values};
@@ -24,7 +24,7 @@ use crate::scenario::parameters::{MEASURED, needed_range};
 use crate::scenario::source::Source;
 use crate::scenario::{Signals, Sweep};
 use crate::units;
-use dataset::{Characteristics, Dataset};
+use dataset::{Characteristics, Dataset, Value};
 
 /// The text of a file, the numbers of binary datasets written out.
 pub(crate) fn source(path: &Path, bytes: &[u8]) -> Result<Source> {
@@ -52,26 +52,9 @@ pub(crate) fn readings(
     let found = dataset::functions(source)?;
     let chosen = choose(source, &found, record)?;
     let mut complaints = Complaints::of(source);
-    let mut conditions = [0.0; 3];
     // An oscillator is driven by one unit where nothing else is said; the actuator of an arm by what its stroke allows.
     let driven = frame.is_arm() || sweep_values(DRIVE, sweep).len() == 1;
-    let needed = [(SPEED, frame.has_contact()), (LOAD, frame.has_contact()), (DRIVE, driven)];
-    for (value, (column, _)) in conditions.iter_mut().zip(needed).filter(|(_, (_, needed))| *needed) {
-        match only_value(column, frame, sweep, notes) {
-            Ok(found) => *value = found,
-            Err(why) => {
-                let key = MEASURED[column].key;
-                let title = format!("a universal file does not state the {key}, and {why}");
-                let unit = frame.natural(column).unwrap_or("N");
-                let help = format!("write one value, {key} = \"… {unit}\", in [sweep] of the scenario");
-                complaints.add(&chosen.place(), &title, "this function", &help);
-            }
-        }
-    }
-    if !driven {
-        conditions[DRIVE] = 1.0;
-    }
-    let [speed, load, drive] = conditions;
+    let conditions = conditions(chosen, frame, sweep, driven, &mut complaints, notes);
     let scale = match frame.is_arm() {
         true => scale(chosen, &mut complaints, notes),
         false => ratio(chosen, frame, driven, &mut complaints, notes),
@@ -81,25 +64,71 @@ pub(crate) fn readings(
         complaints.check()?;
         return Err(Error::Input(whole_file(&format!("cannot read `{}`", source.name), "check the dataset")));
     };
-    let mut list = Vec::with_capacity(values.len());
-    let mut resting = 0;
-    for (at, value) in values.iter().enumerate() {
+    let list = scaled(&values, &scale, conditions, frame, &mut complaints);
+    complaints.check()?;
+    if values.iter().any(|value| value.abscissa * scale.frequency == 0.0) {
+        notes.push("the value at 0 Hz is not used".into());
+    }
+    if let Some(chosen) = record.filter(|_| frame.is_free()) {
+        let all = found.iter().filter(|set| set.is_response()).count();
+        notes.push(format!("function {chosen} of {all}; for another change `record` in [measurement]"));
+    }
+    let signals = scale.signals;
+    let (columns, choices) = (Vec::new(), Vec::new());
+    Ok(Readings { list, signals, columns, choices, drive_assumed: false, amplitude_stated: false, phase_stated: false })
+}
+
+/// Speed, load and drive of a function as the scenario has them: 0 for what a rig without a contact does not need, a drive of 1 unless it is
+/// `driven` by a stated one.
+fn conditions(
+    set: &Dataset,
+    frame: &Frame<'_>,
+    sweep: Option<&Sweep>,
+    driven: bool,
+    complaints: &mut Complaints<'_>,
+    notes: &mut Vec<String>,
+) -> [f64; 3] {
+    let mut conditions = [0.0; 3];
+    let needed = [(SPEED, frame.has_contact()), (LOAD, frame.has_contact()), (DRIVE, driven)];
+    for (value, (column, _)) in conditions.iter_mut().zip(needed).filter(|(_, (_, needed))| *needed) {
+        match only_value(column, frame, sweep, notes) {
+            Ok(found) => *value = found,
+            Err(why) => {
+                let key = MEASURED[column].key;
+                let title = format!("a universal file does not state the {key}, and {why}");
+                let unit = frame.natural(column).unwrap_or("N");
+                let help = format!("write one value, {key} = \"… {unit}\", in [sweep] of the scenario");
+                complaints.add(&set.place(), &title, "this function", &help);
+            }
+        }
+    }
+    if !driven {
+        conditions[DRIVE] = 1.0;
+    }
+    conditions
+}
+
+/// The readings that the values of a function are under these conditions; one at rest is none.
+fn scaled(
+    values: &[Value],
+    scale: &Scale,
+    [speed, load, drive]: [f64; 3],
+    frame: &Frame<'_>,
+    complaints: &mut Complaints<'_>,
+) -> Vec<Reading> {
+    let reading = |(at, value): (usize, &Value)| {
         let frequency = value.abscissa * scale.frequency;
         if frequency == 0.0 {
-            resting += 1;
-            continue;
+            return None;
         }
         // Each derivative of the response is a factor i omega of the function.
         let omega = TAU * frequency;
         let amplitude = value.real.hypot(value.imaginary) * scale.size * omega.powi(-scale.derivatives) * drive;
-        let turn = std::f64::consts::FRAC_PI_2 * f64::from(scale.derivatives);
+        let turn = FRAC_PI_2 * f64::from(scale.derivatives);
         let place = Place { file: 0, span: value.span.clone() };
-        let mut sound = within(FREQUENCY, frequency, frame, &place, &mut complaints);
-        sound &= within(AMPLITUDE, amplitude, frame, &place, &mut complaints);
-        if !sound {
-            continue;
-        }
-        list.push(Reading {
+        let mut sound = within(FREQUENCY, frequency, frame, &place, complaints);
+        sound &= within(AMPLITUDE, amplitude, frame, &place, complaints);
+        sound.then(|| Reading {
             row: at + 1,
             line: value.line,
             speed,
@@ -115,21 +144,12 @@ pub(crate) fn readings(
             sweep: None,
             series: 0,
             aside: String::new(),
-        });
-    }
-    complaints.check()?;
-    if resting > 0 {
-        notes.push("the value at 0 Hz is not used".into());
-    }
-    if let Some(chosen) = record.filter(|_| frame.is_free()) {
-        let all = found.iter().filter(|set| set.is_response()).count();
-        notes.push(format!("function {chosen} of {all}; for another change `record` in [measurement]"));
-    }
-    let signals = scale.signals;
-    let (columns, choices) = (Vec::new(), Vec::new());
-    Ok(Readings { list, signals, columns, choices, drive_assumed: false, amplitude_stated: false, phase_stated: false })
+        })
+    };
+    values.iter().enumerate().filter_map(reading).collect()
 }
 
+/// Whether a value is within the physical range of its column; what is not is complained about.
 fn within(column: usize, value: f64, frame: &Frame<'_>, place: &Place, complaints: &mut Complaints<'_>) -> bool {
     let info = MEASURED[column];
     let inside = (info.minimum..=info.maximum).contains(&value);
@@ -198,13 +218,18 @@ struct Scale {
     signals: Signals,
 }
 
-fn scale(set: &Dataset, complaints: &mut Complaints<'_>, notes: &mut Vec<String>) -> Option<Scale> {
-    let abscissa = &set.characteristics[0];
+/// Factor of an abscissa to Hz.
+fn hertz(abscissa: &Characteristics, complaints: &mut Complaints<'_>) -> Option<f64> {
     if !matches!(abscissa.kind, 0 | 18) {
         let title = format!("the abscissa has the specific data type {}, not 18 (frequency)", abscissa.kind);
         complaints.add(&abscissa.place(), &title, "not a frequency", "export the function against frequency in Hz");
+        return None;
     }
-    let frequency = if abscissa.unit.to_lowercase().contains("rad") { 1.0 / TAU } else { 1.0 };
+    Some(if abscissa.unit.to_lowercase().contains("rad") { 1.0 / TAU } else { 1.0 })
+}
+
+fn scale(set: &Dataset, complaints: &mut Complaints<'_>, notes: &mut Vec<String>) -> Option<Scale> {
+    let frequency = hertz(&set.characteristics[0], complaints);
     let response = derivatives(&set.characteristics[1], "response", complaints);
     let reference = derivatives(&set.characteristics[2], "reference", complaints);
     let derivatives = response? - reference?;
@@ -221,10 +246,7 @@ fn scale(set: &Dataset, complaints: &mut Complaints<'_>, notes: &mut Vec<String>
         set.response,
         set.reference
     ));
-    if !matches!(abscissa.kind, 0 | 18) {
-        return None;
-    }
-    Some(Scale { frequency, size, derivatives, signals: Signals::ARM })
+    Some(Scale { frequency: frequency?, size, derivatives, signals: Signals::ARM })
 }
 
 /// The function of any other rig, of the quantities that the file says; `driven` where the size of its drive is stated.
@@ -235,12 +257,7 @@ fn ratio(
     complaints: &mut Complaints<'_>,
     notes: &mut Vec<String>,
 ) -> Option<Scale> {
-    let abscissa = &set.characteristics[0];
-    if !matches!(abscissa.kind, 0 | 18) {
-        let title = format!("the abscissa has the specific data type {}, not 18 (frequency)", abscissa.kind);
-        complaints.add(&abscissa.place(), &title, "not a frequency", "export the function against frequency in Hz");
-    }
-    let frequency = if abscissa.unit.to_lowercase().contains("rad") { 1.0 / TAU } else { 1.0 };
+    let frequency = hertz(&set.characteristics[0], complaints);
     let response = side(&set.characteristics[1], AMPLITUDE, frame, complaints, notes);
     let reference = side(&set.characteristics[2], DRIVE, frame, complaints, notes);
     let ((reading, above), (drive, below)) = (response?, reference?);
@@ -262,7 +279,7 @@ fn ratio(
     let natural = frame.natural(DRIVE).filter(|natural| driven && drive == format!("{natural}/s^2"));
     let derivatives = if natural.is_some() { -2 } else { 0 };
     let signals = frame.signals(natural.unwrap_or(drive), reading);
-    matches!(abscissa.kind, 0 | 18).then_some(Scale { frequency, size: above / below, derivatives, signals })
+    Some(Scale { frequency: frequency?, size: above / below, derivatives, signals })
 }
 
 /// What one side of a function is, in SI, and the size of its unit.
@@ -273,41 +290,14 @@ fn side(
     complaints: &mut Complaints<'_>,
     notes: &mut Vec<String>,
 ) -> Option<(&'static str, f64)> {
-    let unit = of.unit.as_str();
-    let torque = || units::parse(&format!("1 {unit}"), "N m").is_ok();
-    let angle = match frame.is_free() {
-        true => unit.contains("rad") || unit.contains("deg") || torque(),
-        false => frame.serving(column).iter().any(|si| si.contains("rad") || *si == "N m"),
-    };
-    let role = if column == DRIVE { "reference" } else { "response" };
-    let of_unit = || {
-        let possible = if column == DRIVE { DRIVES } else { READINGS };
-        let wanted = Wanted { possible, natural: None, share: false, per_drive: false };
-        wanted.unit(unit).ok().filter(|_| !unit.is_empty()).map(|unit| unit.si)
-    };
-    let si = match (of.kind, angle) {
-        (0 | 1, _) if !frame.is_free() => frame.natural(column)?,
-        (0 | 1, _) if of_unit().is_some() => of_unit()?,
-        (8, false) => "m",
-        (8, true) => "rad",
-        (11, false) if column == AMPLITUDE => "m/s",
-        (11, true) if column == AMPLITUDE => "rad/s",
-        (12, false) => "m/s^2",
-        (12, true) => "rad/s^2",
-        (9 | 13, false) if column == DRIVE => "N",
-        (9 | 13, true) if column == DRIVE => "N m",
-        (other, _) => {
-            let title = format!("the {role} has the specific data type {other}, which serves for no {role} of the rig");
-            let help = "export displacement, velocity or acceleration (8, 11, 12) over force, displacement or acceleration (13, 8, 12)";
-            complaints.add(&of.place(), &title, "not such a quantity", help);
-            return None;
-        }
-    };
+    let si = quantity(of, column, frame, complaints)?;
     if !frame.serving(column).contains(&si) {
         let (title, help) = other_rig(frame, column, si);
+        let role = role(column);
         complaints.add(&of.place(), &format!("the {role} {title}"), kind(si), &help);
         return None;
     }
+    let unit = of.unit.as_str();
     let wanted = Wanted { possible: possible(si), natural: Some(si), share: false, per_drive: false };
     match wanted.unit(unit).map(|unit| unit.convert("1")) {
         Ok(Ok(size)) if !unit.is_empty() => Some((si, size)),
@@ -328,6 +318,50 @@ fn side(
             Some((si, 1.0))
         }
     }
+}
+
+/// What one side of a function is by its specific data type and its unit, as an SI unit.
+fn quantity(
+    of: &Characteristics,
+    column: usize,
+    frame: &Frame<'_>,
+    complaints: &mut Complaints<'_>,
+) -> Option<&'static str> {
+    let unit = of.unit.as_str();
+    let torque = || units::parse(&format!("1 {unit}"), "N m").is_ok();
+    let angle = match frame.is_free() {
+        true => unit.contains("rad") || unit.contains("deg") || torque(),
+        false => frame.serving(column).iter().any(|si| si.contains("rad") || *si == "N m"),
+    };
+    let of_unit = || {
+        let possible = if column == DRIVE { DRIVES } else { READINGS };
+        let wanted = Wanted { possible, natural: None, share: false, per_drive: false };
+        wanted.unit(unit).ok().filter(|_| !unit.is_empty()).map(|unit| unit.si)
+    };
+    Some(match (of.kind, angle) {
+        (0 | 1, _) if !frame.is_free() => frame.natural(column)?,
+        (0 | 1, _) if of_unit().is_some() => of_unit()?,
+        (8, false) => "m",
+        (8, true) => "rad",
+        (11, false) if column == AMPLITUDE => "m/s",
+        (11, true) if column == AMPLITUDE => "rad/s",
+        (12, false) => "m/s^2",
+        (12, true) => "rad/s^2",
+        (9 | 13, false) if column == DRIVE => "N",
+        (9 | 13, true) if column == DRIVE => "N m",
+        (other, _) => {
+            let role = role(column);
+            let title = format!("the {role} has the specific data type {other}, which serves for no {role} of the rig");
+            let help = "export displacement, velocity or acceleration (8, 11, 12) over force, displacement or acceleration (13, 8, 12)";
+            complaints.add(&of.place(), &title, "not such a quantity", help);
+            return None;
+        }
+    })
+}
+
+/// What a side of a function is called.
+fn role(column: usize) -> &'static str {
+    if column == DRIVE { "reference" } else { "response" }
 }
 
 /// A unit as the list that it is alone in.

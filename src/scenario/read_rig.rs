@@ -94,36 +94,10 @@ fn mode(reader: &mut Reader<'_>, table: &Table<'_>, entries: &[Entry]) -> Option
     let known: Vec<&str> = infos.iter().map(|info| info.key).chain(words).collect();
     reader.keys(table, &[], &known);
     if absolute && excitation != Excitation::Base {
-        let place = table.get("reading").map_or(table.place.clone(), |node| node.place.clone());
         let help = "only the reading of a base-driven rig can be relative to the base or absolute; remove the key";
-        reader.fail(&place, "`reading` belongs to drive = \"base\"", "not driven by its base", help);
-        return None;
+        return misplaced(reader, table, "reading", ["drive = \"base\"", "not driven by its base", help]);
     }
-    let mut stated = |keys: &[&str], needed: bool| -> Option<Option<(usize, f64)>> {
-        let found: Vec<usize> = (0..keys.len()).filter(|&at| table.get(keys[at]).is_some()).collect();
-        let list = keys.iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(" or ");
-        match found[..] {
-            [] if needed => {
-                let title = format!("[rig] lacks {list}");
-                let help =
-                    format!("no value is assumed; add one of them, e.g. {} = {}", keys[0], example(infos, keys[0]));
-                reader.fail(&table.place, &title, "missing in this table", &help);
-                None
-            }
-            [] => Some(None),
-            [at] => {
-                let info = infos.iter().find(|info| info.key == keys[at])?;
-                reader.quantity(table.get(keys[at])?, info).map(|value| Some((at, value)))
-            }
-            [_, second, ..] => {
-                let place = table.get(keys[second])?.place.clone();
-                let both = found.iter().map(|at| format!("`{}`", keys[*at])).collect::<Vec<_>>().join(" and ");
-                let label = "the same in another form";
-                reader.fail(&place, &format!("[rig] states {both} together"), label, "keep one of them");
-                None
-            }
-        }
-    };
+    let mut stated = |keys: &[&str], needed: bool| stated(reader, table, infos, keys, needed);
     let mass = stated(&[if coordinate == Coordinate::Angle { "inertia" } else { "mass" }], false);
     let elasticity = stated(&["natural_frequency", "stiffness"], true);
     let dissipation = stated(&["quality_factor", "damping_ratio", "damping"], true);
@@ -133,24 +107,18 @@ fn mode(reader: &mut Reader<'_>, table: &Table<'_>, entries: &[Entry]) -> Option
     let (mass, elasticity, dissipation) = (mass?, elasticity??, dissipation??);
     let (stiffness, dashpot, factor, participation) = (stiffness?, dashpot?, factor?, participation?);
     if participation.is_some() && !absolute {
-        let place = table.get("participation").map_or(table.place.clone(), |node| node.place.clone());
         let help = "remove it: of a reading relative to the base it is the amplitude_gain of [instrument]";
-        reader.fail(&place, "`participation` belongs to reading = \"absolute\"", "not read in space", help);
-        return None;
+        return misplaced(reader, table, "participation", ["reading = \"absolute\"", "not read in space", help]);
     }
     if !spring && (stiffness.is_some() || dashpot.is_some()) {
         let key = if stiffness.is_some() { "spring_stiffness" } else { "spring_damping" };
-        let place = table.get(key).map_or(table.place.clone(), |node| node.place.clone());
         let help = "remove it, or say that the rig is driven through the spring: drive = \"spring\"";
-        reader.fail(&place, &format!("`{key}` belongs to drive = \"spring\""), "not driven through a spring", help);
-        return None;
+        return misplaced(reader, table, key, ["drive = \"spring\"", "not driven through a spring", help]);
     }
     let contact = entries.iter().any(|entry| entry.key == "contact");
     if factor.is_some() && !contact {
-        let place = table.get("contact_factor").map_or(table.place.clone(), |node| node.place.clone());
         let help = "remove it, or add the table [contact]";
-        reader.fail(&place, "`contact_factor` belongs to a rig with a [contact]", "there is no contact", help);
-        return None;
+        return misplaced(reader, table, "contact_factor", ["a rig with a [contact]", "there is no contact", help]);
     }
     let of = |found: Option<(usize, f64)>, default: f64| found.map_or(default, |(_, value)| value);
     Some(Oscillator {
@@ -168,6 +136,45 @@ fn mode(reader: &mut Reader<'_>, table: &Table<'_>, entries: &[Entry]) -> Option
         contact_factor: of(factor, if contact { 1.0 } else { 0.0 }),
         participation: of(participation, 1.0),
     })
+}
+
+/// The number of a rig that is stated under one of some keys, and under which of them; the inner option tells whether it is there.
+fn stated(
+    reader: &mut Reader<'_>,
+    table: &Table<'_>,
+    infos: &[ParameterInfo],
+    keys: &[&str],
+    needed: bool,
+) -> Option<Option<(usize, f64)>> {
+    let found: Vec<usize> = (0..keys.len()).filter(|&at| table.get(keys[at]).is_some()).collect();
+    let list = |keys: &[&str], word: &str| keys.iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(word);
+    match found[..] {
+        [] if needed => {
+            let title = format!("[rig] lacks {}", list(keys, " or "));
+            let help = format!("no value is assumed; add one of them, e.g. {} = {}", keys[0], example(infos, keys[0]));
+            reader.fail(&table.place, &title, "missing in this table", &help);
+            None
+        }
+        [] => Some(None),
+        [at] => {
+            let info = infos.iter().find(|info| info.key == keys[at])?;
+            reader.quantity(table.get(keys[at])?, info).map(|value| Some((at, value)))
+        }
+        [_, second, ..] => {
+            let place = table.get(keys[second])?.place.clone();
+            let both = list(&found.iter().map(|at| keys[*at]).collect::<Vec<_>>(), " and ");
+            let label = "the same in another form";
+            reader.fail(&place, &format!("[rig] states {both} together"), label, "keep one of them");
+            None
+        }
+    }
+}
+
+/// Says that a key belongs to another kind of rig, why this is none, and what to do.
+fn misplaced<T>(reader: &mut Reader<'_>, table: &Table<'_>, key: &str, [of, why, help]: [&str; 3]) -> Option<T> {
+    let place = table.get(key).map_or(table.place.clone(), |node| node.place.clone());
+    reader.fail(&place, &format!("`{key}` belongs to {of}"), why, help);
+    None
 }
 
 fn example(infos: &[ParameterInfo], key: &str) -> String {

@@ -11,8 +11,8 @@ use super::read_rig::{self, contact, instrument, rig};
 use super::reader::{Reader, TOP_LEVEL, Table, WHOLE};
 use super::rig::{Rig, Signals};
 use super::source::Store;
-use super::types::{Formulation, Scenario, Sweep};
-use super::written::{Node, inside};
+use super::types::{Contact, Formulation, Instrument, Scenario, Sweep};
+use super::written::{Entry, Node, inside};
 use super::{LoadOptions, Role};
 use crate::error::{Error, Result};
 use crate::parameter::Coordinate;
@@ -58,36 +58,16 @@ fn read(
     let figures =
         get("figures").map(|node| reader.names("figures", node, options.figure_names, "a figure that can be drawn"));
 
-    let rig = rig(reader, entries);
-    // The paper's rig is nothing without a contact.
-    let arm = read_rig::means_arm(entries);
-    let contact = contact(reader, entries, arm);
-    let instrument = instrument(reader, entries, rig.as_ref());
-    let signals = rig.zip(instrument).map(|(rig, instrument)| read_rig::signals(&rig, &instrument));
-    // Without rig or instrument it is not known in which unit the drive of another rig is.
-    let drive = signals.or(arm.then_some(Signals::ARM)).map(|signals| signals.drive.unit);
-    let table = reader.table(entries, "sweep");
-    let sweep: Option<Option<Sweep>> = match &table {
-        Some(table) => drive.and_then(|drive| axes::sweep(reader, table, drive, contact)).map(Some),
-        None => Some(None),
-    };
-    let of = (rig.map(|rig| rig.coordinate()), contact.map(|contact| contact.is_some()));
+    let bench = Bench::read(reader, entries);
+    let of = (bench.rig.map(|rig| rig.coordinate()), bench.contact.map(|contact| contact.is_some()));
     let effects = effects(reader, get("effect"), of, options);
-    let swept = sweep.iter().flatten().any(|sweep| sweep.formulation.contains(&Formulation::Paper));
-    let paper = match sweep {
-        Some(Some(_)) => swept,
-        _ => contact.flatten().is_some_and(|contact| contact.formulation == Formulation::Paper),
-    };
-    fits_formulation(reader, get("effect"), &effects, paper);
+    fits_formulation(reader, get("effect"), &effects, bench.is_of_paper());
+    let Bench { rig, contact, instrument, signals, sweep } = bench;
     let measurement = measurement(reader, entries, store);
     let question = question(reader, entries, sweep.as_ref().and_then(Option::as_ref));
     let free = free(reader, entries, (rig.as_ref(), contact.flatten().is_some(), instrument.as_ref()), &effects);
-    let known: Vec<&str> = options
-        .effects
-        .iter()
-        .map(|effect| effect.name())
-        .chain(effects.iter().map(|setting| setting.name()))
-        .collect();
+    let of_options = options.effects.iter().map(|effect| effect.name());
+    let known: Vec<&str> = of_options.chain(effects.iter().map(|setting| setting.name())).collect();
     let gate = gate(reader, entries, &readings(rig.as_ref()), &known);
     if get("sweep").is_none() && get("measurement").is_none() && role == Role::Complete {
         let help = "add [sweep] with frequency, speed, load and drive, or [measurement] with file; \
@@ -115,6 +95,41 @@ fn read(
         figures,
         gate: gate?,
     })
+}
+
+/// What is measured with and how; of each part nothing where it is not sound.
+struct Bench {
+    rig: Option<Rig>,
+    contact: Option<Option<Contact>>,
+    instrument: Option<Instrument>,
+    signals: Option<Signals>,
+    sweep: Option<Option<Sweep>>,
+}
+
+impl Bench {
+    fn read(reader: &mut Reader<'_>, entries: &[Entry]) -> Self {
+        let rig = rig(reader, entries);
+        // The paper's rig is nothing without a contact.
+        let arm = read_rig::means_arm(entries);
+        let contact = contact(reader, entries, arm);
+        let instrument = instrument(reader, entries, rig.as_ref());
+        let signals = rig.zip(instrument).map(|(rig, instrument)| read_rig::signals(&rig, &instrument));
+        // Without rig or instrument it is not known in which unit the drive of another rig is.
+        let drive = signals.or(arm.then_some(Signals::ARM)).map(|signals| signals.drive.unit);
+        let sweep = match &reader.table(entries, "sweep") {
+            Some(table) => drive.and_then(|drive| axes::sweep(reader, table, drive, contact)).map(Some),
+            None => Some(None),
+        };
+        Self { rig, contact, instrument, signals, sweep }
+    }
+
+    /// Whether anything is solved in the paper's formulation.
+    fn is_of_paper(&self) -> bool {
+        match &self.sweep {
+            Some(Some(sweep)) => sweep.formulation.contains(&Formulation::Paper),
+            _ => self.contact.flatten().is_some_and(|contact| contact.formulation == Formulation::Paper),
+        }
+    }
 }
 
 /// Units of what may be read of a rig, that of its coordinate first.
