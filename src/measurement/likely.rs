@@ -8,7 +8,7 @@ use super::unit::{Unit, Wanted, suffix};
 /// is another, the sampling.
 const OTHER: &[&str] = &[
     "sd", "std", "stdev", "error", "unc", "unsich", "sigma", "mean", "mittel", "harmon", "lag", "sampl", "abtast",
-    "pp", "p2p", "pk", "peak", "rms", "eff", "bandw", "temp", "sensit", "calib",
+    "noise", "ruido", "rausch", "fehler", "pp", "p2p", "pk", "peak", "rms", "eff", "bandw", "temp", "sensit", "calib",
 ];
 /// Beginnings of words that say what shakes the rig. They come before [`READS`]: the displacement of a base is a drive.
 const DRIVES_IT: &[&str] = &[
@@ -56,7 +56,7 @@ pub(crate) fn likely(name: &str, bracket: Option<&str>) -> Option<(usize, Unit)>
     };
     let column = if says(&["freq"]) || ends_so("frequency") || ends_so("frequenz") {
         return unit(&["Hz"]).map(|unit| (FREQUENCY, unit));
-    } else if says(&["phas"]) {
+    } else if says(&["phas"]) || words.contains(&"arg") {
         return unit(&["rad"]).map(|unit| (PHASE, unit));
     } else if says(DRIVES_IT) || ends_so("kraft") || ends_so("moment") {
         (DRIVE, unit(DRIVES)?)
@@ -76,7 +76,10 @@ pub(crate) fn is_other(name: &str) -> bool {
 /// Whether a name is that of the deviation of what has the other one.
 pub(crate) fn is_deviation(name: &str, of: &str) -> bool {
     let rest = name.strip_suffix(of).map(|mark| mark.trim_end_matches('_'));
-    rest.is_some_and(|mark| ["d", "δ", "delta", "σ", "s", "sigma", "sd", "std", "u", "err", "error"].contains(&mark))
+    rest.is_some_and(|mark| {
+        ["d", "δ", "delta", "σ", "s", "sigma", "sd", "std", "u", "err", "error", "noise", "ruido", "rauschen", "fehler"]
+            .contains(&mark)
+    })
 }
 
 /// The unit of a column in hertz, whatever its name is but one of the others: nothing else is measured in that.

@@ -9,8 +9,8 @@ use super::unit::{Unit, Wanted, suffix};
 
 /// Words that name either part within a longer name.
 const WORDS: [&[&str]; 2] = [&["re", "real", "inphase"], &["im", "imag", "imaginary", "quadrature", "quad"]];
-/// Names that are a part as they stand.
-const ALONE: [&str; 2] = ["x", "y"];
+/// Names that are a part as they stand: of a lock-in amplifier, of an admittance.
+const ALONE: [[&str; 2]; 2] = [["x", "g"], ["y", "b"]];
 
 /// Columns of both parts, and the unit of both. Of complex numbers both are the same column.
 #[derive(Debug, Clone)]
@@ -96,7 +96,7 @@ fn part(header: &str, frame: &Frame<'_>) -> Option<Part> {
     let name = name.to_lowercase().replace("in-phase", "inphase").replace("in phase", "inphase");
     let words: Vec<&str> = name.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).collect();
     let at = |imaginary: usize| match words.as_slice() {
-        [only] if *only == ALONE[imaginary] => Some(0),
+        [only] if ALONE[imaginary].contains(only) => Some(0),
         _ => words.iter().position(|word| WORDS[imaginary].contains(word)),
     };
     let (imaginary, at) = match (at(0), at(1)) {
@@ -109,14 +109,14 @@ fn part(header: &str, frame: &Frame<'_>) -> Option<Part> {
         || (1..words.len()).flat_map(|from| suffix(&words[from..])).find_map(|text| reading_unit(&text, frame));
     let unit = unit.or_else(of_name);
     // Coordinates have these names, too.
-    let alone = words.len() == 1 && ALONE.contains(&words[0]);
-    if alone && unit.as_ref().is_none_or(|unit| unit.si != "V" && unit.over.is_none()) {
+    let alone = ALONE[usize::from(imaginary)].iter().position(|name| words == [*name]);
+    if alone.is_some() && unit.as_ref().is_none_or(|unit| unit.si != "V" && unit.over.is_none()) {
         return None;
     }
     let stem = words.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, word)| *word).collect::<Vec<_>>().join("_");
     // `Re(H)`: what stands in the brackets is no unit, but the name.
     let stem = if unit.is_none() { stem + bracket.unwrap_or_default() } else { stem };
-    Some(Part { imaginary, stem: if alone { String::new() } else { stem }, unit })
+    Some(Part { imaginary, stem: alone.map_or(stem, |pair| pair.to_string()), unit })
 }
 
 #[cfg(test)]

@@ -265,6 +265,15 @@ impl Search<'_, '_> {
         if found.is_empty() {
             found = swings;
         }
+        // A voltage drives the current that stands beside it.
+        let of = |unit: char| found.iter().find(|(_, _, own)| own.text.ends_with(unit));
+        if let (2, Some(voltage), Some(current), false) = (found.len(), of('V'), of('A'), named(DRIVE)) {
+            for (column, (index, _, unit)) in [(DRIVE, voltage), (AMPLITUDE, current)] {
+                let likely = vec![Candidate { index: *index, unit: unit.clone(), stated: true }];
+                self.choose_alias(column, likely, true);
+            }
+            return;
+        }
         if let [(index, _, unit)] = found[..] {
             let unit = unit.clone().swinging(whole(*index));
             let likely = vec![Candidate { index: *index, unit, stated: true }];

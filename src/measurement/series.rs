@@ -118,7 +118,9 @@ pub(super) fn group(list: &mut [Reading], arm: bool) -> Vec<Series> {
 /// How many sweeps rows of one drive are, each of enough of them to be told.
 pub(super) fn sweeps(list: &[Reading]) -> usize {
     let rows: Vec<usize> = (0..list.len()).collect();
-    passes(list, &rows).iter().filter(|pass| pass.len() >= SWEPT).count()
+    let passes = passes(list, &rows);
+    let most = passes.iter().map(|pass| span(list, pass)).fold(0.0, f64::max);
+    passes.iter().filter(|pass| pass.len() >= SWEPT && span(list, pass) >= WAVERS * most).count()
 }
 
 /// What is said of a sweep; the order of rows tells nothing where it is `unordered`.

@@ -30,8 +30,8 @@ pub(crate) struct Unit {
     pub whole: bool,
     /// Whether its numbers are one over what is wanted: periods where a frequency is.
     reciprocal: bool,
-    /// The prefix of a unit of standard gravity.
-    gravity: Option<&'static str>,
+    /// What a unit that [`units`] does not have is in one that it has, and how many of these it is.
+    foreign: Option<(String, f64)>,
     /// Whether its numbers are levels, 20 log10 of the size.
     decibel: bool,
 }
@@ -57,7 +57,7 @@ impl Unit {
             negated: false,
             whole: false,
             reciprocal: false,
-            gravity: None,
+            foreign: None,
             decibel: false,
         }
     }
@@ -86,8 +86,8 @@ impl Unit {
     pub fn convert(&self, number: &str) -> Result<f64, UnitError> {
         let level = |number: &str| number.parse().map(|level: f64| 10f64.powf(level / 20.0).to_string());
         let size = if self.decibel { level(number).unwrap_or_default() } else { number.to_string() };
-        let value = match self.gravity {
-            Some(prefix) => GRAVITY * units::parse(&format!("{size} {prefix}m/s^2"), self.si)?,
+        let value = match &self.foreign {
+            Some((known, number)) => number * units::parse(&format!("{size} {known}"), self.si)?,
             None if self.reciprocal => 1.0 / units::parse(&format!("{size} {}", self.text), "s")?,
             None => units::parse(&format!("{size} {}", self.text), if self.relative { "1" } else { self.si })?,
         };
@@ -186,7 +186,14 @@ impl Wanted {
     fn plain(&self, text: &str) -> Result<Unit, String> {
         let si = self.natural.unwrap_or(self.possible[0]);
         if let (Some(prefix), true) = (gravity(text), self.possible.contains(&"m/s^2")) {
-            return Ok(Unit { text: text.into(), gravity: Some(prefix), ..Unit::of("m/s^2") });
+            return Ok(Unit {
+                text: text.into(),
+                foreign: Some((format!("{prefix}m/s^2"), GRAVITY)),
+                ..Unit::of("m/s^2")
+            });
+        }
+        if let (Some(prefix), true) = (electrical(text), self.possible.contains(&"V")) {
+            return Ok(Unit { text: text.into(), foreign: Some((format!("{prefix}V"), 1.0)), ..Unit::of("V") });
         }
         let mut text = spelt(text);
         if self.possible.contains(&"N m") && !self.possible.contains(&"m") {
@@ -254,6 +261,14 @@ pub(crate) fn gravity(text: &str) -> Option<&'static str> {
         "ug" | "µg" | "μg" => Some("u"),
         _ => None,
     }
+}
+
+/// The prefix of an electrical unit that is neither of a motion nor of a force, and of a signal that goes with one as a voltage does: a
+/// current, an impedance, an admittance.
+fn electrical(text: &str) -> Option<&'static str> {
+    const UNITS: [&str; 8] = ["A", "S", "Ohm", "ohm", "Ohms", "ohms", "Ω", "\u{2126}"];
+    let prefix = UNITS.iter().find_map(|unit| text.strip_suffix(unit))?;
+    ["", "p", "n", "u", "m", "k", "M", "G"].into_iter().find(|known| *known == prefix.trim().replace(['µ', 'μ'], "u"))
 }
 
 /// The unit in the spelling of [`units`]: words and capitals are forgiven, and powers without their sign.

@@ -249,6 +249,40 @@ fn a_table_without_a_drive_is_of_one_setting() {
     assert_eq!((stated.signals.drive.unit, stated.points[0].drive), ("N", 3.0), "of the sweep");
 }
 
+/// An impedance, an admittance in parts, a current that a voltage drives: signals that go with the motion of what is driven electrically.
+#[test]
+fn electrical_signals_are_readings() {
+    let row = |cells: fn(f64) -> String| (0..24).map(|n| cells(0.5 + 0.02 * f64::from(n))).collect::<String>();
+    let size = |f: f64| 0.2 / (0.49 - f * f).hypot(0.7 * f / 8.0);
+    let phase = |f: f64| f64::atan2(-0.7 * f / 8.0, 0.49 - f * f);
+    let read = |header: &str, rows: String| {
+        let text = format!("{header}\n{rows}");
+        survey_bytes("t.csv", text.as_bytes()).unwrap_or_else(|error| panic!("{header}: {error}")).table
+    };
+    let polar: fn(f64) -> String = |f| {
+        let (x, y) = (0.49 - f * f, 0.7 * f / 8.0);
+        format!("{f},{},{}\n", 0.2 / x.hypot(y), f64::atan2(-y, x).to_degrees())
+    };
+    let parts: fn(f64) -> String = |f| {
+        let (x, y) = (0.49 - f * f, 0.7 * f / 8.0);
+        format!("{f},{},{}\n", 0.2 * x / (x * x + y * y), -0.2 * y / (x * x + y * y))
+    };
+    let driven: fn(f64) -> String = |f| format!("{f},0.25,{}\n", 0.05 / (0.49 - f * f).hypot(0.7 * f / 8.0));
+    for (header, rows, drive, factor) in [
+        ("f [Hz],|Z| / kΩ,arg Z / °", row(polar), 1.0, 1e3),
+        ("f (Hz),G (mS),B (mS)", row(parts), 1.0, 1e-3),
+        ("f [Hz],U [V],I [mA]", row(driven), 0.25, 0.25e-3),
+    ] {
+        let table = read(header, rows);
+        let point = &table.points[9];
+        let f = point.frequency;
+        assert_eq!((table.signals.drive.unit, table.signals.reading.unit, point.drive), ("V", "V", drive), "{header}");
+        assert!((point.amplitude / (factor * size(f)) - 1.0).abs() < 1e-9, "{header}: {point:?}");
+        assert!(point.phase.is_none_or(|own| (own - phase(f)).abs() < 1e-9), "{header}: {point:?}");
+        assert_eq!(point.phase.is_some(), !header.contains('U'), "{header}");
+    }
+}
+
 #[test]
 fn an_angular_frequency_is_a_frequency() {
     for name in ["omega [rad/s]", "ω / rad/s", "w (rad/s)", "Kreisfrequenz [rad/s]", "angular frequency (rad/s)"] {
