@@ -28,6 +28,9 @@ pub trait Competitor: Send {
     fn is_beaten(&self, first: &Self) -> bool;
 }
 
+/// A round is worked on in so many turns, between which is seen what is left.
+const TURNS: usize = 4;
+
 /// The rules of a race.
 #[derive(Debug, Clone, Copy)]
 pub struct Race {
@@ -60,7 +63,7 @@ impl Race {
             if round.states == 0 {
                 break;
             }
-            field.par_iter_mut().for_each(|competitor| competitor.advance(round));
+            dropped.splice(0..0, Self::advance(&mut field, round, &share));
             // What is left after the last halving on all points goes to its end elsewhere.
             if round.points >= self.points && self.share(field.len()) <= self.survivors {
                 break;
@@ -81,6 +84,22 @@ impl Race {
         Result { survivors: field, dropped }
     }
 
+    /// Lets a field work on in turns, the most promising first, until half of what there was is spent; those whose turn does not come
+    /// are returned.
+    fn advance<C: Competitor>(field: &mut Vec<C>, round: Round, share: impl Fn(usize) -> u64) -> Vec<C> {
+        let ranked = Self::ranked(field);
+        field.extend(ranked.into_iter().map(|(_, competitor)| competitor));
+        let (size, before) = (field.len().div_ceil(TURNS).max(1), share(1));
+        for first in (0..field.len()).step_by(size) {
+            if share(1) < before / 2 {
+                return field.split_off(first);
+            }
+            let turn = first..(first + size).min(field.len());
+            field[turn].par_iter_mut().for_each(|competitor| competitor.advance(round));
+        }
+        Vec::new()
+    }
+
     /// How many of a field go on.
     fn share(&self, count: usize) -> usize {
         (count as f64 * self.kept) as usize
@@ -95,12 +114,18 @@ impl Race {
         field.iter().enumerate().map(out).collect()
     }
 
-    /// Sorts the competitors, the best first, and leaves one of those that have come to the same place: the criterion of the
-    /// same candidate twice, closer than one unit.
-    fn rank<C: Competitor>(&self, field: &mut Vec<C>) {
+    /// The competitors with their badness, the best first.
+    fn ranked<C: Competitor>(field: &mut Vec<C>) -> Vec<(f64, C)> {
         let typical = field.iter().map(Competitor::typical).fold(f64::INFINITY, f64::min).max(1.0);
         let mut ranked: Vec<(f64, C)> = field.drain(..).map(|c| (c.badness(typical), c)).collect();
         ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+        ranked
+    }
+
+    /// Sorts the competitors, the best first, and leaves one of those that have come to the same place: the criterion of the
+    /// same candidate twice, closer than one unit.
+    fn rank<C: Competitor>(&self, field: &mut Vec<C>) {
+        let ranked = Self::ranked(field);
         let mut seen: Vec<(usize, f64)> = Vec::new();
         for (badness, competitor) in ranked {
             let again = seen.iter().any(|(of, other)| *of == competitor.of() && (badness - other).abs() < 1.0);
@@ -246,6 +271,36 @@ mod tests {
         RULES.run((0..80).map(|of| Sharing(of, &told)).collect(), |among| left() / among as u64);
         assert!(left() > 10_000, "{}", left());
         assert!(told.into_inner().expect("no panic").iter().any(|round| round.points == RULES.points));
+    }
+
+    /// One evaluation of a slow model takes more than its share.
+    #[test]
+    fn where_a_round_would_take_more_than_half_of_what_is_left_the_most_promising_have_their_turn() {
+        struct Slow<'a>(usize, &'a AtomicUsize);
+        impl Competitor for Slow<'_> {
+            fn of(&self) -> usize {
+                self.0
+            }
+            fn advance(&mut self, _: Round) {
+                self.1.fetch_add(3000, Relaxed);
+            }
+            fn typical(&self) -> f64 {
+                1.0
+            }
+            fn is_beaten(&self, _: &Self) -> bool {
+                false
+            }
+            fn badness(&self, _: f64) -> f64 {
+                10.0 * self.0 as f64
+            }
+        }
+        let spent = AtomicUsize::new(0);
+        let left = || 100_000_u64.saturating_sub(spent.load(Relaxed) as u64);
+        let ended = RULES.run((0..80).rev().map(|of| Slow(of, &spent)).collect(), |among| left() / among.max(4) as u64);
+        // Twenty of eighty at first, of which five go on, and three of them to all points.
+        assert_eq!(spent.load(Relaxed), 3000 * (20 + 5 + 3));
+        assert_eq!(ended.survivors.iter().map(|slow| slow.0).collect::<Vec<_>>(), [0, 1, 2]);
+        assert_eq!(ended.dropped.len(), 77);
     }
 
     #[test]
