@@ -55,6 +55,7 @@ enum Column {
 }
 
 /// One operating point of a model.
+// Wide: a field is a symbol of the equations, or says which of them there are.
 pub struct Problem {
     /// The coefficients with their gradients.
     pub lumps: Lumps,
@@ -94,6 +95,33 @@ pub struct Problem {
     stroke: f64,
     psi_scale: f64,
     columns: Vec<Column>,
+}
+
+/// Where each state stands among those that are present, and how many there are.
+struct Layout {
+    states: usize,
+    roller: Option<usize>,
+    heat: Option<usize>,
+    x: usize,
+    q: Option<usize>,
+    psi: Option<usize>,
+}
+
+impl Layout {
+    fn new(lumps: &Lumps, has_psi: bool) -> Self {
+        let mut states = 2;
+        let mut take = |present: bool, count: usize| {
+            let index = states;
+            if present {
+                states += count;
+            }
+            present.then_some(index)
+        };
+        let (roller, heat) = (take(lumps.support.is_some(), 2), take(lumps.heating.is_some(), 1));
+        let x = take(true, 1).unwrap_or(2);
+        let (q, psi) = (take(lumps.branch.is_some(), 1), take(has_psi, 1));
+        Self { states, roller, heat, x, q, psi }
+    }
 }
 
 /// The coefficients by which derivatives are taken, each where it enters.
@@ -149,6 +177,17 @@ fn coefficients<T: Scalar>(lumps: &Lumps, laws: &[(&'static dyn Effect, Vec<f64>
     columns
 }
 
+/// Damping of the bristles in the equations, where they have a law of their own or not.
+fn damping_of_bristles(lumps: &Lumps, own_law: bool) -> f64 {
+    let (kc, cc) = (lumps.contact_stiffness.value, lumps.contact_damping.value);
+    match lumps.omega * cc < NO_DAMPING * kc {
+        // The law may depend on the rate of their stretch: it follows from the force then, which needs a damping.
+        true if own_law => NO_DAMPING * kc / lumps.omega,
+        true => 0.0,
+        false => cc,
+    }
+}
+
 /// Intermediate quantities at one instant.
 struct Point {
     th: f64,
@@ -175,26 +214,13 @@ impl Problem {
         let free: (f64, f64) = lumps.free_response();
         let stuck: (f64, f64) = lumps.stuck_response();
         let laws = model.effects.clone();
-        let mut states = 2;
-        let mut take = |present: bool, count: usize| {
-            let index = states;
-            if present {
-                states += count;
-            }
-            present.then_some(index)
-        };
-        let roller = take(lumps.support.is_some(), 2);
-        let heat = take(lumps.heating.is_some(), 1);
-        let x = take(true, 1).unwrap_or(2);
-        let q = take(lumps.branch.is_some(), 1);
         let has_psi = laws.iter().any(|(e, p)| e.interface_rate(p, 0.0, 0.0).is_some());
-        let psi = take(has_psi, 1);
+        let Layout { states, roller, heat, x, q, psi } = Layout::new(&lumps, has_psi);
         let own_bristles = laws.iter().any(|(e, p)| e.bristle_force(p, 0.0, 0.0).is_some());
         let hysteretic = laws.iter().any(|(e, p)| remembers(*e, p));
         let spring_pot = lumps.spring_pot.as_deref().map(|(re, im)| (re.value, im.value));
         let spring_pot = spring_pot.filter(|(re, im)| re.hypot(*im) > 0.0);
         let inverse = 1.0 / lumps.inertia.value;
-        let (kc, cc) = (lumps.contact_stiffness.value, lumps.contact_damping.value);
         let support = lumps.support.as_ref().map_or([0.0; 3], |s| {
             let inverse = 1.0 / s.mass.value;
             [inverse, s.damping.value * inverse, s.stiffness.value * inverse]
@@ -209,14 +235,8 @@ impl Problem {
             k: lumps.stiffness.value * inverse,
             inverse_inertia: inverse,
             b: lumps.arm.value,
-            kc,
-            cc: match lumps.omega * cc < NO_DAMPING * kc {
-                // A law of the bristles may depend on the rate of their stretch: it follows from the force then, which needs
-                // a damping.
-                true if own_bristles => NO_DAMPING * kc / lumps.omega,
-                true => 0.0,
-                false => cc,
-            },
+            kc: lumps.contact_stiffness.value,
+            cc: damping_of_bristles(&lumps, own_bristles),
             mu: lumps.friction.value,
             load: lumps.load.value,
             speed: lumps.speed.value,

@@ -10,6 +10,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Coefficients at one operating point; symbols of the paper (Eqs. 1-8) where it has them.
 #[derive(Debug, Clone)]
+// Wide: a field is a symbol of the equations, and effects change them one by one.
 pub struct Lumps {
     /// w, angular frequency of the drive \[rad/s\].
     pub omega: f64,
@@ -65,6 +66,33 @@ pub struct Lumps {
 impl Lumps {
     /// The coefficients of a model at an operating point.
     pub fn new(model: &Model, at: &Operation) -> Self {
+        let mut lumps = Self::without_effects(model, at);
+        let mut first = FIRST_EFFECT_PARAMETER;
+        let none = Dual::constant(0.0);
+        let order = model.signals.reading.order;
+        let of = Beside { omega: lumps.omega, stiffness: lumps.stiffness, inertia: lumps.inertia, order };
+        let mut beside: Option<(Dual, Dual)> = None;
+        for (effect, parameters) in &model.effects {
+            let p: Vec<Dual> = parameters.iter().enumerate().map(|(i, &v)| Dual::parameter(v, first + i)).collect();
+            first += p.len();
+            if let Some((stiffness, gain)) = effect.between_series(&p, at.series) {
+                lumps.stiffness = lumps.stiffness + of.stiffness * (stiffness - Dual::constant(1.0));
+                lumps.amplitude_gain = lumps.amplitude_gain * gain;
+            }
+            lumps.add(*effect, &p);
+            beside = [beside, effect.beside(&p, &of)].into_iter().flatten().reduce(|a, b| (a.0 + b.0, a.1 + b.1));
+        }
+        // In proportion to the drive as all effects leave it.
+        if let Some((re, im)) = beside {
+            let (x, y) = lumps.read_beside.take().map_or((none, none), |beside| *beside);
+            let (u, v) = (lumps.torque_re, lumps.torque_im);
+            lumps.read_beside = Some(Box::new((x + re * u - im * v, y + re * v + im * u)));
+        }
+        lumps
+    }
+
+    /// Those of its rig, contact and instrument.
+    fn without_effects(model: &Model, at: &Operation) -> Self {
         let (contact, instrument) = (&model.contact, &model.instrument);
         let rig = model.rig.values();
         let values = [
@@ -97,7 +125,7 @@ impl Lumps {
                 (amplitude_gain * omega.powi(order.into()), phase_offset + Dual::constant(FRAC_PI_2 * f64::from(order)))
             }
         };
-        let mut lumps = Self {
+        Self {
             omega,
             inertia,
             damping,
@@ -122,28 +150,7 @@ impl Lumps {
             read_beside: base_motion.map(Box::new),
             joint: None,
             dry_friction: None,
-        };
-        let mut first = FIRST_EFFECT_PARAMETER;
-        let none = Dual::constant(0.0);
-        let of = Beside { omega, stiffness, inertia, order: model.signals.reading.order };
-        let mut beside: Option<(Dual, Dual)> = None;
-        for (effect, parameters) in &model.effects {
-            let p: Vec<Dual> = parameters.iter().enumerate().map(|(i, &v)| Dual::parameter(v, first + i)).collect();
-            first += p.len();
-            if let Some((stiffness, gain)) = effect.between_series(&p, at.series) {
-                lumps.stiffness = lumps.stiffness + of.stiffness * (stiffness - Dual::constant(1.0));
-                lumps.amplitude_gain = lumps.amplitude_gain * gain;
-            }
-            lumps.add(*effect, &p);
-            beside = [beside, effect.beside(&p, &of)].into_iter().flatten().reduce(|a, b| (a.0 + b.0, a.1 + b.1));
         }
-        // In proportion to the drive as all effects leave it.
-        if let Some((re, im)) = beside {
-            let (x, y) = lumps.read_beside.take().map_or((none, none), |beside| *beside);
-            let (u, v) = (lumps.torque_re, lumps.torque_im);
-            lumps.read_beside = Some(Box::new((x + re * u - im * v, y + re * v + im * u)));
-        }
-        lumps
     }
 
     fn add(&mut self, effect: &dyn crate::effects::Effect, p: &[Dual]) {

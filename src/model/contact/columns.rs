@@ -5,6 +5,7 @@ use crate::model::system::{Forcing, HybridSystem, MAX_STATES, Mode, ParameterCol
 
 impl Problem {
     /// Derivatives of the rates and of the constraint by every column.
+    // Long: every column has a branch, and all of them share what is evaluated once; the loop is among those that take time.
     pub(super) fn fill_columns(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut ParameterColumns) {
         let s = if mode == Mode::Stick { 0.0 } else { s };
         let p = self.point(forcing, z, s);

@@ -6,6 +6,77 @@ use crate::model::system::{Affine, Evaluation, Forcing, HybridSystem, MAX_STATES
 /// Slip rate, relative to its scale, from which on the branch beyond a weakening threshold is looked for.
 const SMALL_SLIP: f64 = 1e-6;
 
+impl Problem {
+    /// The constraint of slip in direction `sign`: the bristles pull as hard as friction holds; what is zero is left as it is.
+    fn slip_at_limit(&self, forcing: &Forcing, z: &[f64], s: f64, sign: f64, out: &mut Evaluation) {
+        let (x, b) = (self.x, self.b);
+        let th = forcing.angle + z[0];
+        let v = self.relative_speed(forcing, z);
+        let normal = (self.load + self.load_stiffness * b * th).max(0.0);
+        let force = self.pull(z, v, v - s);
+        let friction = self.friction(sign * s, self.state(self.psi, z), self.state(self.heat, z));
+        let (mu, mu_s, mu_psi, mu_heat, _) = friction;
+        let scale = 1.0 / self.force_scale();
+        out.g = scale * (force - sign * mu * normal);
+        let own = self.bristle_law(z[x], v - s);
+        let force_v = scale * (self.cc + self.sigma2 + own.d_second);
+        out.gz[1] = -b * force_v;
+        out.gz[x] = scale * (self.kc + own.d_first);
+        if normal > 0.0 {
+            out.gz[0] = -scale * sign * mu * self.load_stiffness * b;
+        }
+        if let Some(i) = self.roller {
+            out.gz[i + 1] = force_v;
+        }
+        if let Some(i) = self.q {
+            out.gz[i] = scale;
+        }
+        if let Some(i) = self.psi {
+            out.gz[i] = -scale * sign * mu_psi * normal;
+        }
+        if let Some(i) = self.heat {
+            out.gz[i] = -scale * sign * mu_heat * normal;
+        }
+        out.gs = -scale * (self.cc + own.d_second + mu_s * normal);
+    }
+
+    /// The constraint of a rate element, over which the interface slips all the time, in direction `sign`.
+    fn slip_of_rate_element(&self, forcing: &Forcing, z: &[f64], s: f64, sign: f64, out: &mut Evaluation) {
+        let (x, b) = (self.x, self.b);
+        // s = kc |v| x / (mu N), with |v| continued beyond the end of the mode and mu as it is there: s is smooth.
+        let p = self.point(forcing, z, s);
+        let speed = sign * p.v;
+        let (mu, mu_s, mu_psi, mu_heat, _) =
+            self.friction(speed.max(0.0), self.state(self.psi, z), self.state(self.heat, z));
+        let mu_s = if speed < 0.0 { 0.0 } else { mu_s };
+        let normal_th = if p.loaded { self.load_stiffness * b } else { 0.0 };
+        let mut rate_z = [0.0; MAX_STATES];
+        rate_z[1] = -b;
+        if let Some(i) = self.roller {
+            rate_z[i + 1] = 1.0;
+        }
+        let limit = (mu * p.normal).max(1e-12 * self.force_scale());
+        let flow = self.kc * z[x] / limit;
+        let scale = 1.0 / self.slip_scale();
+        out.g = scale * (s - flow * speed);
+        let by_limit = flow * speed / limit;
+        let by_speed = sign * (-flow + by_limit * mu_s * p.normal);
+        for (gz, rate) in out.gz.iter_mut().zip(&rate_z) {
+            *gz = by_speed * rate;
+        }
+        out.gz[x] -= self.kc * speed / limit;
+        out.gz[0] += by_limit * mu * normal_th;
+        if let Some(i) = self.psi {
+            out.gz[i] += by_limit * mu_psi * p.normal;
+        }
+        if let Some(i) = self.heat {
+            out.gz[i] += by_limit * mu_heat * p.normal;
+        }
+        out.gz = out.gz.map(|g| scale * g);
+        out.gs = scale;
+    }
+}
+
 impl HybridSystem for Problem {
     fn states(&self) -> usize {
         self.states
@@ -66,6 +137,7 @@ impl HybridSystem for Problem {
         self.never_lifts() && self.laws.iter().all(|(effect, _)| effect.is_smooth())
     }
 
+    // Long: a branch for each kind of row; what they share is evaluated once, in the innermost loop of every integration.
     fn rates(&self, rows: &[usize], forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut Evaluation) {
         let v = self.relative_speed(forcing, z);
         let d = v - if mode == Mode::Stick { 0.0 } else { s };
@@ -147,77 +219,14 @@ impl HybridSystem for Problem {
 
     fn constraint(&self, forcing: &Forcing, z: &[f64], s: f64, mode: Mode, out: &mut Evaluation) {
         out.gz = [0.0; MAX_STATES];
-        let sign = Self::sign(mode);
-        let (x, b) = (self.x, self.b);
         match mode {
             Mode::Stick => {
                 let scale = 1.0 / self.slip_scale();
                 out.g = s * scale;
                 out.gs = scale;
             }
-            Mode::SlipForward | Mode::SlipBackward => {
-                let th = forcing.angle + z[0];
-                let v = self.relative_speed(forcing, z);
-                let normal = (self.load + self.load_stiffness * b * th).max(0.0);
-                let force = self.pull(z, v, v - s);
-                let friction = self.friction(sign * s, self.state(self.psi, z), self.state(self.heat, z));
-                let (mu, mu_s, mu_psi, mu_heat, _) = friction;
-                let scale = 1.0 / self.force_scale();
-                out.g = scale * (force - sign * mu * normal);
-                let own = self.bristle_law(z[x], v - s);
-                let force_v = scale * (self.cc + self.sigma2 + own.d_second);
-                out.gz[1] = -b * force_v;
-                out.gz[x] = scale * (self.kc + own.d_first);
-                if normal > 0.0 {
-                    out.gz[0] = -scale * sign * mu * self.load_stiffness * b;
-                }
-                if let Some(i) = self.roller {
-                    out.gz[i + 1] = force_v;
-                }
-                if let Some(i) = self.q {
-                    out.gz[i] = scale;
-                }
-                if let Some(i) = self.psi {
-                    out.gz[i] = -scale * sign * mu_psi * normal;
-                }
-                if let Some(i) = self.heat {
-                    out.gz[i] = -scale * sign * mu_heat * normal;
-                }
-                out.gs = -scale * (self.cc + own.d_second + mu_s * normal);
-            }
-            Mode::RateForward | Mode::RateBackward => {
-                // s = kc |v| x / (mu N), with |v| continued beyond the end of the mode and mu as it is there: s is smooth.
-                let p = self.point(forcing, z, s);
-                let speed = sign * p.v;
-                let (mu, mu_s, mu_psi, mu_heat, _) =
-                    self.friction(speed.max(0.0), self.state(self.psi, z), self.state(self.heat, z));
-                let mu_s = if speed < 0.0 { 0.0 } else { mu_s };
-                let normal_th = if p.loaded { self.load_stiffness * b } else { 0.0 };
-                let mut rate_z = [0.0; MAX_STATES];
-                rate_z[1] = -b;
-                if let Some(i) = self.roller {
-                    rate_z[i + 1] = 1.0;
-                }
-                let limit = (mu * p.normal).max(1e-12 * self.force_scale());
-                let flow = self.kc * z[x] / limit;
-                let scale = 1.0 / self.slip_scale();
-                out.g = scale * (s - flow * speed);
-                let by_limit = flow * speed / limit;
-                let by_speed = sign * (-flow + by_limit * mu_s * p.normal);
-                for (gz, rate) in out.gz.iter_mut().zip(&rate_z) {
-                    *gz = by_speed * rate;
-                }
-                out.gz[x] -= self.kc * speed / limit;
-                out.gz[0] += by_limit * mu * normal_th;
-                if let Some(i) = self.psi {
-                    out.gz[i] += by_limit * mu_psi * p.normal;
-                }
-                if let Some(i) = self.heat {
-                    out.gz[i] += by_limit * mu_heat * p.normal;
-                }
-                out.gz = out.gz.map(|g| scale * g);
-                out.gs = scale;
-            }
+            Mode::SlipForward | Mode::SlipBackward => self.slip_at_limit(forcing, z, s, Self::sign(mode), out),
+            Mode::RateForward | Mode::RateBackward => self.slip_of_rate_element(forcing, z, s, Self::sign(mode), out),
         }
     }
 
