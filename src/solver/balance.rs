@@ -102,6 +102,7 @@ struct Sample<const N: usize> {
 /// Harmonics 0, 1, .. of every state.
 type Series<const N: usize> = [[Complex; N]; HARMONICS + 1];
 
+// Wide: one iterate: series, instants and the linearisation that belong to each other.
 struct Balancing<'a, const N: usize> {
     system: &'a dyn HybridSystem,
     mode: Mode,
@@ -259,7 +260,6 @@ impl<const N: usize> Balancing<'_, N> {
             if kinked && before > FOLLOWED {
                 self.follow_kinks()?;
             }
-            let harmonics = self.harmonics;
             self.evaluate()?;
             *iterations += 1;
             if round > 0 && !self.nearly_holds() {
@@ -268,42 +268,9 @@ impl<const N: usize> Balancing<'_, N> {
             if round == 0 || (round == 1 && self.level == 0) {
                 self.linearise()?;
             }
-            let mut size = 0.0f64;
             let mut change = [[(0.0, 0.0); N]; HARMONICS + 1];
-            for k in 0..=harmonics {
-                let mut excess = self.transform(k, |j| self.samples[j].rate);
-                let turning = k as f64 * self.omega;
-                for i in 0..N {
-                    let z = self.series[k][i];
-                    excess[i] = (excess[i].0 + turning * z.1, excess[i].1 - turning * z.0);
-                }
-                if k == 0 && self.mode == Mode::Stick && excess.iter().any(|rate| rate.0.abs() > DRIFT * self.omega) {
-                    return None;
-                }
-                let by = &self.resolvents[k];
-                for i in 0..N {
-                    let mut step = (0.0, 0.0);
-                    for j in 0..N {
-                        let part = times(by[i][j], excess[j]);
-                        step = (step.0 + part.0, step.1 + part.1);
-                    }
-                    let z = &mut self.series[k][i];
-                    *z = (z.0 + step.0, z.1 + step.1);
-                    change[k][i] = step;
-                    size = larger(size, step.0.abs() + step.1.abs());
-                }
-            }
-            for j in 0..self.samples.len() {
-                let moved = sum(&change[..=harmonics], |k| self.root(k, j));
-                let sample = &mut self.samples[j];
-                let mut slip = sample.excess;
-                for i in 0..N {
-                    slip += sample.by[i] * moved[i];
-                    sample.z[i] += moved[i] * self.scales[i];
-                }
-                sample.s -= slip;
-                size = larger(size, slip.abs() * by_slip);
-            }
+            let by_states = self.correct_series(&mut change)?;
+            let size = larger(by_states, self.move_samples(&change) * by_slip);
             if !size.is_finite() {
                 return None;
             }
@@ -318,6 +285,53 @@ impl<const N: usize> Balancing<'_, N> {
             before = size;
         }
         None
+    }
+
+    /// Corrects every harmonic by what its balance lacks; the largest correction, relative to the scales of the states. `None`
+    /// where a contact at rest drifts.
+    fn correct_series(&mut self, change: &mut Series<N>) -> Option<f64> {
+        let mut size = 0.0f64;
+        for k in 0..=self.harmonics {
+            let mut excess = self.transform(k, |j| self.samples[j].rate);
+            let turning = k as f64 * self.omega;
+            for i in 0..N {
+                let z = self.series[k][i];
+                excess[i] = (excess[i].0 + turning * z.1, excess[i].1 - turning * z.0);
+            }
+            if k == 0 && self.mode == Mode::Stick && excess.iter().any(|rate| rate.0.abs() > DRIFT * self.omega) {
+                return None;
+            }
+            let by = &self.resolvents[k];
+            for i in 0..N {
+                let mut step = (0.0, 0.0);
+                for j in 0..N {
+                    let part = times(by[i][j], excess[j]);
+                    step = (step.0 + part.0, step.1 + part.1);
+                }
+                let z = &mut self.series[k][i];
+                *z = (z.0 + step.0, z.1 + step.1);
+                change[k][i] = step;
+                size = larger(size, step.0.abs() + step.1.abs());
+            }
+        }
+        Some(size)
+    }
+
+    /// Moves the states at the instants as their series change, and the algebraic unknown with them; its largest change.
+    fn move_samples(&mut self, change: &Series<N>) -> f64 {
+        let mut size = 0.0f64;
+        for j in 0..self.samples.len() {
+            let moved = sum(&change[..=self.harmonics], |k| self.root(k, j));
+            let sample = &mut self.samples[j];
+            let mut slip = sample.excess;
+            for i in 0..N {
+                slip += sample.by[i] * moved[i];
+                sample.z[i] += moved[i] * self.scales[i];
+            }
+            sample.s -= slip;
+            size = larger(size, slip.abs());
+        }
+        size
     }
 
     /// Smallest and largest margin at the instants.

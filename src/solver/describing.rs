@@ -236,14 +236,14 @@ fn first_harmonic_roots(mode: &dyn SingleMode) -> (Vec<f64>, Vec<f64>) {
     }
     grid.extend(inserted);
     grid.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut roots = Vec::new();
-    for pair in grid.windows(2) {
-        let ((a, fa), (b, fb)) = (pair[0], pair[1]);
-        if (fa > 0.0) != (fb > 0.0) {
-            roots.push(regula_falsi(excess, [a, b], [fa, fb], (ROOT, 0.0), REFINEMENTS).exp());
-        }
-    }
-    (roots, ends)
+    (sign_changes(&grid, excess).map(f64::exp).collect(), ends)
+}
+
+/// Roots between neighbours of a grid of places and values.
+fn sign_changes(grid: &[(f64, f64)], excess: impl Fn(f64) -> f64) -> impl Iterator<Item = f64> {
+    let changes =
+        grid.windows(2).map(|pair| (pair[0], pair[1])).filter(|((_, fa), (_, fb))| (*fa > 0.0) != (*fb > 0.0));
+    changes.map(move |((a, fa), (b, fb))| regula_falsi(&excess, [a, b], [fa, fb], (ROOT, 0.0), REFINEMENTS))
 }
 
 /// The place between the outer two at which the excess, of one sign at all three, comes nearest to zero (golden section).

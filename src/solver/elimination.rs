@@ -210,12 +210,11 @@ impl Eliminations {
             (elimination.mode, elimination.unknowns) = (mode, rates.unknowns);
         }
         (elimination.size, elimination.used) = (f64::NAN, self.clock);
-        let scales = system.scales();
         let fits = match system.states() {
-            3 => elimination.fit::<3>(system, rates, 3, h, &scales),
-            4 => elimination.fit::<4>(system, rates, 4, h, &scales),
-            5 => elimination.fit::<5>(system, rates, 5, h, &scales),
-            n => elimination.fit::<MAX_STATES>(system, rates, n, h, &scales),
+            3 => elimination.fit::<3>(system, rates, 3, h),
+            4 => elimination.fit::<4>(system, rates, 4, h),
+            5 => elimination.fit::<5>(system, rates, 5, h),
+            n => elimination.fit::<MAX_STATES>(system, rates, n, h),
         };
         if fits {
             elimination.size = h;
@@ -242,32 +241,9 @@ impl Elimination {
 
     /// E, K and H.
     #[inline(always)]
-    fn fit<const N: usize>(
-        &mut self,
-        system: &dyn HybridSystem,
-        rates: &Rates,
-        n: usize,
-        h: f64,
-        scales: &State,
-    ) -> bool {
-        let spectrum = &*SPECTRUM;
-        let (mut real, mut pair) = ([[0.0; N]; N], [[Complex::ZERO; N]; N]);
-        for j in 0..N {
-            for l in 0..n {
-                let step = h * rates.linear[j][l] * scales[l] / scales[j];
-                real[j][l] = -spectrum.real * step;
-                pair[j][l] = -spectrum.pair * step;
-            }
-            real[j][j] += 1.0;
-            pair[j][j] += 1.0;
-        }
-        let (Some(real), Some(pair)) = (invert(real), invert(pair)) else { return false };
-        let mut resolvents = [[[0.0; PARTS]; N]; N];
-        for j in 0..n {
-            for l in 0..n {
-                resolvents[j][l] = [real[j][l], pair[j][l].re, pair[j][l].im];
-            }
-        }
+    fn fit<const N: usize>(&mut self, system: &dyn HybridSystem, rates: &Rates, n: usize, h: f64) -> bool {
+        let (spectrum, scales) = (&*SPECTRUM, system.scales());
+        let Some(resolvents) = resolvents::<N>(rates, n, h, &scales) else { return false };
         let applied = |v: &State| {
             let mut out = [[0.0; PARTS]; N];
             for j in 0..n {
@@ -312,18 +288,25 @@ impl Elimination {
                 None => applied(&rates.by_slip),
                 Some(row) => applied(&from_fn(|j| f64::from(u8::from(j == row)))),
             };
-            for i in 0..3 {
-                for j in 0..n {
-                    for k in 0..3 {
-                        self.by_unknown[i][j][k][u] = dot(&spectrum.weighted[i][k], &by[j]);
-                    }
-                }
-            }
+            self.answer_to_unknown(u, &by[..n]);
         }
         for j in 0..n {
             self.resolvents[j][..n].copy_from_slice(&resolvents[j][..n]);
         }
         true
+    }
+
+    /// Sets dZ/dU for one of the unknowns, which the resolvents make `by` of.
+    #[inline(always)]
+    fn answer_to_unknown(&mut self, u: usize, by: &[Parts]) {
+        let weighted = &SPECTRUM.weighted;
+        for i in 0..3 {
+            for (j, by) in by.iter().enumerate() {
+                for k in 0..3 {
+                    self.by_unknown[i][j][k][u] = dot(&weighted[i][k], by);
+                }
+            }
+        }
     }
 
     /// Solves the transposed equations of the affine rows, in units of the scales, for two right sides: `b[stage][state]`.
@@ -348,6 +331,30 @@ impl Elimination {
         }
         *b = out;
     }
+}
+
+/// (1 - h lambda M)^-1 in units of the scales; `None` where it does not exist.
+#[inline(always)]
+fn resolvents<const N: usize>(rates: &Rates, n: usize, h: f64, scales: &State) -> Option<[[Parts; N]; N]> {
+    let spectrum = &*SPECTRUM;
+    let (mut real, mut pair) = ([[0.0; N]; N], [[Complex::ZERO; N]; N]);
+    for j in 0..N {
+        for l in 0..n {
+            let step = h * rates.linear[j][l] * scales[l] / scales[j];
+            real[j][l] = -spectrum.real * step;
+            pair[j][l] = -spectrum.pair * step;
+        }
+        real[j][j] += 1.0;
+        pair[j][j] += 1.0;
+    }
+    let (real, pair) = (invert(real)?, invert(pair)?);
+    let mut resolvents = [[[0.0; PARTS]; N]; N];
+    for j in 0..n {
+        for l in 0..n {
+            resolvents[j][l] = [real[j][l], pair[j][l].re, pair[j][l].im];
+        }
+    }
+    Some(resolvents)
 }
 
 /// The inverse of a matrix, by elimination with partial pivoting; `None` where it is singular to working precision.

@@ -180,6 +180,29 @@ impl<const N: usize> Affine<N> {
         Some(flow)
     }
 
+    /// The margins that differ.
+    #[inline]
+    fn margins(&self) -> &[Reading<N>] {
+        &self.margins[..if self.two_margins { 2 } else { 1 }]
+    }
+
+    #[inline]
+    fn margins_at(&self, at: &Sample<N>) -> [f64; 2] {
+        let mut values = [0.0; 2];
+        for (value, margin) in values.iter_mut().zip(self.margins()) {
+            *value = margin.value(&at.y, at.turn);
+        }
+        values
+    }
+
+    /// The point on the way a step later.
+    #[inline]
+    fn one_step_after(&self, from: &Sample<N>) -> Sample<N> {
+        let ((s0, c0), (s, c)) = (from.turn, self.rotation);
+        let turn = (s0 * c + c0 * s, c0 * c - s0 * s);
+        Sample { time: from.time + self.step, y: self.ladder[0].apply(&from.y), turn }
+    }
+
     /// y after a part of a step.
     fn after(&self, y: &[f64; N], time: f64) -> [f64; N] {
         let (mut y, mut rest, mut size) = (*y, time, self.step);
@@ -293,11 +316,8 @@ impl<const N: usize> Flow for Affine<N> {
         let turn = (self.equations.omega * start).sin_cos();
         let first = Sample { time: start, y: self.equations.rest(z, turn), turn };
         let mut from = first;
-        let margins = &self.margins[..if self.two_margins { 2 } else { 1 }];
-        let mut before = [0.0; 2];
-        for (value, margin) in before.iter_mut().zip(margins) {
-            *value = margin.value(&from.y, from.turn);
-        }
+        let margins = self.margins();
+        let mut before = self.margins_at(&from);
         let force_at = |at: &Sample<N>| (self.force.value(&at.y, at.turn), self.force.slope(&at.y, at.turn));
         let angle_at = |at: &Sample<N>| {
             let (bend, turn) = (apply(&self.equations.m, &self.equations.rate(&at.y)), at.turn);
@@ -307,14 +327,11 @@ impl<const N: usize> Flow for Affine<N> {
         };
         let (mut force, mut angle) = (force_at(&from), angle_at(&from));
         let mut extremes = (force.0, force.0);
-        let mut area = 0.0;
-        let mut ended = false;
+        let (mut area, mut ended) = (0.0, false);
         while !ended && period - from.time > 1e-12 * period {
             let left = period - from.time;
             let mut to = if left >= self.step * (1.0 - 1e-9) {
-                let ((s0, c0), (s, c)) = (from.turn, self.rotation);
-                let turn = (s0 * c + c0 * s, c0 * c - s0 * s);
-                Sample { time: from.time + self.step, y: self.ladder[0].apply(&from.y), turn }
+                self.one_step_after(&from)
             } else {
                 Sample { time: period, y: self.after(&from.y, left), turn: (self.equations.omega * period).sin_cos() }
             };
@@ -359,15 +376,10 @@ impl<const N: usize> Flow for Affine<N> {
     fn approximate_segment(&self, start: f64, z: &State, period: f64) -> Approximation {
         let turn = (self.equations.omega * start).sin_cos();
         let mut from = Sample { time: start, y: self.equations.rest(z, turn), turn };
-        let margins = &self.margins[..if self.two_margins { 2 } else { 1 }];
-        let mut before = [0.0; 2];
-        for (value, margin) in before.iter_mut().zip(margins) {
-            *value = margin.value(&from.y, from.turn);
-        }
+        let margins = self.margins();
+        let mut before = self.margins_at(&from);
         loop {
-            let ((s0, c0), (s, c)) = (from.turn, self.rotation);
-            let turn = (s0 * c + c0 * s, c0 * c - s0 * s);
-            let to = Sample { time: from.time + self.step, y: self.ladder[0].apply(&from.y), turn };
+            let to = self.one_step_after(&from);
             let last = (period - from.time) / self.step;
             let mut fraction = last.min(1.0);
             let (mut ended, mut after) = (false, [0.0; 2]);

@@ -8,7 +8,7 @@
 //! drift is positive and grows, there is none, and the contact rests in the end.
 
 use super::cycle::Integrator;
-use super::dense;
+use super::dense::{self, Matrix};
 use super::period::Start;
 use super::radau::State;
 use crate::model::system::Mode;
@@ -33,6 +33,51 @@ const FAR: f64 = 4.0;
 /// Relative step of the age below which the ordinary search takes over.
 const NEAR: f64 = 0.03;
 
+/// Newton's equations of the other states with the age held, in units of the scales.
+struct Held {
+    states: usize,
+    age: usize,
+    matrix: Matrix,
+    /// Their right side for a change of the age by one.
+    by_age: State,
+    /// Derivatives of the drift of the age by all states.
+    drift_by: State,
+}
+
+impl Held {
+    fn new(monodromy: Matrix, scales: &State, (states, age): (usize, usize)) -> Self {
+        let mut matrix = monodromy;
+        for (i, row) in matrix.iter_mut().enumerate() {
+            for (j, entry) in row.iter_mut().enumerate() {
+                *entry = (*entry * scales[j] / scales[i]) - f64::from(i == j);
+            }
+        }
+        let drift_by = matrix[age];
+        let by_age: State = std::array::from_fn(|i| if i == age { 1.0 } else { -matrix[i][age] });
+        for (i, row) in matrix.iter_mut().enumerate() {
+            row[age] = f64::from(i == age);
+        }
+        matrix[age] = std::array::from_fn(|j| f64::from(j == age));
+        Self { states, age, matrix, by_age, drift_by }
+    }
+
+    /// What the other states have to change by for a cycle to end where it began.
+    fn settle(&self, residual: &State) -> Option<State> {
+        let right = std::array::from_fn(|i| if i == self.age { 0.0 } else { -residual[i] });
+        dense::solve(self.states, self.matrix, right)
+    }
+
+    /// How the settled states change with the age.
+    fn answer_to_age(&self) -> Option<State> {
+        dense::solve(self.states, self.matrix, self.by_age)
+    }
+
+    /// Change of the drift with such a change of the states.
+    fn drift_along(&self, delta: &State) -> f64 {
+        (0..self.states).map(|j| self.drift_by[j] * delta[j]).sum()
+    }
+}
+
 /// Follows the age from `start` on and adds the cycles that takes to `cycles`; `None` where the contact does not heal, or a
 /// cycle cannot be followed.
 pub fn heal(integrator: &mut Integrator, start: &State, cycles: &mut usize) -> Option<Healed> {
@@ -40,10 +85,8 @@ pub fn heal(integrator: &mut Integrator, start: &State, cycles: &mut usize) -> O
     let age = system.age_at_rest()?;
     let (n, scales) = (system.states(), system.scales());
     let mut start = *start;
-    let mut entry: Option<(Mode, f64)> = None;
-    let mut before = f64::INFINITY;
+    let (mut entry, mut last, mut before): (Option<(Mode, f64)>, _, _) = (None, None, f64::INFINITY);
     let most = MAX_CYCLES.min(integrator.tolerance().cycles / 2);
-    let mut last = None;
     for _ in 0..most {
         *cycles += 1;
         let cycle = integrator.cycle(&start, entry).ok()?;
@@ -57,25 +100,12 @@ pub fn heal(integrator: &mut Integrator, start: &State, cycles: &mut usize) -> O
             continue;
         }
         let residual: State = std::array::from_fn(|i| (cycle.end[i] - start[i]) / scales[i]);
-        // Equations of the other states with the age held; their answer to a change of the age beside them.
-        let mut matrix = cycle.monodromy;
-        for (i, row) in matrix.iter_mut().enumerate() {
-            for (j, entry) in row.iter_mut().enumerate() {
-                *entry = (*entry * scales[j] / scales[i]) - f64::from(i == j);
-            }
-        }
-        let drift_by = matrix[age];
-        let by_age: State = std::array::from_fn(|i| if i == age { 1.0 } else { -matrix[i][age] });
-        for (i, row) in matrix.iter_mut().enumerate() {
-            row[age] = f64::from(i == age);
-        }
-        matrix[age] = std::array::from_fn(|j| f64::from(j == age));
-        let mut settle = dense::solve(n, matrix, std::array::from_fn(|i| if i == age { 0.0 } else { -residual[i] }))?;
+        let held = Held::new(cycle.monodromy, &scales, (n, age));
+        let mut settle = held.settle(&residual)?;
         let size = (0..n).filter(|&i| i != age).fold(0.0f64, |most, i| most.max(residual[i].abs()));
         if size < SETTLED {
-            let answer = dense::solve(n, matrix, by_age)?;
-            let along = |delta: &State| (0..n).map(|j| drift_by[j] * delta[j]).sum::<f64>();
-            let (drift, slope) = (residual[age] + along(&settle), along(&answer));
+            let answer = held.answer_to_age()?;
+            let (drift, slope) = (residual[age] + held.drift_along(&settle), held.drift_along(&answer));
             if drift > 0.0 && slope >= 0.0 {
                 return Some(Healed::Rests);
             }

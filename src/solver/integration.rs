@@ -79,6 +79,7 @@ pub struct Step {
 }
 
 /// An integration on its way through one period.
+// Wide: where an integration stands and what it gathers on the way.
 pub struct Integration<'a> {
     system: &'a dyn HybridSystem,
     demands: Demands,

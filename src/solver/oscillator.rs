@@ -353,8 +353,7 @@ fn newton(
 
 /// The balance of every harmonic: K x + C x' + M x'' - force + joint - drive, and its slopes.
 fn evaluate(mode: &dyn SingleMode, laid: &Laid, series: &[f64]) -> Balance {
-    let ([mass, damping, stiffness], omega, (re, im)) = (mode.linear(), mode.omega(), mode.drive());
-    let (n, unknowns) = (laid.projected, series.len());
+    let (omega, n, unknowns) = (mode.omega(), laid.projected, series.len());
     mode.spend(n * (mode.force_cost() + (SLOPE + unknowns) * unknowns));
     let z = DVector::from_column_slice(series);
     let (x, v) = (&laid.basis * &z, &laid.slopes * &z * omega);
@@ -398,6 +397,19 @@ fn evaluate(mode: &dyn SingleMode, laid: &Laid, series: &[f64]) -> Balance {
     let mut residual: DVector<f64> =
         project(laid, &DMatrix::from_column_slice(n, 1, force.as_slice())).column(0).into();
     let mut jacobian = project(laid, &slopes);
+    add_linear_mode(mode, laid, series, &mut residual, &mut jacobian);
+    Balance { residual, jacobian, by_joint, motion }
+}
+
+/// Adds to every harmonic the forces of the linear mode and takes off those of the drive.
+fn add_linear_mode(
+    mode: &dyn SingleMode,
+    laid: &Laid,
+    series: &[f64],
+    residual: &mut DVector<f64>,
+    jacobian: &mut DMatrix<f64>,
+) {
+    let ([mass, damping, stiffness], omega, (re, im)) = (mode.linear(), mode.omega(), mode.drive());
     if laid.harmonics[0] == 0 {
         residual[0] += stiffness * series[0];
         jacobian[(0, 0)] += stiffness;
@@ -416,7 +428,6 @@ fn evaluate(mode: &dyn SingleMode, laid: &Laid, series: &[f64]) -> Balance {
     let first = laid.cosine(1);
     residual[first] -= im;
     residual[first + 1] -= re;
-    Balance { residual, jacobian, by_joint, motion }
 }
 
 /// Harmonics of columns that are given at the instants.

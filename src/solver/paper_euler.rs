@@ -59,6 +59,7 @@ pub fn solve(contacts: &[PaperContact], steps: usize, keep: impl FnMut(f64, f64,
     }
 }
 
+// Long: the lanes and their coefficients stay in registers all through the steps, which take nearly all the time.
 fn lockstep<const L: usize>(
     contacts: &[PaperContact],
     steps: usize,

@@ -92,6 +92,7 @@ pub fn solve(
 }
 
 /// A search on its way.
+// Wide: one iterate, what it is measured by and what earlier ones left.
 struct Search<'a> {
     system: &'a dyn SliderSystem,
     method: Method<'a>,

@@ -30,6 +30,7 @@ pub struct Record<'a> {
 
 /// Result of one period.
 #[derive(Debug, Clone)]
+// Wide: what one integration gathers at once; each search for a period takes other parts.
 pub struct Cycle {
     /// States at the end.
     pub end: State,

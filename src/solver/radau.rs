@@ -128,26 +128,7 @@ impl Stepper {
             if !self.factorise(n, m) {
                 return false;
             }
-            let eliminated = self.eliminations.current();
-            let mut delta = [0.0; MAX_ORDER];
-            for i in 0..3 {
-                let e = &self.evaluations[i];
-                for u in 0..m {
-                    delta[i * m + u] = match eliminated.unknowns.row(u) {
-                        None => -e.g,
-                        Some(j) => (self.values[i][u] - e.f[j]) / eliminated.units[u],
-                    };
-                }
-            }
-            self.lu.solve(&mut delta);
-            let mut size = 0.0f64;
-            for i in 0..3 {
-                for u in 0..m {
-                    let delta = delta[i * m + u];
-                    self.values[i][u] += delta * eliminated.units[u];
-                    size = size.max(delta.abs());
-                }
-            }
+            let size = self.correct(m);
             if !size.is_finite() {
                 return false;
             }
@@ -160,6 +141,32 @@ impl Stepper {
             previous = size;
         }
         false
+    }
+
+    /// Corrects the unknowns by the factorised Jacobian; the largest correction, relative to their units.
+    #[inline(always)]
+    fn correct(&mut self, m: usize) -> f64 {
+        let eliminated = self.eliminations.current();
+        let mut delta = [0.0; MAX_ORDER];
+        for i in 0..3 {
+            let e = &self.evaluations[i];
+            for u in 0..m {
+                delta[i * m + u] = match eliminated.unknowns.row(u) {
+                    None => -e.g,
+                    Some(j) => (self.values[i][u] - e.f[j]) / eliminated.units[u],
+                };
+            }
+        }
+        self.lu.solve(&mut delta);
+        let mut size = 0.0f64;
+        for i in 0..3 {
+            for u in 0..m {
+                let delta = delta[i * m + u];
+                self.values[i][u] += delta * eliminated.units[u];
+                size = size.max(delta.abs());
+            }
+        }
+        size
     }
 
     /// Z without the unknowns; the forcing at the start by way of that at the end.
@@ -392,12 +399,10 @@ impl Stepper {
         }
         (self.forcing, self.z, self.s) = (taken.forcing, taken.z, taken.s);
         self.evaluate_all(system, taken.mode);
-        let (n, m, scales) = (system.states(), self.eliminations.current().unknowns.len(), system.scales());
+        let (n, m) = (system.states(), self.eliminations.current().unknowns.len());
         if m > 0 && !self.factorise(n, m) {
             return false;
         }
-        let eliminated = self.eliminations.current();
-        let (unknowns, units) = (&eliminated.unknowns, &eliminated.units);
         // By the states at the stages as they stand: through the fundamental and, at the last, the end.
         let mut by_stage = [[[0.0; 2]; MAX_STATES]; 3];
         for i in 0..3 {
@@ -408,7 +413,65 @@ impl Stepper {
             by_stage[2][j][0] += adjoint[j].0;
             by_stage[2][j][1] += adjoint[j].1;
         }
-        // Through the unknowns, which answer by way of the Jacobian.
+        *rates = [[(0.0, 0.0); MAX_STATES]; 3];
+        self.adjoint_through_unknowns((n, m), &mut by_stage, rates, constraint);
+        self.adjoint_through_affine_rows((n, h), &system.scales(), &mut by_stage, adjoint, rates);
+        // An algebraic unknown that was eliminated answers to a disturbance of g and moves all rates.
+        if !self.eliminations.current().unknowns.slip {
+            for i in 0..3 {
+                let e = &self.evaluations[i];
+                for j in 0..n {
+                    constraint[i].0 -= rates[i][j].0 * e.fs[j] / e.gs;
+                    constraint[i].1 -= rates[i][j].1 * e.fs[j] / e.gs;
+                }
+            }
+        }
+        true
+    }
+
+    /// Carries the derivatives by the states at the stages through the affine rows, to the start of a step of size `h`.
+    fn adjoint_through_affine_rows(
+        &self,
+        (n, h): (usize, f64),
+        scales: &State,
+        by_stage: &mut [[[f64; 2]; MAX_STATES]; 3],
+        adjoint: &mut [Complex; MAX_STATES],
+        rates: &mut [[Complex; MAX_STATES]; 3],
+    ) {
+        let eliminated = self.eliminations.current();
+        for i in 0..3 {
+            for j in 0..n {
+                by_stage[i][j] = by_stage[i][j].map(|by| by * scales[j]);
+            }
+        }
+        eliminated.solve_transposed(n, by_stage);
+        *adjoint = [(0.0, 0.0); MAX_STATES];
+        for j in 0..n {
+            for i in 0..3 {
+                let by = by_stage[i][j];
+                adjoint[j].0 += by[0] / scales[j];
+                adjoint[j].1 += by[1] / scales[j];
+                if eliminated.unknowns.affine[j] {
+                    for k in 0..3 {
+                        let w = h * A[i][k] / scales[j];
+                        rates[k][j].0 += w * by[0];
+                        rates[k][j].1 += w * by[1];
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds to the derivatives by the states at the stages what goes by way of the unknowns, which answer through the Jacobian.
+    fn adjoint_through_unknowns(
+        &self,
+        (n, m): (usize, usize),
+        by_stage: &mut [[[f64; 2]; MAX_STATES]; 3],
+        rates: &mut [[Complex; MAX_STATES]; 3],
+        constraint: &mut [Complex; 3],
+    ) {
+        let eliminated = self.eliminations.current();
+        let (unknowns, units) = (&eliminated.unknowns, &eliminated.units);
         let mut through = [[0.0; 2]; MAX_ORDER];
         for k in 0..3 {
             for u in 0..m {
@@ -425,7 +488,6 @@ impl Stepper {
         if m > 0 {
             self.lu.solve_transposed(&mut through[..3 * m]);
         }
-        *rates = [[(0.0, 0.0); MAX_STATES]; 3];
         for i in 0..3 {
             let e = &self.evaluations[i];
             for index in 0..m {
@@ -445,38 +507,5 @@ impl Stepper {
                 }
             }
         }
-        // Through the affine rows.
-        for i in 0..3 {
-            for j in 0..n {
-                by_stage[i][j] = by_stage[i][j].map(|by| by * scales[j]);
-            }
-        }
-        eliminated.solve_transposed(n, &mut by_stage);
-        *adjoint = [(0.0, 0.0); MAX_STATES];
-        for j in 0..n {
-            for i in 0..3 {
-                let by = by_stage[i][j];
-                adjoint[j].0 += by[0] / scales[j];
-                adjoint[j].1 += by[1] / scales[j];
-                if unknowns.affine[j] {
-                    for k in 0..3 {
-                        let w = h * A[i][k] / scales[j];
-                        rates[k][j].0 += w * by[0];
-                        rates[k][j].1 += w * by[1];
-                    }
-                }
-            }
-        }
-        // An algebraic unknown that was eliminated answers to a disturbance of g and moves all rates.
-        if !unknowns.slip {
-            for i in 0..3 {
-                let e = &self.evaluations[i];
-                for j in 0..n {
-                    constraint[i].0 -= rates[i][j].0 * e.fs[j] / e.gs;
-                    constraint[i].1 -= rates[i][j].1 * e.fs[j] / e.gs;
-                }
-            }
-        }
-        true
     }
 }

@@ -114,21 +114,7 @@ pub fn gather<const N: usize>(equations: &Equations<N>, stretch: &Stretch, into:
         }
         sum
     });
-    // Through the map y -> Phi y + c, as the exponential of the matrix with the constant beside it.
-    let mut wide = [[0.0; MAX_STATES]; MAX_STATES];
-    let mut outer = [[[0.0; MAX_STATES]; MAX_STATES]; 2];
-    for i in 0..N {
-        wide[i][..N].copy_from_slice(&equations.m[i]);
-        wide[i][N] = equations.constant[i];
-        for (part, outer) in outer.iter_mut().enumerate() {
-            let nu = if part == 0 { last[i].0 } else { last[i].1 };
-            for j in 0..N {
-                outer[i][j] = nu * y[0][j];
-            }
-            outer[i][N] = nu;
-        }
-    }
-    let through = outer.map(|outer| widened(N + 1, &wide, t1 - t0, &outer));
+    let through = through_transition(equations, t1 - t0, &y[0], &last);
     // Through the resolvent: dR = R dM R.
     let v: [Complex; N] = std::array::from_fn(|i| {
         let c = equations.constant[i];
@@ -144,17 +130,7 @@ pub fn gather<const N: usize>(equations: &Equations<N>, stretch: &Stretch, into:
     }
     add(&mut parts[0][0], times(gain, (both, -sine2)));
     add(&mut parts[1][0], times(gain, (cosine2, -both)));
-    let (mut alpha, mut beta) = ([(0.0, 0.0); N], [(0.0, 0.0); N]);
-    for k in 0..N {
-        let (s, c) = (parts[0][k], parts[1][k]);
-        let minus = (0.5 * (s.0 + c.1), 0.5 * (s.1 - c.0));
-        let plus = (0.5 * (s.0 - c.1), 0.5 * (s.1 + c.0));
-        for i in 0..N {
-            let r = equations.resolvent[k][i];
-            add(&mut alpha[i], times(minus, r));
-            add(&mut beta[i], times(plus, (r.0, -r.1)));
-        }
-    }
+    let (alpha, beta) = through_particular(equations, &parts);
     let [ps, pc] = &equations.particular;
     for i in 0..N {
         for j in 0..N {
@@ -169,6 +145,50 @@ pub fn gather<const N: usize>(equations: &Equations<N>, stretch: &Stretch, into:
         add(&mut into.sine[i], (alpha[i].0 + beta[i].0, alpha[i].1 + beta[i].1));
         add(&mut into.cosine[i], (beta[i].1 - alpha[i].1, alpha[i].0 - beta[i].0));
     }
+}
+
+/// By matrix and constant through the map y -> Phi y + c over a time, of which `last` is the adjoint at the end: real and imaginary
+/// part, from the exponential of the matrix with the constant beside it.
+fn through_transition<const N: usize>(
+    equations: &Equations<N>,
+    time: f64,
+    y: &[f64; N],
+    last: &[Complex; N],
+) -> [Wide; 2] {
+    let mut wide = [[0.0; MAX_STATES]; MAX_STATES];
+    let mut outer = [[[0.0; MAX_STATES]; MAX_STATES]; 2];
+    for i in 0..N {
+        wide[i][..N].copy_from_slice(&equations.m[i]);
+        wide[i][N] = equations.constant[i];
+        for (part, outer) in outer.iter_mut().enumerate() {
+            let nu = if part == 0 { last[i].0 } else { last[i].1 };
+            for j in 0..N {
+                outer[i][j] = nu * y[j];
+            }
+            outer[i][N] = nu;
+        }
+    }
+    outer.map(|outer| widened(N + 1, &wide, time, &outer))
+}
+
+/// By the forcing through the particular solution, given the derivatives by its sine and cosine parts: the terms that turn
+/// forwards and backwards.
+fn through_particular<const N: usize>(
+    equations: &Equations<N>,
+    parts: &[[Complex; N]; 2],
+) -> ([Complex; N], [Complex; N]) {
+    let (mut alpha, mut beta) = ([(0.0, 0.0); N], [(0.0, 0.0); N]);
+    for k in 0..N {
+        let (s, c) = (parts[0][k], parts[1][k]);
+        let minus = (0.5 * (s.0 + c.1), 0.5 * (s.1 - c.0));
+        let plus = (0.5 * (s.0 - c.1), 0.5 * (s.1 + c.0));
+        for i in 0..N {
+            let r = equations.resolvent[k][i];
+            add(&mut alpha[i], times(minus, r));
+            add(&mut beta[i], times(plus, (r.0, -r.1)));
+        }
+    }
+    (alpha, beta)
 }
 
 fn product<const N: usize>(a: &[[Complex; N]; N], v: &[Complex; N]) -> [Complex; N] {

@@ -75,6 +75,7 @@ pub struct Cycle {
 }
 
 /// Stage coefficients of the fixed step.
+// Wide: coefficients that are computed once and read in every step.
 pub struct Method<'a> {
     system: &'a dyn SliderSystem,
     /// Steps per period.
@@ -258,16 +259,14 @@ impl<'a> Method<'a> {
     /// One step; returns the stage forces.
     fn step(&self, step: usize, guess: Stages, cycle: &mut Cycle, reference: f64) -> Result<Stages, String> {
         let system = self.system;
-        let elements = system.elements();
         let [angle, velocity, support, support_velocity, heat, ..] = cycle.shared;
-        let branch = hysteresis_of(&cycle.shared);
         let forcing = self.forcing[step];
-        let (stroke, speed) = system.scale();
+        let (stroke, _) = system.scale();
         let tolerance = 1e-10 * system.bristles()[0] * stroke;
         let mut force = guess;
         let mut torque = [0.0; 3];
         let mut heats = [heat; 3];
-        let mut rates: Vec<Stages> = vec![[0.0; 3]; elements.len()];
+        let mut rates: Vec<Stages> = vec![[0.0; 3]; cycle.sliders.len()];
         for round in 0..60 {
             let load: Stages = std::array::from_fn(|i| self.gain * force[i] + torque[i]);
             let angles = self.arm.states(0, angle, velocity, &load);
@@ -283,30 +282,8 @@ impl<'a> Method<'a> {
             }
             let v: Stages = std::array::from_fn(|i| system.relative_speed(&forcing[i], velocities[i], supports.1[i]));
             // All sliders at these speeds.
-            let (mut sum, mut slope, mut power) = ([0.0; 3], [[0.0; 3]; 3], [0.0; 3]);
-            let most: Stages = std::array::from_fn(|i| system.limit(&forcing[i], angles[i], 0.0, 0.0, heats[i]).0);
-            for (j, element) in elements.iter().enumerate() {
-                let solved = if let Some(slipping) = &self.slipping {
-                    self.steady_slider(slipping, &cycle.sliders[j], &v, &most.map(|most| element.limit * most), speed)
-                } else {
-                    let limit = |i: usize, s: f64, psi: f64| {
-                        if self.is_rate_independent {
-                            return (element.limit * most[i], 0.0);
-                        }
-                        let (most, by_s) = system.limit(&forcing[i], angles[i], s, psi, heats[i]);
-                        (element.limit * most, element.limit * by_s)
-                    };
-                    self.slider(&cycle.sliders[j], branch, &v, &limit, speed)
-                };
-                for i in 0..3 {
-                    sum[i] += element.share * solved.force[i];
-                    power[i] += element.share * solved.force[i] * (v[i] - solved.rate[i]);
-                    for k in 0..3 {
-                        slope[i][k] += element.share * solved.slope[i][k];
-                    }
-                }
-                rates[j] = solved.rate;
-            }
+            let limit = |i: usize, s: f64, psi: f64| system.limit(&forcing[i], angles[i], s, psi, heats[i]);
+            let (sum, slope, power) = self.all_sliders(cycle, &v, &limit, &mut rates);
             let (heating, cooling) = system.heating();
             if heating > 0.0 {
                 let (start, by_rate) = relaxation(self.h, cooling);
@@ -334,6 +311,45 @@ impl<'a> Method<'a> {
             }
         }
         Err(format!("the parallel sliders did not converge at {:.4} of the cycle", step as f64 / self.steps as f64))
+    }
+
+    /// All sliders at these relative speeds: the force, its slopes by the speeds, and the power of friction. `limit` is that of the
+    /// whole contact at a stage, by slip rate and state of the interface.
+    #[inline(always)]
+    fn all_sliders(
+        &self,
+        cycle: &Cycle,
+        v: &Stages,
+        limit: &impl Fn(usize, f64, f64) -> (f64, f64),
+        rates: &mut [Stages],
+    ) -> (Stages, Block, Stages) {
+        let (_, speed) = self.system.scale();
+        let branch = hysteresis_of(&cycle.shared);
+        let (mut sum, mut slope, mut power) = ([0.0; 3], [[0.0; 3]; 3], [0.0; 3]);
+        let most: Stages = std::array::from_fn(|i| limit(i, 0.0, 0.0).0);
+        for (j, element) in self.system.elements().iter().enumerate() {
+            let solved = if let Some(slipping) = &self.slipping {
+                self.steady_slider(slipping, &cycle.sliders[j], v, &most.map(|most| element.limit * most), speed)
+            } else {
+                let limit = |i: usize, s: f64, psi: f64| {
+                    if self.is_rate_independent {
+                        return (element.limit * most[i], 0.0);
+                    }
+                    let (most, by_s) = limit(i, s, psi);
+                    (element.limit * most, element.limit * by_s)
+                };
+                self.slider(&cycle.sliders[j], branch, v, &limit, speed)
+            };
+            for i in 0..3 {
+                sum[i] += element.share * solved.force[i];
+                power[i] += element.share * solved.force[i] * (v[i] - solved.rate[i]);
+                for k in 0..3 {
+                    slope[i][k] += element.share * solved.slope[i][k];
+                }
+            }
+            rates[j] = solved.rate;
+        }
+        (sum, slope, power)
     }
 
     #[allow(clippy::too_many_arguments)]
@@ -463,19 +479,7 @@ impl<'a> Method<'a> {
         let mut sign = [0.0; 3];
         let mut stages = 0;
         for _ in 0..40 {
-            let mut changed = false;
-            for i in 0..3 {
-                if sign[i] == 0.0 {
-                    if force[i].abs() > most[i] {
-                        sign[i] = force[i].signum();
-                        changed = true;
-                    }
-                } else if sign[i] * (v[i] - rate[i]) < -1e-13 * speed {
-                    sign[i] = 0.0;
-                    changed = true;
-                }
-            }
-            if !changed {
+            if !switch(&mut sign, &force, |i| most[i], |i| v[i] - rate[i], speed) {
                 break;
             }
             stages = (0..3).filter(|&i| sign[i] != 0.0).map(|i| 1 << i).sum();
@@ -505,19 +509,7 @@ impl<'a> Method<'a> {
         let mut sign = [0.0; 3];
         let mut slopes = [0.0; 3];
         for _ in 0..40 {
-            let mut changed = false;
-            for i in 0..3 {
-                let slip = sign[i] * (v[i] - d[i]);
-                if sign[i] == 0.0 {
-                    if f[i].abs() > limit(i, 0.0, psi[i]).0 {
-                        sign[i] = f[i].signum();
-                        changed = true;
-                    }
-                } else if slip < -1e-13 * speed {
-                    sign[i] = 0.0;
-                    changed = true;
-                }
-            }
+            let changed = switch(&mut sign, &f, |i| limit(i, 0.0, psi[i]).0, |i| v[i] - d[i], speed);
             if sign == [0.0; 3] && !changed {
                 break;
             }
@@ -549,23 +541,50 @@ impl<'a> Method<'a> {
         if sign.iter().all(|s| *s != 0.0) && slopes == [0.0; 3] {
             return Solved { force: f, rate: d, slope: [[0.0; 3]; 3] };
         }
-        // dd/dv: stuck stages follow, slipping ones through the slope of the law.
-        let mut matrix = [[0.0; 3]; 3];
-        for i in 0..3 {
-            if sign[i] == 0.0 {
-                matrix[i][i] = 1.0;
-            } else {
-                matrix[i] = stiffness[i];
-                matrix[i][i] += slopes[i];
-            }
-        }
-        let mut by_speed = inverse(&matrix);
-        for k in (0..3).filter(|&k| sign[k] != 0.0) {
-            by_speed.iter_mut().for_each(|row| row[k] *= slopes[k]);
-        }
-        let slope = chained(&stiffness, &by_speed);
-        Solved { force: f, rate: d, slope }
+        Solved { force: f, rate: d, slope: chained(&stiffness, &rate_by_speed(&stiffness, &sign, &slopes)) }
     }
+}
+
+/// Lets stages slip whose force is beyond the limit, in its direction, and those stick whose slip has turned back; whether any did.
+#[inline(always)]
+fn switch(
+    sign: &mut Stages,
+    force: &Stages,
+    limit: impl Fn(usize) -> f64,
+    slip: impl Fn(usize) -> f64,
+    speed: f64,
+) -> bool {
+    let mut changed = false;
+    for i in 0..3 {
+        if sign[i] == 0.0 {
+            if force[i].abs() > limit(i) {
+                sign[i] = force[i].signum();
+                changed = true;
+            }
+        } else if sign[i] * slip(i) < -1e-13 * speed {
+            sign[i] = 0.0;
+            changed = true;
+        }
+    }
+    changed
+}
+
+/// Rates of stretch by the relative speeds: stuck stages follow, slipping ones through the slopes of the law.
+fn rate_by_speed(stiffness: &Block, sign: &Stages, slopes: &Stages) -> Block {
+    let mut matrix = [[0.0; 3]; 3];
+    for i in 0..3 {
+        if sign[i] == 0.0 {
+            matrix[i][i] = 1.0;
+        } else {
+            matrix[i] = stiffness[i];
+            matrix[i][i] += slopes[i];
+        }
+    }
+    let mut by_speed = inverse(&matrix);
+    for k in (0..3).filter(|&k| sign[k] != 0.0) {
+        by_speed.iter_mut().for_each(|row| row[k] *= slopes[k]);
+    }
+    by_speed
 }
 
 /// a + B v

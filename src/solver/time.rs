@@ -202,6 +202,7 @@ struct Bristle {
     slip: f64,
 }
 
+// Wide: the equations and the states that a step moves together.
 struct State<'a> {
     system: &'a dyn SliderSystem,
     steps: usize,
