@@ -142,77 +142,85 @@ pub fn calibrate_about(
     (seed, states): (u32, u64),
 ) -> Calibration {
     let stated = problem(model, keys, points, tolerance.for_search());
-    let parameters = stated.parameters().to_vec();
-    let mut starts = vec![stated.values()];
-    if !parameters.is_empty() {
-        starts.extend((0..STARTS as u32).map(|i| scattered(&parameters, i, seed)));
-    }
-    let solved = AtomicU64::new(0);
-    let minimised = |start: &[f64], settings: &Settings| {
-        let mut problem = stated.clone();
-        let fit = minimise(&mut problem, start, settings);
-        solved.fetch_add(problem.solved, Relaxed);
-        fit
-    };
-    let mut tried: Vec<(f64, usize)> = starts
-        .par_iter()
-        .enumerate()
-        .map(|(index, start)| {
-            let mut problem = stated.clone();
-            let square = robust_chi2(&problem.evaluate(start, false).residuals, TAIL);
-            solved.fetch_add(problem.solved, Relaxed);
-            (square, index)
-        })
-        .collect();
-    // The stated values are always followed.
-    tried[1..].sort_by(|a, b| a.0.total_cmp(&b.0));
-    let followed: Vec<Fit> = tried
-        .par_iter()
-        .take(if parameters.is_empty() { 1 } else { FOLLOWED })
-        .map(|&(_, index)| {
-            let settings =
-                Settings { evaluations: EVALUATIONS, threshold: f64::INFINITY, converged: CONVERGED, states };
-            minimised(&starts[index], &settings)
-        })
-        .collect();
-    let best = followed.into_iter().min_by(|a, b| a.objective.total_cmp(&b.objective));
-    let threshold = |fit: &Fit| TAIL * typical_of(&fit.evaluation.residuals);
-    // What is far off has less pull the better the others fit.
-    let settled = |mut fit: Fit| {
-        let mut threshold_of = threshold(&fit);
-        while fit.evaluation.residuals.amax() > threshold_of {
-            let robust = Settings { evaluations: EVALUATIONS, threshold: threshold_of, converged: CONVERGED, states };
-            fit = minimised(&fit.values, &robust);
-            if threshold(&fit) > TIGHTER * threshold_of {
-                break;
-            }
-            threshold_of = threshold(&fit);
-        }
-        fit
-    };
-    let mut fit = settled(best.unwrap_or_else(|| minimised(&starts[0], &SETTLE)));
+    let search = Search { stated: &stated, states, solved: AtomicU64::new(0) };
+    let mut fit = search.settled(search.best_of_starts(seed));
     let is_noise = |fit: &Fit| typical_of(&fit.evaluation.residuals).powi(2) <= EXCESS;
     if !is_noise(&fit) {
         // A stretch of readings that are far off may have carried the squares away, where the stated values leave of most others nothing
         // but noise.
-        let mut problem = stated.clone();
-        let typical = typical_of(&problem.evaluate(&starts[0], false).residuals);
-        solved.fetch_add(problem.solved, Relaxed);
-        let robust = Settings { evaluations: EVALUATIONS, threshold: TAIL * typical, converged: CONVERGED, states };
-        let other = settled(minimised(&starts[0], &robust));
+        let start = stated.values();
+        let typical = typical_of(&search.residuals(&start));
+        let other = search.settled(search.minimised(&start, TAIL * typical));
         if is_noise(&other) {
             fit = other;
         }
     }
-    let threshold = threshold(&fit);
+    let threshold = threshold_of(&fit);
     if tolerance.for_search() != tolerance {
         fit.evaluation = problem(model, keys, points, tolerance).evaluate(&fit.values, true);
     }
     fit.objective = robust_chi2(&fit.evaluation.residuals, threshold);
-    Calibration { base: model.clone(), fit, threshold, solved: solved.into_inner() }
+    Calibration { base: model.clone(), fit, threshold, solved: search.solved.into_inner() }
 }
 
-const SETTLE: Settings = Settings { evaluations: 1, threshold: f64::INFINITY, converged: CONVERGED, states: u64::MAX };
+/// The residual beyond which a fit counts linearly.
+fn threshold_of(fit: &Fit) -> f64 {
+    TAIL * typical_of(&fit.evaluation.residuals)
+}
+
+/// The fits of one calibration, which count the steady states that they solve.
+struct Search<'p, 'a> {
+    stated: &'p Problem<'a>,
+    /// Steady states with which a fit ends.
+    states: u64,
+    solved: AtomicU64,
+}
+
+impl Search<'_, '_> {
+    fn minimised(&self, start: &[f64], threshold: f64) -> Fit {
+        let mut problem = self.stated.clone();
+        let settings = Settings { evaluations: EVALUATIONS, threshold, converged: CONVERGED, states: self.states };
+        let fit = minimise(&mut problem, start, &settings);
+        self.solved.fetch_add(problem.solved, Relaxed);
+        fit
+    }
+
+    fn residuals(&self, values: &[f64]) -> DVector<f64> {
+        let mut problem = self.stated.clone();
+        let residuals = problem.evaluate(values, false).residuals;
+        self.solved.fetch_add(problem.solved, Relaxed);
+        residuals
+    }
+
+    /// The best least-squares fit from the stated values and from the most promising of the other starts.
+    fn best_of_starts(&self, seed: u32) -> Fit {
+        let (stated, parameters) = (self.stated.values(), self.stated.parameters());
+        let (others, followed) = if parameters.is_empty() { (0, 1) } else { (STARTS as u32, FOLLOWED) };
+        let others = (0..others).map(|i| scattered(parameters, i, seed));
+        let starts: Vec<Vec<f64>> = std::iter::once(stated).chain(others).collect();
+        let square = |start: &Vec<f64>| robust_chi2(&self.residuals(start), TAIL);
+        let mut tried: Vec<(f64, &Vec<f64>)> = starts.par_iter().map(|start| (square(start), start)).collect();
+        // The stated values are always followed.
+        tried[1..].sort_by(|a, b| a.0.total_cmp(&b.0));
+        let follow = |start: &[f64]| self.minimised(start, f64::INFINITY);
+        let fits: Vec<Fit> = tried.par_iter().take(followed).map(|(_, start)| follow(start)).collect();
+        let best = fits.into_iter().min_by(|a, b| a.objective.total_cmp(&b.objective));
+        best.unwrap_or_else(|| follow(&starts[0]))
+    }
+
+    /// A fit made again while it gets tighter: what is far off has less pull the better the others fit.
+    fn settled(&self, mut fit: Fit) -> Fit {
+        let mut threshold = threshold_of(&fit);
+        while fit.evaluation.residuals.amax() > threshold {
+            fit = self.minimised(&fit.values, threshold);
+            if threshold_of(&fit) > TIGHTER * threshold {
+                break;
+            }
+            threshold = threshold_of(&fit);
+        }
+        fit
+    }
+}
 
 /// A quasi-random start within the ranges of the parameters.
 fn scattered(parameters: &[Parameter], number: u32, seed: u32) -> Vec<f64> {

@@ -44,6 +44,19 @@ fn beyond_prediction(steps: &mut Vec<Step>) -> Option<String> {
     first
 }
 
+/// The figures that the verdict on an explanation follows from.
+fn evidence(end: &Step, points: usize) -> Evidence {
+    let (additions, white) = (&end.hypothesis.additions, &end.comparison.whiteness);
+    let effects = additions.iter().filter(|a| a.is_effect()).count();
+    Evidence {
+        testable: white.testable,
+        structured: white.structured,
+        unsolved: end.comparison.unsolved() as f64 / points as f64,
+        effects,
+        recalibrations: additions.len() - effects,
+    }
+}
+
 /// What has to be known of the effects that are named: what looks like them, and signs that leave no trace.
 fn of_named(chosen: &Hypothesis) -> Vec<String> {
     let named = chosen.additions.iter().filter_map(|a| match a {
@@ -86,6 +99,32 @@ fn of_what_is_left(end: &Step, unit: f64) -> Vec<String> {
     notes
 }
 
+/// All hypotheses of the first round and those about the explanation, each once; and whether it can be tested for.
+fn to_be_ranked(
+    steps: &[Step],
+    (known, showing): (&Known, &[Addition]),
+    ties: &[Vec<Hypothesis>],
+) -> Vec<(Hypothesis, bool)> {
+    let mut all: Vec<(Hypothesis, bool)> = Vec::new();
+    let mut add = |hypothesis: &Hypothesis, testable: bool| {
+        if !all.iter().any(|(known, _)| known.same_additions(hypothesis)) {
+            all.push((hypothesis.clone(), testable));
+        }
+    };
+    for step in steps {
+        add(&step.hypothesis, true);
+    }
+    ties.iter().flatten().for_each(|tied| add(tied, true));
+    // Of larger ones those that were fitted to all points.
+    for entry in &known.entries {
+        let hypothesis = &entry.hypothesis;
+        if hypothesis.additions.len() == 1 || hypothesis.estimate.is_none() {
+            add(hypothesis, hypothesis.additions.last().is_none_or(|a| showing.contains(a)));
+        }
+    }
+    all
+}
+
 /// Counts what contains a smaller hypothesis, and can do whatever that does, as if it did, where its own fit is worse; `all` are in
 /// the order of their size.
 fn counted_as_contained(all: &mut [(Hypothesis, bool)], unit: f64) {
@@ -120,15 +159,7 @@ impl Search<'_> {
         let candidates = self.rank(&steps, (known, &showing), ties, unit);
         let further = if self.structured(chosen) { beyond_prediction(&mut steps) } else { None };
         let end = &steps[steps.len() - 1];
-        let additions = &end.hypothesis.additions;
-        let white = &end.comparison.whiteness;
-        let verdict = verdict(&Evidence {
-            testable: white.testable,
-            structured: white.structured,
-            unsolved: end.comparison.unsolved() as f64 / self.table.points.len() as f64,
-            effects: additions.iter().filter(|a| a.is_effect()).count(),
-            recalibrations: additions.iter().filter(|a| !a.is_effect()).count(),
-        });
+        let verdict = verdict(&evidence(end, self.table.points.len()));
         let tied = || ties.iter().filter(|tied| tied.len() > 1);
         let rivals: Vec<Hypothesis> = tied().flatten().cloned().collect();
         let names =
@@ -236,23 +267,7 @@ impl Search<'_> {
         ties: &[Vec<Hypothesis>],
         unit: f64,
     ) -> Vec<Candidate> {
-        let mut all: Vec<(Hypothesis, bool)> = Vec::new();
-        let mut add = |hypothesis: &Hypothesis, testable: bool| {
-            if !all.iter().any(|(known, _)| known.same_additions(hypothesis)) {
-                all.push((hypothesis.clone(), testable));
-            }
-        };
-        for step in steps {
-            add(&step.hypothesis, true);
-        }
-        ties.iter().flatten().for_each(|tied| add(tied, true));
-        // Of larger ones those that were fitted to all points.
-        for entry in &known.entries {
-            let hypothesis = &entry.hypothesis;
-            if hypothesis.additions.len() == 1 || hypothesis.estimate.is_none() {
-                add(hypothesis, hypothesis.additions.last().is_none_or(|a| showing.contains(a)));
-            }
-        }
+        let mut all = to_be_ranked(steps, (known, showing), ties);
         all.sort_by_key(|(hypothesis, _)| hypothesis.additions.len());
         counted_as_contained(&mut all, unit);
         all.iter_mut().for_each(|(hypothesis, _)| hypothesis.bic = self.bic(unit, hypothesis));

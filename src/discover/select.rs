@@ -14,6 +14,7 @@ use crate::measurement::{Noise, Table};
 use crate::model::Model;
 use crate::scenario::Scenario;
 use crate::solver::cycle::Tolerance;
+use nalgebra::DVector;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
@@ -101,6 +102,11 @@ fn entrants(ranked: &mut Vec<Runner<'_, '_>>, most: usize) {
     let chosen: Vec<usize> = alone.into_iter().chain(near.into_iter().take(rest)).collect();
     let mut at = 0..;
     ranked.retain(|_| at.next().is_some_and(|at: usize| chosen.contains(&at)));
+}
+
+/// Whether an addition makes a continuum of sliders of what has none.
+fn costly(from: &Hypothesis, addition: Addition) -> bool {
+    extended(&from.model, &[addition]).has_sliders() && !from.model.has_sliders()
 }
 
 impl<'a> Search<'a> {
@@ -301,9 +307,9 @@ impl<'a> Search<'a> {
         known: &Known,
     ) -> (Vec<Runner<'s, 'a>>, Vec<Entry>) {
         let o = self.options;
-        let (turn, kept, bar) = match entered {
-            Field::Best(turn) => (turn, o.kept, Bar::None),
-            Field::Each(best) => (0, 1.0, best.map_or(Bar::None, |(best, unit)| Bar::At(best, unit))),
+        let (turn, kept) = match entered {
+            Field::Best(turn) => (turn, o.kept),
+            Field::Each(_) => (0, 1.0),
         };
         let of = |number: usize| pool.iter().map(move |addition| (number, *addition));
         let work: Vec<(usize, Addition)> = (0..parents.len())
@@ -313,9 +319,6 @@ impl<'a> Search<'a> {
         // A look is the round before the first, and takes half of its points.
         let points = (o.first_points / 2).min(self.data.points.len());
         // A continuum of sliders costs as much as all others together: it is looked at on fewer points, ...
-        let costly = |from: &Hypothesis, addition: Addition| {
-            extended(&from.model, &[addition]).has_sliders() && !from.model.has_sliders()
-        };
         let few = work.iter().any(|(number, addition)| costly(parents[*number], *addition)).then_some(points / COSTLY);
         let places_on = |points: usize| -> Vec<Vec<Parent<'_>>> {
             parents.par_iter().map(|from| self.places(from, points)).collect()
@@ -353,19 +356,34 @@ impl<'a> Search<'a> {
             let wanted = r.from.additions.is_empty() || (r.badness(typical) <= most && self.structured(r.from));
             wanted || !costly(r.from, r.addition)
         });
-        field.iter_mut().for_each(|runner| runner.bar = bar);
-        // Beside what leaves nothing but noise only what would be decided for is worth a fit, unless it is asked for.
+        self.set_bar(&mut field, parents, entered, || places[0][0][0].rest());
+        (field, entries)
+    }
+
+    /// Tells those lined up above what they are of no use. Beside a parent that leaves nothing but noise, of which `rest` is left of the
+    /// readings of the look, only what would be decided for is worth a fit, unless it is asked for.
+    fn set_bar<'s>(
+        &self,
+        field: &mut Vec<Runner<'s, 'a>>,
+        parents: &[&Hypothesis],
+        entered: Field<'s>,
+        rest: impl Fn() -> DVector<f64>,
+    ) {
+        let mut bar = match entered {
+            Field::Each(Some((best, unit))) => Bar::At(best, unit),
+            _ => Bar::None,
+        };
         if let [only] = parents
             && matches!(entered, Field::Best(_))
             && !self.structured(only)
         {
-            let rest = places[0][0][0].rest();
+            let rest = rest();
             let scale = self.data.readings() as f64 / rest.len().max(1) as f64;
             let aim = scale * robust_square(&rest, 1.0) + self.data.price(only.fit.parameters.len());
             field.retain(|runner| runner.badness(1.0) + MARGIN < aim);
-            field.iter_mut().for_each(|runner| runner.bar = Bar::Parent);
+            bar = Bar::Parent;
         }
-        (field, entries)
+        field.iter_mut().for_each(|runner| runner.bar = bar);
     }
 
     /// The starting points of a candidate that are worth a fit, of which it keeps a share, the best first. They compete with one another

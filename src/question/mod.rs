@@ -87,6 +87,7 @@ pub struct Otherwise {
 
 /// The answer to the question of a scenario.
 #[derive(Clone)]
+// Wide: every reader of an answer takes some of these, and none a group of them.
 pub struct Answer {
     /// The scenario.
     pub scenario: Scenario,
@@ -166,12 +167,7 @@ pub fn answer(scenario: &Scenario) -> Option<Answer> {
     let otherwise = others.iter().enumerate();
     let otherwise: Vec<Otherwise> =
         otherwise.map(|(i, other)| Otherwise { tolerance: other.most(), able: able_at(i).collect() }).collect();
-    let mut hypotheses: Vec<Hypothesis> = searched.into_iter().map(|(hypothesis, _)| hypothesis).collect();
-    hypotheses.sort_by(|a, b| {
-        let key = |h: &Hypothesis| if h.can() { (0, h.shown().strain) } else { (1, h.best.features.rms) };
-        let ((i, x), (j, y)) = (key(a), key(b));
-        i.cmp(&j).then(x.total_cmp(&y)).then(a.effect.name().cmp(b.effect.name()))
-    });
+    let hypotheses = ranked(searched.into_iter().map(|(hypothesis, _)| hypothesis).collect());
     let deciding = deciding::deciding(&base, &condition, &sweep.frequency, &hypotheses);
     let static_contact = limit(LimitingCase::StaticContact);
     let (slip_peak, rms_of_full_slip) = (judge.slip_peak, judge.rms_of_full_slip());
@@ -191,6 +187,16 @@ pub fn answer(scenario: &Scenario) -> Option<Answer> {
         deciding,
     };
     Some(answer)
+}
+
+/// Those that can by strain, then those that cannot by their error.
+fn ranked(mut hypotheses: Vec<Hypothesis>) -> Vec<Hypothesis> {
+    hypotheses.sort_by(|a, b| {
+        let key = |h: &Hypothesis| if h.can() { (0, h.shown().strain) } else { (1, h.best.features.rms) };
+        let ((i, x), (j, y)) = (key(a), key(b));
+        i.cmp(&j).then(x.total_cmp(&y)).then(a.effect.name().cmp(b.effect.name()))
+    });
+    hypotheses
 }
 
 fn amplitudes(curve: &Curve) -> Vec<f64> {
