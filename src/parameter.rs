@@ -30,6 +30,7 @@ pub enum Coordinate {
 
 /// A parameter of an effect, of the rig, the contact or the instrument.
 #[derive(Debug, Clone, Copy, PartialEq)]
+// Wide: what a list of parameters says of one; constructors state the usual cases.
 pub struct ParameterInfo {
     /// Key inside its table, e.g. `beta`, `torsional_stiffness`.
     pub key: &'static str,

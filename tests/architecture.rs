@@ -1,4 +1,5 @@
-//! Data flows one way: what a module may read of the others, checked on the `use` lines and paths of the source.
+//! Data flows one way: what a module may read of the others, checked on the `use` lines and paths of the source. And what is long
+//! or wide says why.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -162,4 +163,95 @@ fn what_is_read_is_found_in_every_way_of_writing_it() {
     assert_eq!(names_after(text, "crate::").into_iter().collect::<Vec<_>>(), ["a", "c", "f", "g"]);
     assert_eq!(names_after(text, "super::super::").into_iter().collect::<Vec<_>>(), ["i"]);
     assert!(names_after(text, "super::").contains("super"));
+}
+
+/// Most lines of a function and most fields of a struct that give no reason.
+const MOST_LINES: usize = 60;
+const MOST_FIELDS: usize = 11;
+
+fn depth(line: &str) -> usize {
+    line.len() - line.trim_start().len()
+}
+
+/// The lines of what begins with the first of these, as rustfmt lays them out: up to the first that closes it at the same depth.
+fn whole<'a>(lines: &'a [&'a str]) -> &'a [&'a str] {
+    let closes = |line: &str| depth(line) == depth(lines[0]) && (line.trim() == "}" || line.ends_with(';'));
+    let one_line = lines[0].ends_with(['}', ';']);
+    let last = (1..lines.len()).find(|at| closes(lines[*at])).unwrap_or(lines.len() - 1);
+    &lines[..=if one_line { 0 } else { last }]
+}
+
+/// The name of a function or struct that begins with a line.
+fn begins<'a>(line: &'a str, keyword: &str) -> Option<&'a str> {
+    let (before, after) = line.split_once(keyword)?;
+    let modifier = |word: &str| ["pub", "const", "async", "unsafe"].contains(&word) || word.starts_with("pub(");
+    let name = after.split(|c: char| !c.is_alphanumeric() && c != '_').next()?;
+    (before.split_whitespace().all(modifier) && !name.is_empty()).then_some(name)
+}
+
+/// Whether `// word: reason` stands above the item that begins at a line, attributes apart, or first in its body.
+fn has_reason(lines: &[&str], at: usize, word: &str) -> bool {
+    let above = lines[..at].iter().rfind(|line| !line.trim_start().starts_with("#["));
+    let inside = lines[at..].iter().skip_while(|line| !line.ends_with('{')).nth(1);
+    above.into_iter().chain(inside).any(|line| line.trim().starts_with(&format!("// {word}: ")))
+}
+
+/// Functions and structs of a file that are long or wide without a reason.
+fn without_reason(text: &str) -> Vec<String> {
+    let lines: Vec<&str> = text.lines().collect();
+    let is_field = |line: &&str| line.trim_start().starts_with(char::is_alphabetic) && line.contains(": ");
+    let mut found = Vec::new();
+    for (at, line) in lines.iter().enumerate() {
+        if let Some(name) = begins(line, "fn ") {
+            let count = whole(&lines[at..]).len();
+            if count > MOST_LINES && !has_reason(&lines, at, "Long") {
+                found.push(format!("{name} has {count} lines"));
+            }
+        } else if let Some(name) = begins(line, "struct ") {
+            let inside = whole(&lines[at..]).iter().filter(|field| depth(field) == depth(line) + 4);
+            let count = inside.filter(|line| is_field(line)).count();
+            if count > MOST_FIELDS && !has_reason(&lines, at, "Wide") {
+                found.push(format!("{name} has {count} fields"));
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn what_is_long_or_wide_says_why() {
+    let folders = ["src", "tests", "benches", "examples", "fuzz/src", "fuzz/fuzz_targets"];
+    let mut silent = Vec::new();
+    for path in folders.iter().flat_map(|folder| files(Path::new(folder))) {
+        let text = std::fs::read_to_string(&path).unwrap();
+        silent.extend(without_reason(&text).iter().map(|what| format!("{}: {what}", path.display())));
+    }
+    assert!(
+        silent.is_empty(),
+        "split these, or say in a line `// Long: ` or `// Wide: ` why not:\n{}",
+        silent.join("\n")
+    );
+}
+
+#[test]
+fn what_is_long_or_wide_is_found_wherever_it_stands() {
+    let long = |above: &str, lines: usize| {
+        format!(
+            "impl A {{\n{above}    pub(super) const fn f(\n        a: B,\n    ) -> C {{\n{}    }}\n}}\n",
+            "        a;\n".repeat(lines - 4)
+        )
+    };
+    assert_eq!(without_reason(&long("", 61)), ["f has 61 lines"]);
+    assert_eq!(without_reason(&long("    // Long: \n", 61)), ["f has 61 lines"]);
+    assert!(without_reason(&long("", 60)).is_empty());
+    assert!(without_reason(&long("    // Long: one loop.\n    #[inline]\n", 61)).is_empty());
+    let wide = |above: &str, fields: usize| {
+        format!(
+            "{above}pub struct S<'a> {{\n{}}}\n",
+            "    #[serde(default)]\n    /// A: B.\n    pub a: &'a B,\n".repeat(fields)
+        )
+    };
+    assert_eq!(without_reason(&wide("", 12)), ["S has 12 fields"]);
+    assert!(without_reason(&wide("", 11)).is_empty());
+    assert!(without_reason(&wide("// Wide: keys of a file.\n", 12)).is_empty());
 }

@@ -91,6 +91,7 @@ fn files(folder: &Path) -> Vec<std::path::PathBuf> {
 }
 
 #[test]
+// Long: one run of all commands, which takes long, is looked at from all sides.
 fn a_beam_is_reported_without_a_word_of_the_papers_rig() {
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path();

@@ -179,6 +179,7 @@ fn rayon_pool(threads: usize) -> rayon::ThreadPool {
 }
 
 #[test]
+// Long: one trial, which takes long, is followed from its seal to its summary.
 fn trials_are_sealed_scored_kept_and_resumed() {
     let folder = tempfile::tempdir().unwrap();
     let bench = small(folder.path());

@@ -24,6 +24,7 @@ pub enum Verdict {
 
 /// A statement with what the program makes of it. Numbers are in the SI unit `unit`.
 #[derive(Debug, Clone)]
+// Wide: a field is what a page tells of a claim.
 pub struct Judged {
     /// Stable identifier.
     pub id: String,

@@ -14,6 +14,7 @@ use std::time::Duration;
 
 /// Arguments of the command.
 #[derive(Debug, Clone, Args)]
+// Wide: an option of the command line is a field.
 pub struct Arguments {
     /// What to plant: names of effects, pairs joined by +, none, keys like rig.inertia, causes outside the catalogue, or all, effects, recalibrations, pairs, outside; NAME:N draws N of these at most
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "all")]

@@ -12,6 +12,7 @@ pub const SCHEMA: &str = "stickslip.comparison/1";
 
 /// What `stickslip compare --json` writes.
 #[derive(Debug, Clone, Serialize)]
+// Wide: a field is a key of the file, in the order in which it is written.
 pub struct ComparisonJson {
     schema: &'static str,
     scenario: String,

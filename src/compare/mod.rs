@@ -158,6 +158,7 @@ impl Outlier {
 
 /// Everything that a comparison found.
 #[derive(Debug, Clone)]
+// Wide: every reader of a comparison takes some of these, and none a group of them.
 pub struct Comparison {
     /// The scenario as it was read.
     pub scenario: Scenario,

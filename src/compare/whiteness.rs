@@ -16,6 +16,7 @@ pub const SIGNIFICANCE: f64 = 1e-3;
 
 /// Tests of residuals against noise; every probability is that of noise looking at least as structured.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+// Wide: a field is a key of the file, where they stand side by side.
 pub struct Whiteness {
     /// Runs of equal sign along the frequency, over all curves.
     pub runs: usize,

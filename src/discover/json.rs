@@ -13,6 +13,7 @@ pub const SCHEMA: &str = "stickslip.discovery/1";
 
 /// What `stickslip discover --json` writes.
 #[derive(Debug, Clone, Serialize)]
+// Wide: a field is a key of the file, in the order in which it is written.
 pub struct DiscoveryJson {
     schema: &'static str,
     scenario: String,
@@ -69,6 +70,7 @@ struct StepJson {
 }
 
 #[derive(Debug, Clone, Serialize)]
+// Wide: a field is a key of the file, in the order in which it is written.
 struct CandidateJson {
     effects: Vec<String>,
     recalibrate: Vec<String>,

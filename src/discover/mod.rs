@@ -123,6 +123,7 @@ pub struct NotTestable {
 
 /// Everything that a discovery found.
 #[derive(Debug, Clone)]
+// Wide: every reader of a discovery takes some of these, and none a group of them.
 pub struct Discovery {
     /// What the data say.
     pub verdict: Verdict,

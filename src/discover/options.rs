@@ -12,6 +12,7 @@ pub const MISTAKE: f64 = 1e-3;
 
 /// The policy of a search, whole. `docs/search.md` tells what each is for.
 #[derive(Debug, Clone)]
+// Wide: a field is an option of a search, which a user sets by its name.
 pub struct SearchOptions {
     /// Most additions in one explanation. Each more costs a race.
     pub max_effects: usize,

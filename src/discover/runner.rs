@@ -15,6 +15,7 @@ pub(super) const COSTLY: usize = 2;
 const NOISE: f64 = 3.0;
 
 /// A fit of one more addition from one starting point, on its way.
+// Wide: where a fit starts, where it is and when it ends, which every round reads together.
 pub(super) struct Runner<'s, 'a> {
     data: &'s Data<'a>,
     /// What it adds to.

@@ -218,6 +218,7 @@ struct Profile<'p, 'a> {
 }
 
 /// One parameter from its estimate in one direction, on the way to the end of its interval.
+// Wide: the state of a search for one end, which goes on trial by trial.
 struct Side<'p, 'a> {
     of: &'p Profile<'p, 'a>,
     i: usize,

@@ -58,6 +58,7 @@ use reading::Readings;
 
 /// One measured steady state, SI units.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+// Wide: the columns of a table in SI; files have these names.
 pub struct Point {
     /// Data row in the file, counted from 1, the header not counted; the first of them where readings were pooled.
     pub row: usize,

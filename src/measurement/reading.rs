@@ -19,6 +19,7 @@ pub enum Direction {
 
 /// One row as it was read, SI units and rad.
 #[derive(Debug, Clone)]
+// Wide: what a row of a file can say, whatever its format.
 pub(crate) struct Reading {
     pub row: usize,
     pub line: usize,

@@ -9,6 +9,7 @@ pub const SCHEMA: &str = "stickslip.question/1";
 
 /// What `stickslip run` writes beside the figure of a question.
 #[derive(Debug, Clone, Serialize)]
+// Wide: a field is a key of the file, in the order in which it is written.
 pub struct QuestionJson {
     schema: &'static str,
     scenario: String,

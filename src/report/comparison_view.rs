@@ -9,6 +9,7 @@ use crate::units::readable::Quantity;
 
 /// Model against measurements.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+// Wide: a field is a place of the template, and a key of the JSON beside the page.
 pub struct ComparisonView {
     /// Stable id in the page.
     pub anchor: String,
@@ -56,6 +57,7 @@ pub struct ComparisonView {
 
 /// How well a model matches some readings; of several conditions together, settings and peaks are empty.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+// Wide: a field is a column of the table.
 pub struct MatchView {
     /// The series by its name or number, where the rig is not the paper's.
     #[serde(default, skip_serializing_if = "String::is_empty")]

@@ -9,6 +9,7 @@ use crate::units::readable::Quantity;
 
 /// Which effect is missing, as a story.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+// Wide: a field is a place of the template, and a key of the JSON beside the page.
 pub struct DiscoveryView {
     /// Stable id in the page.
     pub anchor: String,

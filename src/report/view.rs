@@ -18,6 +18,7 @@ pub const SCHEMA: &str = "stickslip.report/1";
 
 /// The whole report.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+// Wide: a field is a place of the template, and a key of the JSON beside the page.
 pub struct ReportView {
     /// [`SCHEMA`].
     pub schema: String,
@@ -116,6 +117,7 @@ pub struct Headline {
 
 /// A published statement, computed and judged.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+// Wide: a field is a place of the template, and a key of the JSON beside the page.
 pub struct ClaimView {
     /// Stable identifier, e.g. `no-influence-of-mu`.
     pub id: String,
@@ -145,6 +147,7 @@ pub struct ClaimView {
 
 /// A scenario: what was simulated, with which numbers, and what came out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+// Wide: a field is a place of the template, and a key of the JSON beside the page.
 pub struct ScenarioView {
     /// Stable identifier of the scenario.
     pub id: String,
@@ -272,6 +275,7 @@ pub struct AxisView {
 
 /// What one curve amounts to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+// Wide: a field is a column of the table.
 pub struct CurveView {
     /// Formulation solved.
     pub formulation: Quantity,
@@ -343,6 +347,7 @@ pub struct CheckView {
 
 /// Where the report comes from.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+// Wide: a field is a place of the template, and a key of the JSON beside the page.
 pub struct ProvenanceView {
     /// Program.
     pub program: String,

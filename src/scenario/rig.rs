@@ -37,6 +37,7 @@ pub struct TorsionalArm {
 
 /// A single mode M x'' + C x' + K x = drive + q F, SI units.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+// Wide: the numbers of one rig, each beside the form in which it was stated.
 pub struct Oscillator {
     /// What x is.
     pub coordinate: Coordinate,

@@ -189,6 +189,7 @@ pub struct Question {
 
 /// A validated scenario.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+// Wide: a field is a table or a key of the file.
 pub struct Scenario {
     /// Stable identifier: path below the scenarios folder without extension, e.g. `paper/figure-6`.
     pub id: String,

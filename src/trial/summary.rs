@@ -12,6 +12,7 @@ pub const SCHEMA: &str = "stickslip.trial/1";
 
 /// Scores over some trials.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+// Wide: a field is a key of the file, and a column of the table.
 pub struct Scores {
     /// Level of noise; `None` for all together.
     pub noise: Option<f64>,
@@ -86,6 +87,7 @@ pub struct Confusion {
 
 /// Everything about a series of trials.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+// Wide: a field is a key of the file, in the order in which it is written.
 pub struct Summary {
     /// [`SCHEMA`].
     pub schema: String,

@@ -218,6 +218,7 @@ fn harmless(output: &Output, from: &str) {
 }
 
 #[test]
+// Long: every way by which text of others comes in, one after the other in one folder.
 fn no_text_of_others_reaches_a_terminal_as_a_command() {
     let dir = tempfile::tempdir().unwrap();
     let dir = dir.path();

@@ -51,6 +51,7 @@ fn with_row(row: &str) -> String {
 }
 
 #[test]
+// Long: a list of broken tables.
 fn every_broken_table_has_its_message() {
     let rows = [
         ("table-text-in-a-number", "0.02,20,2.5e-6,61,n/a,1.5e-8,-0.1,0.01"),

@@ -64,6 +64,7 @@ fn found(table: &Table) -> Vec<(usize, Direction)> {
 }
 
 #[test]
+// Long: a list of cases made from the same sweeps.
 fn sweeps_are_told_by_the_order_of_the_rows_where_the_drive_was_measured() {
     use Direction::{Down, Unknown, Up};
     use Hold::{Drive, Response, Weakly};

@@ -46,6 +46,7 @@ impl Characteristics {
 
 /// A dataset 58 with its numbers still as text.
 #[derive(Debug, Clone)]
+// Wide: the fields of the header that are read, as the format lists them.
 pub(super) struct Dataset {
     /// Line of its first ID line.
     pub line: usize,

@@ -49,6 +49,7 @@ pub fn reading(model: &Model, departure: &Departure, at: &Operation, plan: &Plan
     }
 }
 
+// Wide: symbols and states of equations that share nothing with the solvers which they check.
 struct Rig<'a> {
     departure: &'a Departure,
     steps: usize,
