@@ -66,33 +66,6 @@ pub struct Lumps {
 impl Lumps {
     /// The coefficients of a model at an operating point.
     pub fn new(model: &Model, at: &Operation) -> Self {
-        let mut lumps = Self::without_effects(model, at);
-        let mut first = FIRST_EFFECT_PARAMETER;
-        let none = Dual::constant(0.0);
-        let order = model.signals.reading.order;
-        let of = Beside { omega: lumps.omega, stiffness: lumps.stiffness, inertia: lumps.inertia, order };
-        let mut beside: Option<(Dual, Dual)> = None;
-        for (effect, parameters) in &model.effects {
-            let p: Vec<Dual> = parameters.iter().enumerate().map(|(i, &v)| Dual::parameter(v, first + i)).collect();
-            first += p.len();
-            if let Some((stiffness, gain)) = effect.between_series(&p, at.series) {
-                lumps.stiffness = lumps.stiffness + of.stiffness * (stiffness - Dual::constant(1.0));
-                lumps.amplitude_gain = lumps.amplitude_gain * gain;
-            }
-            lumps.add(*effect, &p);
-            beside = [beside, effect.beside(&p, &of)].into_iter().flatten().reduce(|a, b| (a.0 + b.0, a.1 + b.1));
-        }
-        // In proportion to the drive as all effects leave it.
-        if let Some((re, im)) = beside {
-            let (x, y) = lumps.read_beside.take().map_or((none, none), |beside| *beside);
-            let (u, v) = (lumps.torque_re, lumps.torque_im);
-            lumps.read_beside = Some(Box::new((x + re * u - im * v, y + re * v + im * u)));
-        }
-        lumps
-    }
-
-    /// Those of its rig, contact and instrument.
-    fn without_effects(model: &Model, at: &Operation) -> Self {
         let (contact, instrument) = (&model.contact, &model.instrument);
         let rig = model.rig.values();
         let values = [
@@ -113,9 +86,7 @@ impl Lumps {
         let drive = if instrument.drive_sensitivity.is_some() { drive / drive_gain } else { drive * drive_gain };
         let mode = match &model.rig {
             Rig::TorsionalArm(_) => Mode::of_arm(rig, drive, omega),
-            Rig::Oscillator(oscillator) => {
-                Mode::of_oscillator(oscillator, rig, drive, model.signals.drive.order, omega)
-            }
+            Rig::Oscillator(of) => Mode::of_oscillator(of, rig, drive, model.signals.drive.order, omega),
         };
         let Mode { inertia, damping, stiffness, torque, arm, base_motion } = mode;
         // Each derivative of the reading is a factor i omega.
@@ -125,7 +96,7 @@ impl Lumps {
                 (amplitude_gain * omega.powi(order.into()), phase_offset + Dual::constant(FRAC_PI_2 * f64::from(order)))
             }
         };
-        Self {
+        let mut lumps = Self {
             omega,
             inertia,
             damping,
@@ -150,6 +121,33 @@ impl Lumps {
             read_beside: base_motion.map(Box::new),
             joint: None,
             dry_friction: None,
+        };
+        lumps.add_effects(model, at.series);
+        lumps
+    }
+
+    /// Adds what all effects of the model make of the coefficients of rig, contact and instrument.
+    fn add_effects(&mut self, model: &Model, series: usize) {
+        let mut first = FIRST_EFFECT_PARAMETER;
+        let none = Dual::constant(0.0);
+        let order = model.signals.reading.order;
+        let of = Beside { omega: self.omega, stiffness: self.stiffness, inertia: self.inertia, order };
+        let mut beside: Option<(Dual, Dual)> = None;
+        for (effect, parameters) in &model.effects {
+            let p: Vec<Dual> = parameters.iter().enumerate().map(|(i, &v)| Dual::parameter(v, first + i)).collect();
+            first += p.len();
+            if let Some((stiffness, gain)) = effect.between_series(&p, series) {
+                self.stiffness = self.stiffness + of.stiffness * (stiffness - Dual::constant(1.0));
+                self.amplitude_gain = self.amplitude_gain * gain;
+            }
+            self.add(*effect, &p);
+            beside = [beside, effect.beside(&p, &of)].into_iter().flatten().reduce(|a, b| (a.0 + b.0, a.1 + b.1));
+        }
+        // In proportion to the drive as all effects leave it.
+        if let Some((re, im)) = beside {
+            let (x, y) = self.read_beside.take().map_or((none, none), |beside| *beside);
+            let (u, v) = (self.torque_re, self.torque_im);
+            self.read_beside = Some(Box::new((x + re * u - im * v, y + re * v + im * u)));
         }
     }
 

@@ -195,12 +195,11 @@ impl<const N: usize> Affine<N> {
         values
     }
 
-    /// The point on the way a step later.
+    /// Sine and cosine of the phase a step later.
     #[inline]
-    fn one_step_after(&self, from: &Sample<N>) -> Sample<N> {
-        let ((s0, c0), (s, c)) = (from.turn, self.rotation);
-        let turn = (s0 * c + c0 * s, c0 * c - s0 * s);
-        Sample { time: from.time + self.step, y: self.ladder[0].apply(&from.y), turn }
+    fn turned(&self, (s0, c0): (f64, f64)) -> (f64, f64) {
+        let (s, c) = self.rotation;
+        (s0 * c + c0 * s, c0 * c - s0 * s)
     }
 
     /// y after a part of a step.
@@ -326,12 +325,12 @@ impl<const N: usize> Flow for Affine<N> {
             (self.angle.value(&at.y, turn), self.angle.slope(&at.y, turn), second * self.equations.scales[0])
         };
         let (mut force, mut angle) = (force_at(&from), angle_at(&from));
-        let mut extremes = (force.0, force.0);
-        let (mut area, mut ended) = (0.0, false);
+        let (mut extremes, mut area, mut ended) = ((force.0, force.0), 0.0, false);
         while !ended && period - from.time > 1e-12 * period {
             let left = period - from.time;
             let mut to = if left >= self.step * (1.0 - 1e-9) {
-                self.one_step_after(&from)
+                let (time, turn) = (from.time + self.step, self.turned(from.turn));
+                Sample { time, y: self.ladder[0].apply(&from.y), turn }
             } else {
                 Sample { time: period, y: self.after(&from.y, left), turn: (self.equations.omega * period).sin_cos() }
             };
@@ -379,7 +378,8 @@ impl<const N: usize> Flow for Affine<N> {
         let margins = self.margins();
         let mut before = self.margins_at(&from);
         loop {
-            let to = self.one_step_after(&from);
+            let (time, turn) = (from.time + self.step, self.turned(from.turn));
+            let to = Sample { time, y: self.ladder[0].apply(&from.y), turn };
             let last = (period - from.time) / self.step;
             let mut fraction = last.min(1.0);
             let (mut ended, mut after) = (false, [0.0; 2]);

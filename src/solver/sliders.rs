@@ -261,7 +261,7 @@ impl<'a> Method<'a> {
         let system = self.system;
         let [angle, velocity, support, support_velocity, heat, ..] = cycle.shared;
         let forcing = self.forcing[step];
-        let (stroke, _) = system.scale();
+        let (stroke, speed) = system.scale();
         let tolerance = 1e-10 * system.bristles()[0] * stroke;
         let mut force = guess;
         let mut torque = [0.0; 3];
@@ -283,7 +283,7 @@ impl<'a> Method<'a> {
             let v: Stages = std::array::from_fn(|i| system.relative_speed(&forcing[i], velocities[i], supports.1[i]));
             // All sliders at these speeds.
             let limit = |i: usize, s: f64, psi: f64| system.limit(&forcing[i], angles[i], s, psi, heats[i]);
-            let (sum, slope, power) = self.all_sliders(cycle, &v, &limit, &mut rates);
+            let (sum, slope, power) = self.all_sliders(cycle, (&v, speed), &limit, &mut rates);
             let (heating, cooling) = system.heating();
             if heating > 0.0 {
                 let (start, by_rate) = relaxation(self.h, cooling);
@@ -313,17 +313,16 @@ impl<'a> Method<'a> {
         Err(format!("the parallel sliders did not converge at {:.4} of the cycle", step as f64 / self.steps as f64))
     }
 
-    /// All sliders at these relative speeds: the force, its slopes by the speeds, and the power of friction. `limit` is that of the
-    /// whole contact at a stage, by slip rate and state of the interface.
+    /// All sliders at these relative speeds: the force, its slopes by the speeds, and the power of friction. `speed` is their scale,
+    /// `limit` that of the whole contact at a stage by slip rate and state of the interface.
     #[inline(always)]
     fn all_sliders(
         &self,
         cycle: &Cycle,
-        v: &Stages,
+        (v, speed): (&Stages, f64),
         limit: &impl Fn(usize, f64, f64) -> (f64, f64),
         rates: &mut [Stages],
     ) -> (Stages, Block, Stages) {
-        let (_, speed) = self.system.scale();
         let branch = hysteresis_of(&cycle.shared);
         let (mut sum, mut slope, mut power) = ([0.0; 3], [[0.0; 3]; 3], [0.0; 3]);
         let most: Stages = std::array::from_fn(|i| limit(i, 0.0, 0.0).0);
