@@ -282,6 +282,23 @@ fn linear(dir: &Path) {
     stickslip(dir).args(["new", "linear.csv", "-o", "linear.toml"]).assert().success();
 }
 
+/// Residuals that are far off count little, so that Schwarz's criterion may fall while everything rises.
+#[test]
+fn an_effect_with_which_chi2_and_error_are_larger_is_not_decided_for() {
+    let folder = tempfile::tempdir().expect("a folder");
+    linear(folder.path());
+    let scenario = stickslip::scenario::load(folder.path().join("linear.toml")).unwrap_or_else(|e| panic!("{e}"));
+    let table = stickslip::measurement::load(&scenario).unwrap_or_else(|e| panic!("{e}")).expect("measurements");
+    let effect = stickslip::effects::find("cubic-stiffness").expect("registered");
+    let mut change = stickslip::discover::fit_addition(&scenario, &table, effect, 0);
+    change.gain = 60.0;
+    for (chi2, error, decided) in [(0.9, 0.9, Some(true)), (1.1, 0.9, Some(true)), (1.1, 1.1, None)] {
+        change.after.overall.chi2_per_point = chi2 * change.before.overall.chi2_per_point;
+        change.after.overall.rms_error_percent = error * change.before.overall.rms_error_percent;
+        assert_eq!(change.decided(), decided, "{chi2} {error}");
+    }
+}
+
 #[test]
 fn an_interval_of_what_is_not_there_holds_both_signs() {
     let dir = tempfile::tempdir().unwrap();

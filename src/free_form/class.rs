@@ -74,6 +74,12 @@ pub struct Seen {
 }
 
 impl<'a> Class<'a> {
+    /// Whether what depends on the amplitude may be in it: series of several drives differ in that.
+    pub fn may_follow_amplitude(&self) -> bool {
+        let may = |axis: &Axis| matches!(axis.variable, Variable::Amplitude | Variable::DriveLevel | Variable::Drift);
+        self.axes.is_empty() || self.axes.iter().any(may)
+    }
+
     /// The class of these variables; `None` where one of them does not vary.
     pub fn of(
         readings: &'a Readings<'a>,

@@ -15,6 +15,8 @@ use serde::Serialize;
 const TRIED: usize = 9;
 /// Steps of the refinement, each half as long as the last, of which ...
 const HALVINGS: usize = 6;
+/// Relative change of a force that is none: describing functions are as exact.
+const SAME: f64 = 1e-3;
 
 /// A named effect and how far it stays from what its class can reach.
 #[derive(Debug, Clone, Serialize)]
@@ -72,7 +74,16 @@ impl<'a> Law<'a> {
         let motion = tried.class.motion(&tried.fitted).iter().map(|ln| ln.exp()).collect();
         let law = Self { readings, judged, leading, base: &c.model, effect, motion };
         let there = law.force(&middle(effect, &c.model.scales));
-        there.iter().any(|[k, d]| k.abs() + d.abs() > 0.0).then_some(law)
+        let is_force = there.iter().any(|[k, d]| k.abs() + d.abs() > 0.0);
+        (is_force && (tried.class.may_follow_amplitude() || !law.follows_amplitude(&there))).then_some(law)
+    }
+
+    /// Whether the effect, which is this at the readings, is another where all of them move twice as much.
+    fn follows_amplitude(&self, there: &[[f64; 2]]) -> bool {
+        let motion = self.motion.iter().map(|motion| 2.0 * motion).collect();
+        let twice = Self { motion, ..*self }.force(&middle(self.effect, &self.base.scales));
+        let largest = there.iter().flatten().fold(0.0, |most: f64, part| most.max(part.abs()));
+        there.iter().flatten().zip(twice.iter().flatten()).any(|(a, b)| (a - b).abs() > SAME * largest)
     }
 
     /// k and c of the effect at every reading, in units of the readings.
