@@ -213,12 +213,8 @@ impl<'a> Draft<'a> {
         let show = |value: f64, unit: &str| units::format(digits(value, 3), unit);
         let name =
             if series.name.is_empty() { format!("series {}", number + 1) } else { format!("series {}", series.name) };
-        let (low, high) = series.drives;
-        let driven = if high / low < 1.0 + 1e-9 {
-            show(series.drive, drive.unit)
-        } else {
-            format!("{} to {}", show(low, drive.unit), show(high, drive.unit))
-        };
+        let [low, high] = [series.drives.0, series.drives.1].map(|level| show(level, drive.unit));
+        let driven = if low == high { low } else { format!("{low} to {high}") };
         let range = |of: &dyn Fn(&Point) -> f64| {
             points.iter().map(|p| of(p)).fold((f64::INFINITY, 0.0f64), |(a, b), x| (a.min(x), b.max(x)))
         };
@@ -233,15 +229,15 @@ impl<'a> Draft<'a> {
         } else {
             String::new()
         };
-        let peak = resonance(points, reading.order).map_or(String::new(), |r| {
-            format!(", peak near {} with Q about {}", show(r.frequency, "Hz"), digits(r.quality, 2))
+        let seen = resonance(points, reading.order).map_or(String::new(), |r| {
+            format!(", resonance near {} with Q about {}", show(r.frequency, "Hz"), digits(r.quality, 2))
         });
         let jumps = match jumps(points) {
             0 => String::new(),
             n => format!(", {} (two stable states?)", count(n, "jump")),
         };
         format!(
-            "{name}: {}, {contact}{} {driven}, {} {} to {}{swept}{peak}{jumps}",
+            "{name}: {}, {contact}{} {driven}, {} {} to {}{swept}{seen}{jumps}",
             count(points.len(), "point"),
             drive.name,
             reading.name,
