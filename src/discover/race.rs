@@ -276,30 +276,13 @@ mod tests {
     /// One evaluation of a slow model takes more than its share.
     #[test]
     fn where_a_round_would_take_more_than_half_of_what_is_left_the_most_promising_have_their_turn() {
-        struct Slow<'a>(usize, &'a AtomicUsize);
-        impl Competitor for Slow<'_> {
-            fn of(&self) -> usize {
-                self.0
-            }
-            fn advance(&mut self, _: Round) {
-                self.1.fetch_add(3000, Relaxed);
-            }
-            fn typical(&self) -> f64 {
-                1.0
-            }
-            fn is_beaten(&self, _: &Self) -> bool {
-                false
-            }
-            fn badness(&self, _: f64) -> f64 {
-                10.0 * self.0 as f64
-            }
-        }
-        let spent = AtomicUsize::new(0);
-        let left = || 100_000_u64.saturating_sub(spent.load(Relaxed) as u64);
-        let ended = RULES.run((0..80).rev().map(|of| Slow(of, &spent)).collect(), |among| left() / among.max(4) as u64);
+        let told: std::sync::Mutex<Vec<Round>> = std::sync::Mutex::default();
+        let spent = || 3000 * told.lock().expect("no panic").len() as u64;
+        let share = |among: usize| 100_000_u64.saturating_sub(spent()) / among.max(4) as u64;
+        let ended = RULES.run((0..80).rev().map(|of| Sharing(of, &told)).collect(), share);
         // Twenty of eighty at first, of which five go on, and three of them to all points.
-        assert_eq!(spent.load(Relaxed), 3000 * (20 + 5 + 3));
-        assert_eq!(ended.survivors.iter().map(|slow| slow.0).collect::<Vec<_>>(), [0, 1, 2]);
+        assert_eq!(spent(), 3000 * (20 + 5 + 3));
+        assert_eq!(ended.survivors.iter().map(|one| one.0).collect::<Vec<_>>(), [0, 1, 2]);
         assert_eq!(ended.dropped.len(), 77);
     }
 

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use super::reading::{Reading, Readings, wrap};
+use super::reading::{Reading, Readings};
 use super::{Point, Series, series};
 use crate::error::Result;
+use crate::statistics::wrap;
 
 /// Spread of repeated readings: sum of squares about their mean, and its degrees of freedom.
 #[derive(Debug, Clone, Copy, Default)]

@@ -1,7 +1,5 @@
 //! Readings as a file has them, before those of one point are united.
 
-use std::f64::consts::{PI, TAU};
-
 use super::Column;
 use crate::scenario::Signals;
 
@@ -56,10 +54,4 @@ pub(crate) struct Readings {
     pub drive_assumed: bool,
     pub amplitude_stated: bool,
     pub phase_stated: bool,
-}
-
-/// The angle in (-pi, pi].
-pub(crate) fn wrap(angle: f64) -> f64 {
-    let turned = angle - TAU * (angle / TAU).round();
-    if turned <= -PI { turned + TAU } else { turned }
 }

@@ -5,7 +5,7 @@ use super::frame::{Frame, amplitude_header, kind};
 use super::names::{AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LOAD, MEAN, PHASE, PHASE_SD, SERIES, SPEED, SWEEP};
 use super::parts::{Parts, split_complex};
 use super::preamble::BLANKS;
-use super::reading::{Reading, Readings, wrap};
+use super::reading::{Reading, Readings};
 use super::search::Slot;
 use super::sheet::{Complaints, Row, Sheet};
 use super::unit::Unit;
@@ -14,6 +14,7 @@ use crate::error::Result;
 use crate::scenario::Sweep;
 use crate::scenario::diagnostic::quote;
 use crate::scenario::parameters::{COLUMNS, MEASURED, needed_range};
+use crate::statistics::wrap;
 use crate::units::{self, count};
 use std::f64::consts::PI;
 

@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 
 use super::Point;
 use super::floor::{self, Group};
-use crate::statistics::median;
+use crate::statistics::{median, wrap};
 
 /// The noise of single readings as the curves show it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -141,7 +141,7 @@ fn curves(points: &[Point]) -> Vec<Vec<Sample>> {
         let mut before: Option<f64> = None;
         let mut samples: Vec<Sample> = Vec::with_capacity(group.len());
         for point in group {
-            let phase = point.phase.map(|phase| before.map_or(phase, |last| last + super::reading::wrap(phase - last)));
+            let phase = point.phase.map(|phase| before.map_or(phase, |last| last + wrap(phase - last)));
             before = phase.or(before);
             if samples.last().is_some_and(|last| last.frequency == point.frequency) {
                 continue;
@@ -257,7 +257,7 @@ mod tests {
         let point = |(row, frequency): (usize, f64)| {
             let (amplitude, phase) = of(frequency);
             let (speed, load, drive) = (0.01, 20.0, 2.5e-6);
-            let (phase, phase_sd) = (Some(super::super::reading::wrap(phase)), Some(f64::NAN));
+            let (phase, phase_sd) = (Some(wrap(phase)), Some(f64::NAN));
             let amplitude_sd = f64::NAN;
             let (mean, replicates) = (None, 1);
             Point {

@@ -14,7 +14,7 @@ use super::columns::{only_value, sweep_values};
 use super::file;
 use super::frame::{DRIVES, Frame, READINGS, kind};
 use super::names::{AMPLITUDE, DRIVE, FREQUENCY, LOAD, SPEED};
-use super::reading::{Reading, Readings, wrap};
+use super::reading::{Reading, Readings};
 use super::search::other_rig;
 use super::sheet::Complaints;
 use super::unit::Wanted;
@@ -23,6 +23,7 @@ use crate::scenario::diagnostic::{MAX_TOLD, Place, quote, whole_file};
 use crate::scenario::parameters::{MEASURED, needed_range};
 use crate::scenario::source::Source;
 use crate::scenario::{Signals, Sweep};
+use crate::statistics::wrap;
 use crate::units;
 use dataset::{Characteristics, Dataset, Value};
 
