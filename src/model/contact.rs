@@ -79,12 +79,8 @@ pub struct Problem {
     support: [f64; 3],
     heating_gain: f64,
     cooling_rate: f64,
-    states: usize,
-    roller: Option<usize>,
-    heat: Option<usize>,
-    x: usize,
-    q: Option<usize>,
-    psi: Option<usize>,
+    /// Where the states stand.
+    at: Layout,
     rate_element: bool,
     /// Whether the bristles have a force beside that of their stiffness and damping.
     own_bristles: bool,
@@ -98,6 +94,7 @@ pub struct Problem {
 }
 
 /// Where each state stands among those that are present, and how many there are.
+#[derive(Debug, Clone, Copy)]
 struct Layout {
     states: usize,
     roller: Option<usize>,
@@ -215,7 +212,7 @@ impl Problem {
         let stuck: (f64, f64) = lumps.stuck_response();
         let laws = model.effects.clone();
         let has_psi = laws.iter().any(|(e, p)| e.interface_rate(p, 0.0, 0.0).is_some());
-        let Layout { states, roller, heat, x, q, psi } = Layout::new(&lumps, has_psi);
+        let layout = Layout::new(&lumps, has_psi);
         let own_bristles = laws.iter().any(|(e, p)| e.bristle_force(p, 0.0, 0.0).is_some());
         let hysteretic = laws.iter().any(|(e, p)| remembers(*e, p));
         let spring_pot = lumps.spring_pot.as_deref().map(|(re, im)| (re.value, im.value));
@@ -248,12 +245,7 @@ impl Problem {
             support,
             heating_gain: heating.map_or(0.0, |(gain, _)| gain),
             cooling_rate: heating.map_or(0.0, |(_, rate)| rate),
-            states,
-            roller,
-            heat,
-            x,
-            q,
-            psi,
+            at: layout,
             rate_element: lumps.rate_element.is_some(),
             own_bristles,
             spring_pot: spring_pot.map(|modulus| Box::new(Relaxations::new(modulus, lumps.omega))),
@@ -275,7 +267,7 @@ impl Problem {
 
     /// Index of the stretch of the bristles among the states.
     pub fn stretch_index(&self) -> usize {
-        self.x
+        self.at.x
     }
 
     /// mu at the slip rate `s` in the direction of slip with its slopes by s, psi and T: (mu, mu_s, mu_psi, mu_T, 1/(1+T)).
@@ -309,13 +301,13 @@ impl Problem {
 
     /// v, speed of the roller's surface over the arm.
     fn relative_speed(&self, forcing: &Forcing, z: &[f64]) -> f64 {
-        self.speed + self.roller.map_or(0.0, |i| z[i + 1]) - self.b * (forcing.velocity + z[1])
+        self.speed + self.at.roller.map_or(0.0, |i| z[i + 1]) - self.b * (forcing.velocity + z[1])
     }
 
     /// The force of the contact on the arm at relative speed `v`, of which `d` stretches the bristles.
     fn pull(&self, z: &[f64], v: f64, d: f64) -> f64 {
-        let own = if self.own_bristles { self.bristle_law(z[self.x], d).value } else { 0.0 };
-        self.kc * z[self.x] + self.cc * d + self.state(self.q, z) + self.sigma2 * v + own
+        let own = if self.own_bristles { self.bristle_law(z[self.at.x], d).value } else { 0.0 };
+        self.kc * z[self.at.x] + self.cc * d + self.state(self.at.q, z) + self.sigma2 * v + own
     }
 
     /// Force of the bristles beside that of their stiffness and damping, with its slopes by their stretch and its rate.
@@ -361,7 +353,8 @@ impl Problem {
         let normal = normal.max(0.0);
         let force = self.pull(z, v, d);
         let argument = if self.rate_element { v.abs() } else { s.abs() };
-        let (mu, mu_s, _, _, heat_factor) = self.friction(argument, self.state(self.psi, z), self.state(self.heat, z));
+        let (mu, mu_s, _, _, heat_factor) =
+            self.friction(argument, self.state(self.at.psi, z), self.state(self.at.heat, z));
         Point { th, w, v, d, normal, loaded, force, mu, mu_s, heat_factor }
     }
 

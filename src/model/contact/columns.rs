@@ -12,10 +12,10 @@ impl Problem {
         let torque = self.torque(p.th, p.w);
         let sign = Self::sign(mode);
         let slip = if self.rate_element { p.v } else { s };
-        let psi = self.state(self.psi, z);
+        let psi = self.state(self.at.psi, z);
         let limit = (p.mu * p.normal).max(1e-12 * self.force_scale());
         let (mut last, mut laws) = (None, [None; 4]);
-        let own = self.bristle_law(z[self.x], p.d);
+        let own = self.bristle_law(z[self.at.x], p.d);
         for (index, column) in self.columns.iter().enumerate() {
             // Direct partial derivatives of the intermediate quantities by this column.
             let (mut dth, mut dw, mut dv, mut dn, mut dforce, mut dmu, mut dtorque) =
@@ -34,7 +34,7 @@ impl Problem {
                     arm = self.inverse_inertia * p.force;
                 }
                 Column::ContactStiffness => {
-                    dforce = z[self.x];
+                    dforce = z[self.at.x];
                     stiff = 1.0;
                 }
                 Column::ContactDamping => dforce = p.d,
@@ -42,15 +42,15 @@ impl Problem {
                 Column::Load => dn = 1.0,
                 Column::Speed => dv = 1.0,
                 Column::LoadStiffness => dn = self.b * p.th,
-                Column::Renewal => stretch = -z[self.x],
+                Column::Renewal => stretch = -z[self.at.x],
                 Column::BranchStiffness => branch = p.d,
-                Column::BranchRate => branch = -self.state(self.q, z),
+                Column::BranchRate => branch = -self.state(self.at.q, z),
                 Column::RateViscosity => dforce = p.v,
                 Column::SupportInverseMass => support = -p.force,
-                Column::SupportDamping => support = -self.roller.map_or(0.0, |i| z[i + 1]),
-                Column::SupportStiffness => support = -self.state(self.roller, z),
+                Column::SupportDamping => support = -self.at.roller.map_or(0.0, |i| z[i + 1]),
+                Column::SupportStiffness => support = -self.state(self.at.roller, z),
                 Column::HeatingGain => heat = p.force * slip,
-                Column::CoolingRate => heat = -self.state(self.heat, z),
+                Column::CoolingRate => heat = -self.state(self.at.heat, z),
                 Column::Law { effect, parameter } => {
                     let (e, q) = &self.laws[effect];
                     let argument = if self.rate_element { p.v.abs() } else { (sign * s).max(0.0) };
@@ -61,7 +61,7 @@ impl Problem {
                             e.friction(q, argument, psi),
                             e.interface_rate(q, slip.abs(), psi),
                             e.torque(q, p.th, p.w),
-                            e.bristle_force(q, z[self.x], p.d),
+                            e.bristle_force(q, z[self.at.x], p.d),
                         ];
                     }
                     let [dfriction, rate, twist, pull] =
@@ -79,18 +79,18 @@ impl Problem {
             let f = &mut out.f[index];
             *f = [0.0; MAX_STATES];
             f[1] = self.inverse_inertia * (self.b * dforce + dtorque) + arm;
-            if let Some(i) = self.roller {
+            if let Some(i) = self.at.roller {
                 f[i + 1] = support - self.support[0] * dforce;
             }
-            if let Some(i) = self.heat {
+            if let Some(i) = self.at.heat {
                 let dslip = if self.rate_element { dv } else { 0.0 };
                 f[i] = heat + self.heating_gain * (dforce * slip + p.force * dslip);
             }
-            f[self.x] = dv + stretch;
-            if let Some(i) = self.q {
+            f[self.at.x] = dv + stretch;
+            if let Some(i) = self.at.q {
                 f[i] = self.k1 * dv + branch;
             }
-            if let Some(i) = self.psi {
+            if let Some(i) = self.at.psi {
                 f[i] = dpsi;
                 if self.rate_element {
                     f[i] += self.interface_rate(p.v.abs(), psi).d_first * sign * dv;
@@ -102,10 +102,10 @@ impl Problem {
                     (dforce - sign * (p.mu * dn + dmu * p.normal)) / self.force_scale()
                 }
                 Mode::RateForward | Mode::RateBackward => {
-                    let flow = self.kc * z[self.x] / limit;
+                    let flow = self.kc * z[self.at.x] / limit;
                     let speed = p.v.abs();
                     let dlimit = p.mu * dn + (dmu + p.mu_s * sign * dv) * p.normal;
-                    let by_stiffness = stiff * z[self.x] * speed / limit;
+                    let by_stiffness = stiff * z[self.at.x] * speed / limit;
                     (flow * speed / limit * dlimit - flow * sign * dv - by_stiffness) / self.slip_scale()
                 }
             };

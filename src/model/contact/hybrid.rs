@@ -9,12 +9,12 @@ const SMALL_SLIP: f64 = 1e-6;
 impl Problem {
     /// The constraint of slip in direction `sign`: the bristles pull as hard as friction holds; what is zero is left as it is.
     fn slip_at_limit(&self, forcing: &Forcing, z: &[f64], s: f64, sign: f64, out: &mut Evaluation) {
-        let (x, b) = (self.x, self.b);
+        let (x, b) = (self.at.x, self.b);
         let th = forcing.angle + z[0];
         let v = self.relative_speed(forcing, z);
         let normal = (self.load + self.load_stiffness * b * th).max(0.0);
         let force = self.pull(z, v, v - s);
-        let friction = self.friction(sign * s, self.state(self.psi, z), self.state(self.heat, z));
+        let friction = self.friction(sign * s, self.state(self.at.psi, z), self.state(self.at.heat, z));
         let (mu, mu_s, mu_psi, mu_heat, _) = friction;
         let scale = 1.0 / self.force_scale();
         out.g = scale * (force - sign * mu * normal);
@@ -25,16 +25,16 @@ impl Problem {
         if normal > 0.0 {
             out.gz[0] = -scale * sign * mu * self.load_stiffness * b;
         }
-        if let Some(i) = self.roller {
+        if let Some(i) = self.at.roller {
             out.gz[i + 1] = force_v;
         }
-        if let Some(i) = self.q {
+        if let Some(i) = self.at.q {
             out.gz[i] = scale;
         }
-        if let Some(i) = self.psi {
+        if let Some(i) = self.at.psi {
             out.gz[i] = -scale * sign * mu_psi * normal;
         }
-        if let Some(i) = self.heat {
+        if let Some(i) = self.at.heat {
             out.gz[i] = -scale * sign * mu_heat * normal;
         }
         out.gs = -scale * (self.cc + own.d_second + mu_s * normal);
@@ -42,17 +42,17 @@ impl Problem {
 
     /// The constraint of a rate element, over which the interface slips all the time, in direction `sign`.
     fn slip_of_rate_element(&self, forcing: &Forcing, z: &[f64], s: f64, sign: f64, out: &mut Evaluation) {
-        let (x, b) = (self.x, self.b);
+        let (x, b) = (self.at.x, self.b);
         // s = kc |v| x / (mu N), with |v| continued beyond the end of the mode and mu as it is there: s is smooth.
         let p = self.point(forcing, z, s);
         let speed = sign * p.v;
         let (mu, mu_s, mu_psi, mu_heat, _) =
-            self.friction(speed.max(0.0), self.state(self.psi, z), self.state(self.heat, z));
+            self.friction(speed.max(0.0), self.state(self.at.psi, z), self.state(self.at.heat, z));
         let mu_s = if speed < 0.0 { 0.0 } else { mu_s };
         let normal_th = if p.loaded { self.load_stiffness * b } else { 0.0 };
         let mut rate_z = [0.0; MAX_STATES];
         rate_z[1] = -b;
-        if let Some(i) = self.roller {
+        if let Some(i) = self.at.roller {
             rate_z[i + 1] = 1.0;
         }
         let limit = (mu * p.normal).max(1e-12 * self.force_scale());
@@ -66,10 +66,10 @@ impl Problem {
         }
         out.gz[x] -= self.kc * speed / limit;
         out.gz[0] += by_limit * mu * normal_th;
-        if let Some(i) = self.psi {
+        if let Some(i) = self.at.psi {
             out.gz[i] += by_limit * mu_psi * p.normal;
         }
-        if let Some(i) = self.heat {
+        if let Some(i) = self.at.heat {
             out.gz[i] += by_limit * mu_heat * p.normal;
         }
         out.gz = out.gz.map(|g| scale * g);
@@ -79,7 +79,7 @@ impl Problem {
 
 impl HybridSystem for Problem {
     fn states(&self) -> usize {
-        self.states
+        self.at.states
     }
 
     fn period(&self) -> f64 {
@@ -88,7 +88,7 @@ impl HybridSystem for Problem {
 
     fn damping_ratio(&self) -> f64 {
         let [_, c, k] = self.support;
-        let support = if self.roller.is_some() { 0.5 * c / k.sqrt() } else { f64::INFINITY };
+        let support = if self.at.roller.is_some() { 0.5 * c / k.sqrt() } else { f64::INFINITY };
         support.min(0.5 * self.c / self.k.abs().sqrt())
     }
 
@@ -97,19 +97,19 @@ impl HybridSystem for Problem {
         let angle = self.stroke / self.b;
         scales[0] = angle;
         scales[1] = self.omega * angle;
-        scales[self.x] = self.stroke;
-        if let Some(i) = self.roller {
+        scales[self.at.x] = self.stroke;
+        if let Some(i) = self.at.roller {
             scales[i] = self.stroke;
             scales[i + 1] = self.omega * self.stroke;
         }
-        if let Some(i) = self.heat {
+        if let Some(i) = self.at.heat {
             let rise = self.heating_gain / self.cooling_rate * self.mu * self.load;
             scales[i] = rise * (self.speed + self.slip_scale());
         }
-        if let Some(i) = self.q {
+        if let Some(i) = self.at.q {
             scales[i] = self.k1 * self.stroke;
         }
-        if let Some(i) = self.psi {
+        if let Some(i) = self.at.psi {
             scales[i] = self.psi_scale;
         }
         // A state that a strength of zero keeps at rest has no scale of its own.
@@ -142,7 +142,7 @@ impl HybridSystem for Problem {
         let v = self.relative_speed(forcing, z);
         let d = v - if mode == Mode::Stick { 0.0 } else { s };
         let force = self.pull(z, v, d);
-        let (x, b) = (self.x, self.b);
+        let (x, b) = (self.at.x, self.b);
         // Gradient of F by (w, u, x, q, s).
         let own = self.bristle_law(z[x], d);
         let force_v = self.cc + self.sigma2 + own.d_second;
@@ -152,11 +152,11 @@ impl HybridSystem for Problem {
         // Relative speed of the bristles' ends.
         let mut rate_z = [0.0; MAX_STATES];
         rate_z[1] = -b;
-        if let Some(i) = self.roller {
+        if let Some(i) = self.at.roller {
             force_z[i + 1] = force_v;
             rate_z[i + 1] = 1.0;
         }
-        if let Some(i) = self.q {
+        if let Some(i) = self.at.q {
             force_z[i] = 1.0;
         }
         let force_s = -(self.cc + own.d_second);
@@ -165,7 +165,7 @@ impl HybridSystem for Problem {
         for &i in rows {
             let (f, fz, fs) = (&mut out.f[i], &mut out.fz[i], &mut out.fs[i]);
             let place = Some(i);
-            if i == 0 || place == self.roller {
+            if i == 0 || place == self.at.roller {
                 *f = z[i + 1];
                 *fz = [0.0; MAX_STATES];
                 fz[i + 1] = 1.0;
@@ -183,21 +183,21 @@ impl HybridSystem for Problem {
                 *fz = rate_z;
                 fz[x] = -self.renewal;
                 *fs = -1.0;
-            } else if place == self.q {
+            } else if place == self.at.q {
                 *f = self.k1 * d - self.branch_rate * z[i];
                 *fz = rate_z.map(|r| self.k1 * r);
                 fz[i] -= self.branch_rate;
                 *fs = -self.k1;
-            } else if place == self.heat {
+            } else if place == self.at.heat {
                 let gain = self.heating_gain;
                 *f = gain * force * slip - self.cooling_rate * z[i];
-                for j in 0..self.states {
+                for j in 0..self.at.states {
                     let slip_z = if self.rate_element { rate_z[j] } else { 0.0 };
                     fz[j] = gain * (force_z[j] * slip + force * slip_z);
                 }
                 fz[i] -= self.cooling_rate;
                 *fs = gain * (force_s * slip + if self.rate_element { 0.0 } else { force });
-            } else if place == self.psi {
+            } else if place == self.at.psi {
                 let sign = Self::sign(mode);
                 let law = self.interface_rate(sign * slip, z[i]);
                 *f = law.value;
@@ -232,18 +232,18 @@ impl HybridSystem for Problem {
 
     fn affine(&self, mode: Mode) -> Affine {
         let (friction, own_bristles) = (!self.friction_is_constant(), self.own_bristles);
-        let (torque, heated) = (self.laws.iter().any(|(e, p)| e.torque(p, 0.0, 0.0).is_some()), self.heat.is_some());
+        let (torque, heated) = (self.laws.iter().any(|(e, p)| e.torque(p, 0.0, 0.0).is_some()), self.at.heat.is_some());
         let stick = mode == Mode::Stick;
         let mut rows = [true; MAX_STATES];
         rows[1] = !torque && !own_bristles;
-        if let Some(i) = self.heat {
+        if let Some(i) = self.at.heat {
             rows[i] = stick;
         }
-        if let Some(i) = self.psi {
+        if let Some(i) = self.at.psi {
             rows[i] = false;
         }
         // Friction in proportion to a load that the arm moves, as long as it cannot lift off.
-        let constant = !heated && self.psi.is_none() && self.never_lifts();
+        let constant = !heated && self.at.psi.is_none() && self.never_lifts();
         match mode {
             Mode::Stick => Affine { rows, constraint: true, margins: constant && !own_bristles },
             Mode::SlipForward | Mode::SlipBackward => {
@@ -276,10 +276,10 @@ impl HybridSystem for Problem {
             Mode::Stick => {
                 let forward = self.point(forcing, z, 0.0).force > 0.0;
                 let (mode, sign) = if forward { (Mode::SlipForward, 1.0) } else { (Mode::SlipBackward, -1.0) };
-                let psi = self.state(self.psi, z);
-                let (_, slope, ..) = self.friction(0.0, psi, self.state(self.heat, z));
+                let psi = self.state(self.at.psi, z);
+                let (_, slope, ..) = self.friction(0.0, psi, self.state(self.at.heat, z));
                 let p = self.point(forcing, z, 0.0);
-                let resistance = self.cc + self.bristle_law(z[self.x], p.d).d_second + slope * p.normal;
+                let resistance = self.cc + self.bristle_law(z[self.at.x], p.d).d_second + slope * p.normal;
                 let s = if resistance < 0.0 {
                     // Weakening steeper than the bristles' damping: the slip rate jumps to the next stable branch.
                     // Looked for from a small rate, since the force at the end of stick is at its limit to rounding only.
@@ -311,15 +311,15 @@ impl HybridSystem for Problem {
         let p = self.point(forcing, z, 0.0);
         let excess = p.force.abs() - p.mu * p.normal;
         (excess > 0.0).then(|| {
-            z[self.x] -= excess.copysign(p.force) / self.kc;
-            self.x
+            z[self.at.x] -= excess.copysign(p.force) / self.kc;
+            self.at.x
         })
     }
 
     fn enter(&self, forcing: &Forcing, z: &[f64], last: Option<(Mode, f64)>) -> (Mode, f64) {
         let p = self.point(forcing, z, 0.0);
         if self.rate_element {
-            let flow = self.kc * z[self.x] / (p.mu * p.normal).max(1e-12 * self.force_scale());
+            let flow = self.kc * z[self.at.x] / (p.mu * p.normal).max(1e-12 * self.force_scale());
             let mode = if p.v >= 0.0 { Mode::RateForward } else { Mode::RateBackward };
             return (mode, flow * p.v.abs());
         }
@@ -351,14 +351,14 @@ impl HybridSystem for Problem {
     }
 
     fn locks(&self, z: &[f64]) -> bool {
-        let (mu, ..) = self.friction(0.0, self.state(self.psi, z), 0.0);
+        let (mu, ..) = self.friction(0.0, self.state(self.at.psi, z), 0.0);
         self.locked_state().is_some_and(|locked| locked.force.1 < mu * self.load)
     }
 
     fn age_at_rest(&self) -> Option<usize> {
         // Beside heat or another law of friction a contact that would hold may slip on all the same.
         let laws = self.laws.iter().filter(|(e, p)| e.friction(p, 0.0, 0.0).is_some()).count();
-        self.locked_state().and(self.psi).filter(|_| laws == 1 && self.heat.is_none())
+        self.locked_state().and(self.at.psi).filter(|_| laws == 1 && self.at.heat.is_none())
     }
 
     fn initial_state(&self) -> [f64; MAX_STATES] {
@@ -370,11 +370,11 @@ impl HybridSystem for Problem {
             // At rest: the bristles are stretched by the arm's own motion.
             let forcing = self.forcing(0.0);
             let limit = 0.5 * self.mu * self.load / self.kc;
-            z[self.x] = (-self.b * forcing.angle).clamp(-limit, limit);
+            z[self.at.x] = (-self.b * forcing.angle).clamp(-limit, limit);
         } else {
             let psi = self.steady_interface_state(self.speed);
             let (mu, ..) = self.friction(self.speed, psi, 0.0);
-            let heat = if self.heat.is_some() {
+            let heat = if self.at.heat.is_some() {
                 // T (1 + T) = mu N V / P0
                 let rise = self.heating_gain / self.cooling_rate * mu * self.load * self.speed;
                 0.5 * ((1.0 + 4.0 * rise).sqrt() - 1.0)
@@ -385,15 +385,15 @@ impl HybridSystem for Problem {
             let (angle, normal) = self.deflection(mu);
             let force = mu * normal + self.sigma2 * self.speed;
             z[0] = angle;
-            z[self.x] = self.stretch_under(mu * normal);
-            if let Some(i) = self.roller {
+            z[self.at.x] = self.stretch_under(mu * normal);
+            if let Some(i) = self.at.roller {
                 let [inverse, _, k] = self.support;
                 z[i] = -force * inverse / k;
             }
-            if let Some(i) = self.heat {
+            if let Some(i) = self.at.heat {
                 z[i] = heat;
             }
-            if let Some(i) = self.psi {
+            if let Some(i) = self.at.psi {
                 z[i] = psi;
             }
         }
@@ -404,8 +404,8 @@ impl HybridSystem for Problem {
         let mut z = [0.0; MAX_STATES];
         if self.speed > 0.0 {
             let guess = self.initial_state();
-            (z[0], z[self.x]) = (guess[0], guess[self.x]);
-            if let Some(i) = self.roller {
+            (z[0], z[self.at.x]) = (guess[0], guess[self.at.x]);
+            if let Some(i) = self.at.roller {
                 z[i] = guess[i];
             }
         }
@@ -416,25 +416,25 @@ impl HybridSystem for Problem {
         let mut out = [None; MAX_STATES];
         if self.renewal == 0.0 && self.speed == 0.0 {
             // No roller motion without slip, hence x = y - b th.
-            let y = self.roller.map_or(0.0, |i| z[i]);
+            let y = self.at.roller.map_or(0.0, |i| z[i]);
             let mut gradient = [0.0; MAX_STATES];
-            gradient[self.x] = 1.0;
+            gradient[self.at.x] = 1.0;
             gradient[0] = self.b;
-            if let Some(i) = self.roller {
+            if let Some(i) = self.at.roller {
                 gradient[i] = -1.0;
             }
-            out[self.x] = Some((z[self.x] - y + self.b * (self.forcing(0.0).angle + z[0]), gradient));
+            out[self.at.x] = Some((z[self.at.x] - y + self.b * (self.forcing(0.0).angle + z[0]), gradient));
         } else if self.renewal == 0.0 {
             // Under a moving roller such a cycle is no steady state: the bristles are taken to where they slip next.
             let th = self.forcing(0.0).angle + z[0];
-            let (mu, ..) = self.friction(0.0, self.state(self.psi, z), self.state(self.heat, z));
+            let (mu, ..) = self.friction(0.0, self.state(self.at.psi, z), self.state(self.at.heat, z));
             let normal = (self.load + self.load_stiffness * self.b * th).max(0.0);
             let mut gradient = [0.0; MAX_STATES];
-            gradient[self.x] = 1.0;
-            let held = self.stretch_under(mu * normal - self.state(self.q, z));
-            out[self.x] = Some((z[self.x] - held, gradient));
+            gradient[self.at.x] = 1.0;
+            let held = self.stretch_under(mu * normal - self.state(self.at.q, z));
+            out[self.at.x] = Some((z[self.at.x] - held, gradient));
         }
-        if let Some(i) = self.psi {
+        if let Some(i) = self.at.psi {
             let mut gradient = [0.0; MAX_STATES];
             gradient[i] = 1.0;
             out[i] = Some((z[i] - self.psi_scale, gradient));
@@ -456,6 +456,6 @@ impl HybridSystem for Problem {
 
     fn force(&self, forcing: &Forcing, z: &[f64], s: f64) -> (f64, f64) {
         let v = self.relative_speed(forcing, z);
-        (self.pull(z, v, v - s), z[self.x])
+        (self.pull(z, v, v - s), z[self.at.x])
     }
 }

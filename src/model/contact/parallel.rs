@@ -19,7 +19,7 @@ impl Problem {
     }
 
     fn as_sliders(&self, elements: Vec<Element>) -> Sliders<'_> {
-        let maxwell = self.q.map(|_| (self.k1, self.branch_rate));
+        let maxwell = self.at.q.map(|_| (self.k1, self.branch_rate));
         let spring_pot = self.spring_pot.iter().flat_map(|pot| pot.branches);
         Sliders { problem: self, elements, branches: maxwell.into_iter().chain(spring_pot).collect() }
     }
@@ -57,7 +57,7 @@ impl SliderSystem for Sliders<'_> {
     }
     fn support(&self) -> Option<(Linear, f64)> {
         let [inverse, damping, stiffness] = self.problem.support;
-        self.problem.roller.map(|_| (Linear { stiffness, damping }, -inverse))
+        self.problem.at.roller.map(|_| (Linear { stiffness, damping }, -inverse))
     }
     fn relative_speed(&self, forcing: &Forcing, velocity: f64, support: f64) -> f64 {
         self.problem.speed + support - self.problem.b * (forcing.velocity + velocity)
@@ -83,7 +83,7 @@ impl SliderSystem for Sliders<'_> {
         (mu * normal, mu_s * normal)
     }
     fn rate_independent(&self) -> bool {
-        self.problem.psi.is_none() && self.problem.laws.iter().all(|(e, p)| e.friction(p, 0.0, 0.0).is_none())
+        self.problem.at.psi.is_none() && self.problem.laws.iter().all(|(e, p)| e.friction(p, 0.0, 0.0).is_none())
     }
     fn interface(&self, s: f64) -> Option<(f64, f64)> {
         let law = self.problem.laws.iter().find_map(|(e, p)| e.interface_rate(p, s, 0.0))?;
@@ -95,9 +95,9 @@ impl SliderSystem for Sliders<'_> {
     fn start(&self) -> ([f64; 5], f64) {
         let p = self.problem;
         let z = p.initial_state();
-        let support = p.roller.map_or((0.0, 0.0), |i| (z[i], z[i + 1]));
-        let psi = p.psi.map_or(0.0, |i| if p.speed > 0.0 { z[i] } else { p.psi_scale });
-        ([z[0], z[1], support.0, support.1, p.heat.map_or(0.0, |i| z[i])], psi)
+        let support = p.at.roller.map_or((0.0, 0.0), |i| (z[i], z[i + 1]));
+        let psi = p.at.psi.map_or(0.0, |i| if p.speed > 0.0 { z[i] } else { p.psi_scale });
+        ([z[0], z[1], support.0, support.1, p.at.heat.map_or(0.0, |i| z[i])], psi)
     }
     fn at_rest(&self) -> bool {
         self.problem.speed == 0.0

@@ -18,7 +18,7 @@ impl Problem {
     /// By how much the bristles pull harder in direction `sign` than friction holds, at the slip rate `s >= 0`.
     pub(super) fn excess(&self, forcing: &Forcing, z: &[f64], sign: f64, s: f64) -> f64 {
         let p = self.point(forcing, z, sign * s);
-        let (mu, ..) = self.friction(s, self.state(self.psi, z), self.state(self.heat, z));
+        let (mu, ..) = self.friction(s, self.state(self.at.psi, z), self.state(self.at.heat, z));
         sign * p.force - mu * p.normal
     }
 

@@ -29,7 +29,7 @@ impl Problem {
         if self.rate_element || self.laws.iter().any(|(e, p)| e.torque(p, 0.0, 0.0).is_some()) {
             return None;
         }
-        let constant_friction = self.heat.is_none()
+        let constant_friction = self.at.heat.is_none()
             && self.load_stiffness == 0.0
             && self.laws.iter().all(|(e, p)| e.friction(p, 0.0, 0.0).is_none());
         if constant_friction {
@@ -83,7 +83,7 @@ impl Problem {
     pub fn locked_state(&self) -> Option<LimitingState> {
         let linear =
             !self.own_bristles && !self.hysteretic && self.laws.iter().all(|(e, p)| e.torque(p, 0.0, 0.0).is_none());
-        let grows = self.psi.is_some() && {
+        let grows = self.at.psi.is_some() && {
             let aged = |age: f64| self.friction(0.0, age * self.psi_scale, 0.0).0;
             aged(1e12) > aged(1e9)
         };
@@ -149,7 +149,7 @@ impl Problem {
         let mut y = (0.0, 0.0);
         let mut z = [0.0; MAX_STATES];
         (z[0], z[1]) = (apart.1, w * apart.0);
-        if let Some(i) = self.roller {
+        if let Some(i) = self.at.roller {
             // m y'' + c y' + k y = -F
             let [inverse, c, k] = self.support;
             let d = (k - w * w, w * c);
@@ -158,13 +158,13 @@ impl Problem {
             (z[i], z[i + 1]) = (y.1, w * y.0);
         }
         let stretch = (y.0 - self.b * stuck.0, y.1 - self.b * stuck.1);
-        z[self.x] = stretch.1;
-        if let Some(i) = self.q {
+        z[self.at.x] = stretch.1;
+        if let Some(i) = self.at.q {
             // q = k1 x i w/(1/tau + i w)
             let gain = self.k1 * w / (self.branch_rate * self.branch_rate + w * w);
             z[i] = gain * (w * stretch.1 + self.branch_rate * stretch.0);
         }
-        if let Some(i) = self.psi {
+        if let Some(i) = self.at.psi {
             z[i] = self.psi_scale;
         }
         Some(z)
