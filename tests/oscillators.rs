@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use stickslip::discover::{Basis, Candidate, Discovery, SearchOptions, Verdict, discover};
+use stickslip::fit::Identified;
 use stickslip::{measurement, scenario};
 
 fn table(name: &str) -> PathBuf {
@@ -81,6 +82,49 @@ fn a_notch_of_levels_alone_is_a_resonance_beside_a_crosstalk() {
     assert_eq!(last.hypothesis.label(), "crosstalk");
     assert!(last.comparison.overall.rms_error_percent < 0.2, "{:?}", last.comparison.overall);
     assert!(!last.comparison.notes.iter().any(|one| one.starts_with(note)), "{:?}", last.comparison.notes);
+}
+
+/// A sharp resonance whose signal comes through a long cable: the phase turns by many times in the readings, and where it is at none is
+/// known only from the slope.
+#[test]
+fn a_long_cable_is_a_delay() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let csv = folder.path().join("cable.csv");
+    let (quality, resonance, tau) = (1e5, 5.92e9, 40e-9);
+    let mut state = 88_172_645_463_325_252_u64;
+    // Sum of twelve uniform deviates: normal enough, of one per mille and a milliradian.
+    let mut noise = || {
+        let uniform = |_| {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        1e-3 * ((0..12).map(uniform).sum::<f64>() - 6.0)
+    };
+    let row = |row: i32| {
+        let frequency = resonance * (1.0 + (f64::from(row) - 100.0) / 20.0 / quality);
+        let detuning = 2.0 * quality * (frequency / resonance - 1.0);
+        let amplitude = (1.0 + noise()) / detuning.hypot(1.0);
+        let phase = 0.4 - detuning.atan() - std::f64::consts::TAU * tau * (frequency - 5e9) + noise();
+        format!("{frequency:.1},{:.7},{:.7}\n", amplitude * phase.cos(), amplitude * phase.sin())
+    };
+    std::fs::write(&csv, format!("f (Hz),S21 real,S21 imag\n{}", (0..201).map(row).collect::<String>()))
+        .expect("a table");
+    let path = folder.path().join("cable.toml");
+    new(&csv, &path);
+    let found = found(&path);
+    let explanation = found.explanation();
+    assert_eq!((found.verdict, explanation.hypothesis.label()), (Verdict::EffectMissing, "sensor-delay".into()));
+    let interval = |key: &str| {
+        let at =
+            explanation.comparison.fit.parameters.iter().position(|p| p.key == key).unwrap_or_else(|| panic!("{key}"));
+        &explanation.comparison.intervals[at]
+    };
+    let delay = interval("effect.sensor-delay.tau");
+    assert!(delay.low < tau && tau < delay.high && delay.high - delay.low < 0.05 * tau, "{delay:?}");
+    // The slope tells the phase at no frequency to less than a turn.
+    assert_eq!(interval("instrument.phase_offset").identified, Identified::No);
 }
 
 /// `discover -o` writes what was found: nothing is missing in it any more, and it compares as the discovery ended.

@@ -1,8 +1,7 @@
 //! The reading comes later than the motion.
 
-use super::{Effect, Group, Measure, ParameterInfo, Zero};
+use super::{Effect, Group, Measure, ParameterInfo, Scales, Zero};
 use crate::dual::Dual;
-
 use crate::parameter::ANY;
 
 /// Delay of the sensor.
@@ -41,6 +40,11 @@ impl Effect for SensorDelay {
                 .in_units_of(Measure::Time)
                 .either_sign()];
         LIST
+    }
+    /// Up to a radian over the width of the resonance, which behind a long cable is many turns.
+    fn search_range(&self, index: usize, scales: &Scales) -> (f64, f64) {
+        let (low, high) = self.parameters()[index].search_range(scales);
+        (low, high.max(scales.quality / scales.omega))
     }
 
     fn reading(&self, p: &[Dual], omega: f64) -> Option<Dual> {

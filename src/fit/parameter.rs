@@ -1,8 +1,11 @@
 //! What a fit may move: one number of a model with its bounds, on a scale on which searching is natural.
 
+use std::f64::consts::PI;
+
 use crate::model::Model;
 use crate::parameter::FIRST_EFFECT_PARAMETER;
 use crate::parameter::ParameterInfo;
+use crate::statistics::wrap;
 
 /// A contact is searched within this factor of its stated values.
 const CONTACT_FACTOR: f64 = 30.0;
@@ -24,7 +27,8 @@ const ORIGIN: f64 = 1.0;
 
 /// A parameter of a fit. The fit moves a coordinate u without bounds; the value is `t = middle + half sin(u - 1)` between
 /// the bounds (so that the middle is at u = 1 and the first trust region, which is relative to u, is none of zero size),
-/// `t` being the value or, for magnitudes, its logarithm.
+/// `t` being the value or, for magnitudes, its logarithm. An angle has no bounds: `t = middle + half (u - 1)`, and the values are
+/// those of one turn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
     /// Key as in `[fit] free`, e.g. `contact.stiffness`, `effect.grosch.h`.
@@ -40,6 +44,8 @@ pub struct Parameter {
     /// Sign of the value, for magnitudes.
     sign: f64,
     logarithmic: bool,
+    /// Whether values a turn apart are the same.
+    periodic: bool,
     /// What is added to the value before its magnitude is taken: 1 of a relative change.
     beside: f64,
     /// Bounds of `t`.
@@ -104,6 +110,7 @@ fn magnitude(key: &str, info: &ParameterInfo, index: usize, (bounds, range): ((f
         signed: false,
         sign: 1.0,
         logarithmic: true,
+        periodic: false,
         beside: 0.0,
         bounds,
         range,
@@ -116,14 +123,17 @@ fn of_base(key: &str, info: &ParameterInfo, index: usize, (value, beside_zero): 
         (true, true) => (value / factor, value * factor),
         // Nothing is known of what is stated as zero.
         (true, false) => (SMALLEST * SMALLEST * beside_zero, beside_zero),
-        (false, _) => (value - std::f64::consts::PI, value + std::f64::consts::PI),
+        (false, _) => (value - PI, value + PI),
     };
+    if !logarithmic {
+        let (bounds, range) = ((lower, upper), (value - 0.5 * PI, value + 0.5 * PI));
+        return Parameter { logarithmic, periodic: true, ..magnitude(key, info, index, (bounds, range)) };
+    }
     let clip = |x: f64| x.clamp(info.minimum, info.maximum);
-    let scale = |x: f64| if logarithmic { x.ln() } else { x };
-    let bounds = (scale(clip(lower)), scale(clip(upper)));
-    let middle = if value > 0.0 && logarithmic { value.ln() } else { 0.5 * (bounds.0 + bounds.1) };
+    let bounds = (clip(lower).ln(), clip(upper).ln());
+    let middle = if value > 0.0 { value.ln() } else { 0.5 * (bounds.0 + bounds.1) };
     let range = (0.5 * (bounds.0 + middle), 0.5 * (bounds.1 + middle));
-    Parameter { logarithmic, ..magnitude(key, info, index, (bounds, range)) }
+    magnitude(key, info, index, (bounds, range))
 }
 
 fn of_effect(key: &str, info: &ParameterInfo, index: usize, value: f64, (low, high): (f64, f64)) -> Parameter {
@@ -154,13 +164,24 @@ fn of_change(key: &str, info: &ParameterInfo, index: usize, high: f64) -> Parame
 }
 
 impl Parameter {
+    /// Whether values a turn apart are the same.
+    pub fn is_periodic(&self) -> bool {
+        self.periodic
+    }
+
     /// Value at the coordinate `u`.
     pub fn value(&self, u: f64) -> f64 {
+        if self.periodic {
+            return self.middle() + wrap(self.half() * (u - ORIGIN));
+        }
         self.at(self.middle() + self.half() * (u - ORIGIN).sin())
     }
 
     /// Derivative of the value by the coordinate.
     pub fn slope(&self, u: f64) -> f64 {
+        if self.periodic {
+            return self.half();
+        }
         let by_t = self.natural_slope(self.value(u));
         by_t * self.half() * (u - ORIGIN).cos()
     }
@@ -168,6 +189,9 @@ impl Parameter {
     /// Coordinate of a value; one at a bound is moved a little away from it, where the coordinate has no slope.
     pub fn coordinate(&self, value: f64) -> f64 {
         let sine = (self.scale(value) - self.middle()) / self.half();
+        if self.periodic {
+            return sine + ORIGIN;
+        }
         let inside = if sine.abs() < 1.0 - 1e-9 { sine } else { sine.clamp(-INSIDE, INSIDE) };
         inside.asin() + ORIGIN
     }
@@ -177,7 +201,7 @@ impl Parameter {
     pub fn edge(&self, value: f64) -> Option<(f64, f64)> {
         let sine = (self.scale(value) - self.middle()) / self.half();
         let side = sine.signum();
-        (sine.abs() >= INSIDE).then_some((side, ORIGIN + side * std::f64::consts::FRAC_PI_2))
+        (sine.abs() >= INSIDE && !self.periodic).then_some((side, ORIGIN + side * std::f64::consts::FRAC_PI_2))
     }
 
     /// Value at the share `share` in 0..1 of the range of a search.
@@ -220,6 +244,9 @@ impl Parameter {
 
     /// Whether the value lies at one of the bounds.
     pub fn at_bound(&self, value: f64) -> bool {
+        if self.periodic {
+            return false;
+        }
         let t = self.scale(value);
         let margin = 0.01 * (self.bounds.1 - self.bounds.0);
         t < self.bounds.0 + margin || t > self.bounds.1 - margin
@@ -231,8 +258,25 @@ impl Parameter {
         if self.logarithmic { value + self.beside } else { 1.0 }
     }
 
+    /// Whether an interval about a value that ends there ends at a bound, or an angle half a turn away.
+    pub fn is_open(&self, value: f64, end: f64) -> bool {
+        if self.periodic { (end - value).abs() > PI * (1.0 - 1e-9) } else { self.at_bound(end) }
+    }
+
+    /// Length of the longest step of that sign from the value on its natural scale: to the bound, half a turn of an angle.
+    pub fn room(&self, value: f64, direction: f64) -> f64 {
+        if self.periodic {
+            return PI;
+        }
+        let bound = if direction < 0.0 { self.bounds.0 } else { self.bounds.1 };
+        (bound - self.scale(value)).abs()
+    }
+
     /// The value moved by `step` on its natural scale, within the bounds.
     pub fn moved(&self, value: f64, step: f64) -> f64 {
+        if self.periodic {
+            return value + step;
+        }
         self.at((self.scale(value) + step).clamp(self.bounds.0, self.bounds.1))
     }
 
@@ -259,5 +303,27 @@ impl Parameter {
     }
     fn half(&self) -> f64 {
         0.5 * (self.bounds.1 - self.bounds.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_angle_has_no_bounds_and_one_turn_of_values() {
+        let info = crate::scenario::parameters::of_key("instrument.phase_offset").expect("an angle");
+        let angle = of_base("instrument.phase_offset", info, 0, (3.0, 1.0), 1.0);
+        for value in [3.0, -0.1, 6.1] {
+            let u = angle.coordinate(value);
+            let step = 1e-6;
+            let difference = (angle.value(u + step) - angle.value(u - step)) / (2.0 * step);
+            assert!((angle.value(u) - value).abs() < 1e-12 && (difference / angle.slope(u) - 1.0).abs() < 1e-6);
+            // The slope does not turn back anywhere, and the values come again after a turn.
+            assert_eq!(angle.slope(u + 1e3), angle.slope(u));
+            assert!((angle.value(u + std::f64::consts::TAU / angle.slope(u)) - value).abs() < 1e-9);
+            assert!(!angle.at_bound(value) && angle.edge(value).is_none());
+        }
+        assert!(angle.is_open(3.0, 3.0 + angle.room(3.0, 1.0)) && !angle.is_open(3.0, angle.moved(3.0, 3.0)));
     }
 }

@@ -1,7 +1,7 @@
 //! How well the data determine a parameter: profile likelihood, and the correlations behind it.
 
 use super::{Fit, Parameter, Problem, Settings, minimise, robust_chi2};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 /// 95 % quantile of chi squared with one degree of freedom.
@@ -74,17 +74,22 @@ fn covariance(fit: &Fit) -> DMatrix<f64> {
     if n == 0 {
         return DMatrix::zeros(0, 0);
     }
+    // Columns of unit length: what two estimates do against each other is not lost beside what each of them does.
     let mut jacobian = fit.evaluation.jacobian.clone();
-    for (column, (parameter, &value)) in fit.parameters.iter().zip(&fit.values).enumerate() {
+    let mut unit = DVector::from_element(n, 1.0);
+    for (i, (parameter, &value)) in fit.parameters.iter().zip(&fit.values).enumerate() {
         let slope = parameter.natural_slope(value);
-        jacobian.column_mut(column).scale_mut(slope);
+        let length = jacobian.column(i).norm() * slope.abs();
+        unit[i] = if length > 0.0 { 1.0 / length } else { 1.0 };
+        jacobian.column_mut(i).scale_mut(slope * unit[i]);
     }
     let normal = jacobian.transpose() * &jacobian;
     let eigen = normal.symmetric_eigen();
     let largest = eigen.eigenvalues.max().max(f64::MIN_POSITIVE);
     let mut inverse = DMatrix::zeros(n, n);
     for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
-        inverse += vector * vector.transpose() / value.max(largest * SINGULAR * SINGULAR).max(f64::MIN_POSITIVE);
+        let vector = vector.component_mul(&unit);
+        inverse += &vector * vector.transpose() / value.max(largest * SINGULAR * SINGULAR).max(f64::MIN_POSITIVE);
     }
     inverse
 }
@@ -95,8 +100,9 @@ pub fn approximate_intervals(fit: &Fit, noise: f64) -> Vec<Interval> {
     let covariance = covariance(fit);
     let of = |(i, (p, &value)): (usize, (&Parameter, &f64))| {
         let half = noise * (RISE * covariance[(i, i)]).sqrt();
-        let (one, other) = (p.moved(value, -half), p.moved(value, half));
-        let identified = match (p.at_bound(one), p.at_bound(other)) {
+        let end = |side: f64| p.moved(value, side * half.min(p.room(value, side)));
+        let (one, other) = (end(-1.0), end(1.0));
+        let identified = match (p.is_open(value, one), p.is_open(value, other)) {
             (false, false) => Identified::Yes,
             (true, true) => Identified::No,
             _ => Identified::OneSided,
@@ -256,13 +262,12 @@ struct Refit {
 impl<'p, 'a> Side<'p, 'a> {
     fn new(of: &'p Profile<'p, 'a>, i: usize, direction: f64) -> Self {
         let fit = of.fit;
-        let bound = fit.parameters[i].moved(fit.values[i], direction * 1e3);
         Self {
             of,
             i,
             direction,
             others: (0..fit.parameters.len()).filter(|&j| j != i).collect(),
-            room: fit.parameters[i].natural_distance(fit.values[i], bound),
+            room: fit.parameters[i].room(fit.values[i], direction),
             refit: None,
             tie: None,
             inside: Vec::new(),
@@ -307,8 +312,12 @@ impl<'p, 'a> Side<'p, 'a> {
         values[self.i] = self.at(step);
         let moving: Vec<Parameter> = self.others.iter().map(|&j| fit.parameters[j].clone()).collect();
         let mut constrained = self.of.problem.at(&values, moving);
-        let tied =
-            |(&j, slope): (&usize, &f64)| fit.parameters[j].moved(fit.values[j], (slope * step).clamp(-1.0, 1.0));
+        // A magnitude by a factor of e at most; an angle has no such scale.
+        let tied = |(&j, slope): (&usize, &f64)| {
+            let p = &fit.parameters[j];
+            let step = if p.is_periodic() { slope * step } else { (slope * step).clamp(-1.0, 1.0) };
+            p.moved(fit.values[j], step)
+        };
         let from: Vec<f64> = self.others.iter().zip(slopes).map(tied).collect();
         let evaluations = 4 * (self.others.len() + 1);
         let converged = (DONE * self.of.goal / self.of.least).min(1e-3);

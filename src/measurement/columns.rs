@@ -108,7 +108,9 @@ fn is_held(sheet: &Sheet, frame: &Frame<'_>, sweep: Option<&Sweep>, aside: &[usi
         let is_deviation = sheet.header.cells.iter().any(|of| is_deviation(&own, &header::plain(header::split(of).0)));
         near || !is_deviation && bracket.is_some_and(|unit| wanted.unit(unit).is_ok())
     };
-    frame.serving(DRIVE).contains(&"V") && sweep_values(DRIVE, sweep).is_empty() && !aside.iter().any(may_be)
+    frame.serving(DRIVE).contains(&"V")
+        && sweep_values(DRIVE, sweep).is_empty()
+        && !aside.iter().any(|index| may_be(index) && !sheet.is_zero(*index))
 }
 
 /// A frequency response function is of one drive, of a size that it does not tell: where nothing states it, it is one.

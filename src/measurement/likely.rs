@@ -54,6 +54,11 @@ pub(crate) fn likely(name: &str, bracket: Option<&str>) -> Option<(usize, Unit)>
             None => (1..words.len()).flat_map(|from| suffix(&words[from..])).find_map(|text| wanted.unit(&text).ok()),
         }
     };
+    if bracket.is_none() && words.len() == 1 {
+        // Nothing but a unit.
+        let angle = Wanted { possible: &["rad"], natural: None, share: false, per_drive: false };
+        return angle.unit(name).ok().map(|unit| (PHASE, unit));
+    }
     let column = if says(&["freq"]) || ends_so("frequency") || ends_so("frequenz") {
         return unit(&["Hz"]).map(|unit| (FREQUENCY, unit));
     } else if says(&["phas"]) || words.contains(&"arg") {
@@ -108,6 +113,7 @@ mod tests {
             ("laser_output", Some("mV"), AMPLITUDE, "V"),
             ("tip_velocity_mm_s", None, AMPLITUDE, "m/s"),
             ("phase_of_the_tip", Some("deg"), PHASE, "rad"),
+            ("deg", None, PHASE, "rad"),
         ] {
             let (found, unit) = likely(name, bracket).unwrap_or_else(|| panic!("{name}"));
             assert_eq!((found, unit.si), (column, si), "{name}");

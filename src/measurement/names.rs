@@ -58,12 +58,14 @@ const HERTZ: &[&str] = &["Hz"];
 const SECOND: &[&str] = &["s"];
 const RADIAN: &[&str] = &["rad"];
 const NEWTON: &[&str] = &["N"];
+const VOLT: &[&str] = &["V"];
 const TORQUE: &[&str] = &["N m"];
 
 /// A unit decides wherever a name alone could be another quantity.
 pub(crate) const ALIASES: &[Alias] = &[
     alias("f", FREQUENCY, HERTZ, true),
     alias("freq", FREQUENCY, HERTZ, true),
+    alias("hz", FREQUENCY, HERTZ, true),
     alias("frequenz", FREQUENCY, HERTZ, true),
     alias("drive_frequency", FREQUENCY, HERTZ, true),
     alias("excitation_frequency", FREQUENCY, HERTZ, true),
@@ -88,6 +90,16 @@ pub(crate) const ALIASES: &[Alias] = &[
     alias("base_displacement", DRIVE, &["m", "rad"], false),
     alias("base_acceleration", DRIVE, ANY_ACCELERATION, false),
     alias("base_accel", DRIVE, ANY_ACCELERATION, false),
+    alias("input", DRIVE, &[], true),
+    alias("in", DRIVE, &[], true),
+    alias("v_in", DRIVE, VOLT, true),
+    alias("vin", DRIVE, VOLT, true),
+    alias("u_in", DRIVE, VOLT, true),
+    alias("output", AMPLITUDE, &[], true),
+    alias("out", AMPLITUDE, &[], true),
+    alias("v_out", AMPLITUDE, VOLT, true),
+    alias("vout", AMPLITUDE, VOLT, true),
+    alias("u_out", AMPLITUDE, VOLT, true),
     alias("ampl", AMPLITUDE, &[], true),
     alias("amp", AMPLITUDE, &[], true),
     alias("magnitude", AMPLITUDE, &[], true),

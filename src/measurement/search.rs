@@ -5,8 +5,8 @@ use super::header::{self, Meaning};
 use super::likely::{in_hertz, is_deviation, is_other};
 use super::names::{ALL, AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LAG, LOAD, NUMBERS, PHASE, PHASE_SD, SPEED};
 use super::parts::{Parts, parts};
-use super::sheet::{Complaints, Row, Sheet};
-use super::swings::{is_peak_to_peak, other_amplitude};
+use super::sheet::{Complaints, Sheet};
+use super::swings::{Swing, is_peak_to_peak, other_amplitude};
 use super::unit::{Unit, Wanted};
 use crate::scenario::diagnostic::{nearest, quote};
 use crate::scenario::parameters::{COLUMNS, MEASURED};
@@ -194,6 +194,7 @@ impl Search<'_, '_> {
         }
         self.find_hertz();
         self.find_reading(with_speed);
+        self.find_drive();
         self.find_without_unit(unstated);
         self.find_deviations();
         for (index, column, why) in unsuited {
@@ -210,9 +211,7 @@ impl Search<'_, '_> {
     /// The unit of a column: of phases that state none, degrees where a number is more than two turns of the circle in radians.
     fn of_phase(&self, index: usize, column: usize, unit: Unit, stated: bool) -> Unit {
         let most = MEASURED[PHASE].maximum;
-        let number = |cell: &String| cell.replace('−', "-").replace(',', ".").parse::<f64>().ok();
-        let degrees = |row: Row| row.cells.get(index).and_then(number).is_some_and(|value| value.abs() > most);
-        if column == PHASE && !stated && self.sheet.rows().any(degrees) {
+        if column == PHASE && !stated && self.sheet.numbers(index).any(|value| value.abs() > most) {
             return unit.spelt("deg");
         }
         unit
@@ -237,15 +236,23 @@ impl Search<'_, '_> {
         }
     }
 
-    /// Columns without a use, their plain names and their units where they have one that a reading may have.
+    /// Columns without a use that are not zero throughout, their plain names and their units where they have one that a reading may have.
     fn unnamed(&self) -> Vec<(usize, String, Unit)> {
         let wanted = Wanted { possible: READINGS, natural: None, share: false, per_drive: false };
         let of = |index: usize| {
             let header = self.sheet.headed(index);
             let (name, bracket) = header::split(&header);
-            Some((index, header::plain(name), wanted.unit(bracket?).ok()?))
+            let unit = match bracket {
+                Some(text) => wanted.unit(text).ok()?,
+                // The end of a name is a word more often than a unit.
+                None => wanted.unit(name.rsplit_once('_')?.1).ok().filter(Unit::is_voltage)?,
+            };
+            Some((index, header::plain(name), unit))
         };
-        (0..self.taken.len()).filter(|index| !self.taken[*index]).filter_map(of).collect()
+        (0..self.taken.len())
+            .filter(|index| !self.taken[*index] && !self.sheet.is_zero(*index))
+            .filter_map(of)
+            .collect()
     }
 
     /// The reading by its unit alone, where one column has such a unit, its deviation apart, and none a name.
@@ -265,19 +272,33 @@ impl Search<'_, '_> {
         if found.is_empty() {
             found = swings;
         }
-        // A voltage drives the current that stands beside it.
-        let of = |unit: char| found.iter().find(|(_, _, own)| own.text.ends_with(unit));
-        if let (2, Some(voltage), Some(current), false) = (found.len(), of('V'), of('A'), named(DRIVE)) {
-            for (column, (index, _, unit)) in [(DRIVE, voltage), (AMPLITUDE, current)] {
-                let likely = vec![Candidate { index: *index, unit: unit.clone(), stated: true }];
-                self.choose_alias(column, likely, true);
-            }
-            return;
+        // A voltage drives what stands beside it.
+        if let ([_, _], false) = (&found[..], named(DRIVE)) {
+            found.retain(|(.., unit)| !unit.is_voltage());
         }
         if let [(index, _, unit)] = found[..] {
-            let unit = unit.clone().swinging(whole(*index));
+            let unit = if whole(*index) { unit.clone().swinging(Swing::Whole) } else { unit.clone() };
             let likely = vec![Candidate { index: *index, unit, stated: true }];
             self.choose_alias(AMPLITUDE, likely, with_speed);
+        }
+    }
+
+    /// The drive by its unit alone: one voltage beside a reading that is none, unless it follows that as the signal of its sensor.
+    fn find_drive(&mut self) {
+        let Some(Slot::Cells(reading, read)) = &self.slots[AMPLITUDE] else { return };
+        let driven = self.slots[DRIVE].is_some() || self.told[DRIVE];
+        if driven || read.is_voltage() || !self.frame.serving(DRIVE).contains(&"V") {
+            return;
+        }
+        let all = self.unnamed();
+        let voltage = |(_, name, unit): &&(usize, String, Unit)| {
+            unit.is_voltage() && !is_other(name) && !all.iter().any(|(_, of, _)| is_deviation(name, of))
+        };
+        if let [(index, _, unit)] = all.iter().filter(voltage).collect::<Vec<_>>()[..]
+            && !self.sheet.follows(*index, *reading)
+        {
+            let likely = vec![Candidate { index: *index, unit: unit.clone(), stated: true }];
+            self.choose_alias(DRIVE, likely, true);
         }
     }
 
@@ -343,6 +364,10 @@ impl Search<'_, '_> {
                     false => format!("{header} states no unit and is read in {}", unit.shown()),
                 });
             }
+            if unit.swing != Swing::Amplitude {
+                let (header, unit, swing) = (&self.sheet.header.cells[index], unit.shown(), unit.swing.note());
+                self.notes.push(format!("{} is read as {} in {unit}{swing}", quote(header), COLUMNS[column]));
+            }
             self.slots[column] = Some(Slot::Cells(index, unit));
         }
     }
@@ -351,6 +376,8 @@ impl Search<'_, '_> {
     fn choose_alias(&mut self, column: usize, mut candidates: Vec<Candidate>, with_speed: bool) {
         let sheet = self.sheet;
         let header = |candidate: &Candidate| quote(&sheet.header.cells[candidate.index]);
+        // Nobody reads nothing in all rows: that is the speed or the load of a rig without a contact.
+        candidates.retain(|candidate| column != AMPLITUDE || !self.sheet.is_zero(candidate.index));
         if candidates.iter().any(|candidate| candidate.unit.si != "V") {
             candidates.retain(|candidate| candidate.unit.si != "V");
         }
@@ -367,8 +394,8 @@ impl Search<'_, '_> {
                 let (header, key) = (header(one), COLUMNS[column]);
                 let unit = one.unit.shown() + if one.stated { "" } else { ", no unit being stated" };
                 let lag = if one.unit.negated { ", a lag positive," } else { "" };
-                let whole = if one.unit.whole { ", half of what stands there" } else { "" };
-                self.notes.push(format!("{header} is read as {key}{lag} in {unit}{whole}"));
+                let swing = one.unit.swing.note();
+                self.notes.push(format!("{header} is read as {key}{lag} in {unit}{swing}"));
                 self.taken[one.index] = true;
                 self.slots[column] = Some(Slot::Cells(one.index, one.unit.clone()));
             }
@@ -500,8 +527,11 @@ impl Search<'_, '_> {
             Ok((unit, stated)) => {
                 let unit = self.of_phase(index, column, unit, stated).counted(key == LAG);
                 let more = if stated { "" } else { ", no unit being stated" };
-                self.notes.push(format!("{} is read as {key} in {}{more}", quote(header), unit.shown()));
-                self.notes.extend(other_amplitude(header, column));
+                let (shown, swing) = (unit.shown(), unit.swing.note());
+                self.notes.push(format!("{} is read as {key} in {shown}{more}{swing}", quote(header)));
+                if unit.swing == Swing::Amplitude {
+                    self.notes.extend(other_amplitude(header, column));
+                }
                 self.slots[column] = Some(Slot::Cells(index, unit));
             }
             Err(why) => {

@@ -6,6 +6,7 @@ use std::ops::Range;
 use crate::error::{Error, Result};
 use crate::scenario::diagnostic::{MAX_TOLD, Place, Problems};
 use crate::scenario::source::Source;
+use crate::statistics::{median, spread};
 
 /// Rows and columns of the largest sheet of the usual spreadsheets. More in a file is another kind of file, and a sheet of
 /// a few bytes cannot ask for more memory than one that is full.
@@ -64,6 +65,31 @@ impl Sheet {
             Some(unit) => format!("{header} [{unit}]"),
             None => header.clone(),
         }
+    }
+
+    /// The numbers of a column, of any decimal mark; what is none is left out.
+    pub fn numbers(&self, index: usize) -> impl Iterator<Item = f64> {
+        let number = move |row: Row| {
+            let cell = row.cells.get(index)?;
+            cell.replace('−', "-").replace(',', ".").parse().ok()
+        };
+        self.rows().filter_map(number)
+    }
+
+    /// Whether all numbers of a column are zero.
+    pub fn is_zero(&self, index: usize) -> bool {
+        let mut numbers = self.numbers(index).peekable();
+        numbers.peek().is_some() && numbers.all(|number| number == 0.0)
+    }
+
+    /// Whether a column varies more than its ratio to another, which it then follows, as the signal of a sensor does.
+    pub fn follows(&self, index: usize, other: usize) -> bool {
+        let (own, of): (Vec<f64>, Vec<f64>) = (self.numbers(index).collect(), self.numbers(other).collect());
+        let levels: Vec<f64> = own.iter().map(|number| number.abs().ln()).collect();
+        let ratios: Vec<f64> = levels.iter().zip(&of).map(|(level, number)| level - number.abs().ln()).collect();
+        let [levels, ratios] =
+            [levels, ratios].map(|values| spread(values.iter().copied(), median(values.iter().copied())));
+        own.len() == of.len() && levels > ratios
     }
 
     /// Place of a cell; of the whole row where there is no such cell.

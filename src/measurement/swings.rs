@@ -1,7 +1,66 @@
-//! Names of columns that hold another measure of a swing than its amplitude.
+//! Names and units of columns that hold another measure of a swing than its amplitude.
 
 use super::names::{AMPLITUDE, DRIVE};
 use crate::scenario::diagnostic::quote;
+
+/// What measures a swing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Swing {
+    /// Its amplitude.
+    Amplitude,
+    /// From peak to peak.
+    Whole,
+    /// Root mean square.
+    Effective,
+}
+
+impl Swing {
+    /// The amplitude of a sine over this measure.
+    pub fn factor(self) -> f64 {
+        match self {
+            Self::Amplitude => 1.0,
+            Self::Whole => 0.5,
+            Self::Effective => std::f64::consts::SQRT_2,
+        }
+    }
+
+    /// What is said of it beside the unit.
+    pub fn note(self) -> &'static str {
+        match self {
+            Self::Amplitude => "",
+            Self::Whole => ", half of what stands there",
+            Self::Effective => ", √2 times the effective values that stand there",
+        }
+    }
+
+    /// A unit without the mark that may stand behind it, as in `Vpp`, `g rms` and `mm 0-p`, and what the mark says.
+    pub fn marked(unit: &str) -> (&str, Self) {
+        const MARKS: [(&str, Swing); 12] = [
+            ("pk-pk", Swing::Whole),
+            ("pk pk", Swing::Whole),
+            ("pkpk", Swing::Whole),
+            ("p-p", Swing::Whole),
+            ("pp", Swing::Whole),
+            ("ptp", Swing::Whole),
+            ("p2p", Swing::Whole),
+            ("rms", Swing::Effective),
+            ("eff", Swing::Effective),
+            ("peak", Swing::Amplitude),
+            ("0-p", Swing::Amplitude),
+            ("pk", Swing::Amplitude),
+        ];
+        for (mark, swing) in MARKS {
+            let at = unit.len().wrapping_sub(mark.len());
+            if let Some(end) = unit.get(at..)
+                && end.eq_ignore_ascii_case(mark)
+                && at > 0
+            {
+                return (unit[..at].trim_end_matches([' ', '_']), swing);
+            }
+        }
+        (unit, Self::Amplitude)
+    }
+}
 
 /// Whether the name of a column says that it holds the whole swing.
 pub(crate) fn is_peak_to_peak(name: &str) -> bool {
@@ -37,7 +96,24 @@ pub(crate) fn is_effective(name: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::is_peak_to_peak;
+    use super::{Swing, is_peak_to_peak};
+
+    #[test]
+    fn the_mark_behind_a_unit_says_what_is_measured() {
+        for (text, unit, swing) in [
+            ("Vpp", "V", Swing::Whole),
+            ("mV p-p", "mV", Swing::Whole),
+            ("g_rms", "g", Swing::Effective),
+            ("m/s^2 RMS", "m/s^2", Swing::Effective),
+            ("mm 0-p", "mm", Swing::Amplitude),
+            ("Vpk", "V", Swing::Amplitude),
+            ("V", "V", Swing::Amplitude),
+            ("rms", "rms", Swing::Amplitude),
+            ("°", "°", Swing::Amplitude),
+        ] {
+            assert_eq!(Swing::marked(text), (unit, swing), "{text}");
+        }
+    }
 
     #[test]
     fn the_whole_swing_is_told_from_words_that_merely_look_like_it() {

@@ -1,6 +1,7 @@
 //! Units as headers state them: in brackets or as the end of a name, in the spellings of laboratories.
 
 use super::frame::{DRIVES, kind};
+use super::swings::Swing;
 use crate::units::{self, UnitError};
 
 /// Symbols that are read in whatever case they are written, unless two differ in nothing else; in small letters the first of
@@ -26,8 +27,8 @@ pub(crate) struct Unit {
     pub over: Option<Over>,
     /// Whether its numbers count the other way round, as a lag does.
     pub negated: bool,
-    /// Whether its numbers are whole swings, from peak to peak: twice the amplitude.
-    pub whole: bool,
+    /// What of a swing its numbers are.
+    pub swing: Swing,
     /// Whether its numbers are one over what is wanted: periods where a frequency is.
     reciprocal: bool,
     /// What a unit that [`units`] does not have is in one that it has, and how many of these it is.
@@ -55,7 +56,7 @@ impl Unit {
             relative: false,
             over: None,
             negated: false,
-            whole: false,
+            swing: Swing::Amplitude,
             reciprocal: false,
             foreign: None,
             decibel: false,
@@ -67,9 +68,9 @@ impl Unit {
         Self { negated, ..self }
     }
 
-    /// The same, its numbers whole swings or amplitudes.
-    pub fn swinging(self, whole: bool) -> Self {
-        Self { whole, ..self }
+    /// The same, its numbers of that measure of a swing.
+    pub fn swinging(self, swing: Swing) -> Self {
+        Self { swing, ..self }
     }
 
     /// A frequency whose numbers are periods in this unit of time.
@@ -92,8 +93,13 @@ impl Unit {
             None => units::parse(&format!("{size} {}", self.text), if self.relative { "1" } else { self.si })?,
         };
         let value = self.over.as_ref().map_or(value, |over| value / over.size);
-        let value = if self.whole { 0.5 * value } else { value };
+        let value = self.swing.factor() * value;
         Ok(if self.negated { -value } else { value })
+    }
+
+    /// Whether its numbers are voltages, of none other of the electrical signals that stand for one.
+    pub fn is_voltage(&self) -> bool {
+        self.si == "V" && self.foreign.is_none() && !self.decibel && self.over.is_none()
     }
 
     /// As it is told.
@@ -183,7 +189,16 @@ impl Wanted {
         Ok(Unit { over: Some(Over { si: Some(drive.si), size, text: drive.text }), ..self.plain(above)? })
     }
 
+    /// A unit, of drives and readings with what it says of the swing.
     fn plain(&self, text: &str) -> Result<Unit, String> {
+        if !self.possible.contains(&"V") {
+            return self.sized(text);
+        }
+        let (unit, swing) = Swing::marked(text);
+        Ok(self.sized(unit)?.swinging(swing))
+    }
+
+    fn sized(&self, text: &str) -> Result<Unit, String> {
         let si = self.natural.unwrap_or(self.possible[0]);
         if let (Some(prefix), true) = (gravity(text), self.possible.contains(&"m/s^2")) {
             return Ok(Unit {

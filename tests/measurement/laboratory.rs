@@ -283,6 +283,46 @@ fn electrical_signals_are_readings() {
     }
 }
 
+/// The voltage of a generator beside what it shakes, in the words and units of laboratories: what each row reads at 0.7 Hz.
+#[test]
+fn a_voltage_beside_a_reading_drives_it() {
+    let row = |order: [usize; 4], n: i32| {
+        let f = 0.5 + 0.02 * f64::from(n);
+        let (x, y) = (0.49 - f * f, 0.7 * f / 8.0);
+        let cells = [f, 0.25, 0.05 / x.hypot(y), f64::atan2(-y, x).to_degrees()];
+        order.map(|at| cells[at].to_string()).join(",") + "\n"
+    };
+    // Amplitude over the number that stands there, drive over 0.25.
+    for (header, order, reading, drive, signal) in [
+        ("f / Hz,U / V,a / m/s^2,phase / deg", [0, 1, 2, 3], 1.0, 1.0, "m/s^2"),
+        ("freq_Hz,amp_V,accel_g,phase_deg", [0, 1, 2, 3], 9.80665, 1.0, "m/s^2"),
+        (
+            "Frequency [Hz],Generator [Vpp],Displacement [mm rms],Phase [deg]",
+            [0, 1, 2, 3],
+            2f64.sqrt() * 1e-3,
+            0.5,
+            "m",
+        ),
+        ("f (Hz),velocity (mm/s pk),U exc (V),Phase (deg)", [0, 2, 1, 3], 1e-3, 1.0, "m/s"),
+        ("Hz,V in,V out,deg", [0, 1, 2, 3], 1.0, 1.0, "V"),
+        ("Frequency,Input,Output,Phase", [0, 1, 2, 3], 1.0, 1.0, "V"),
+    ] {
+        let text: String = (0..24).map(|n| row(order, n)).collect();
+        let survey = survey_bytes("t.csv", format!("{header}\n{text}").as_bytes());
+        let table = survey.unwrap_or_else(|error| panic!("{header}: {error}")).table;
+        let point = &table.points[10];
+        assert_eq!((table.signals.reading.unit, point.drive), (signal, 0.25 * drive), "{header}");
+        let (size, phase) = (0.05 * 8.0 / 0.49 * reading, -std::f64::consts::FRAC_PI_2);
+        assert!((point.amplitude / size - 1.0).abs() < 1e-9, "{header}: {point:?}");
+        assert!(point.phase.is_some_and(|own| (own - phase).abs() < 1e-9), "{header}: {point:?}");
+    }
+    // Load and speed of a rig that has neither.
+    let zeros: String = (0..24).map(|n| row([0, 1, 2, 3], n).replacen(",0.25,", ",0,0,", 1)).collect();
+    let survey = survey_bytes("t.csv", format!("f (Hz),V / mm/s,W / N,U / V,phase (deg)\n{zeros}").as_bytes());
+    let table = survey.unwrap_or_else(|error| panic!("{error}")).table;
+    assert_eq!((table.signals.reading.unit, table.points[10].drive), ("V", 1.0));
+}
+
 #[test]
 fn an_angular_frequency_is_a_frequency() {
     for name in ["omega [rad/s]", "ω / rad/s", "w (rad/s)", "Kreisfrequenz [rad/s]", "angular frequency (rad/s)"] {
