@@ -2,7 +2,7 @@
 
 use super::frame::{DRIVES, Frame};
 use super::header::{self, Meaning};
-use super::likely::is_deviation;
+use super::likely::{is_deviation, is_setting};
 use super::names::{AMPLITUDE, DRIVE, FREQUENCY, LOAD, NUMBERS, SERIES, SPEED, SWEEP};
 use super::parts::Parts;
 use super::samples;
@@ -106,7 +106,7 @@ fn is_held(sheet: &Sheet, frame: &Frame<'_>, sweep: Option<&Sweep>, aside: &[usi
         let near = [frame.standard(DRIVE), COLUMNS[DRIVE]].iter().any(|key| nearest(key, [name]).is_some());
         let own = header::plain(name);
         let is_deviation = sheet.header.cells.iter().any(|of| is_deviation(&own, &header::plain(header::split(of).0)));
-        near || !is_deviation && bracket.is_some_and(|unit| wanted.unit(unit).is_ok())
+        near || !is_deviation && !is_setting(&own) && bracket.is_some_and(|unit| wanted.unit(unit).is_ok())
     };
     frame.serving(DRIVE).contains(&"V")
         && sweep_values(DRIVE, sweep).is_empty()

@@ -222,7 +222,10 @@ pub(crate) fn time_unit(header: &str) -> Option<String> {
 
 /// Name and unit of `speed [mm/s]`, `speed (mm/s)`, `speed / mm/s` and `speed in mm/s`.
 pub(crate) fn split(header: &str) -> (&str, Option<&str>) {
-    let header = header.trim();
+    // The number of a run, as some programs write it behind every header.
+    let is_number = |text: &str| !text.is_empty() && text.chars().all(|c| c.is_ascii_digit());
+    let run = header.rsplit_once(" Run #").filter(|(_, number)| is_number(number));
+    let header = run.map_or(header, |(name, _)| name).trim();
     for (open, close) in [('[', ']'), ('(', ')')] {
         if let Some(inner) = header.strip_suffix(close)
             && let Some(at) = inner.rfind(open)

@@ -10,6 +10,8 @@ const OTHER: &[&str] = &[
     "sd", "std", "stdev", "error", "unc", "unsich", "sigma", "mean", "mittel", "harmon", "lag", "sampl", "abtast",
     "noise", "ruido", "rausch", "fehler", "pp", "p2p", "pk", "peak", "rms", "eff", "bandw", "temp", "sensit", "calib",
 ];
+/// Beginnings of words for a setting of the instrument that reads.
+const SETTINGS: &[&str] = &["scale", "escal", "skal", "range"];
 /// Beginnings of words that say what shakes the rig. They come before [`READS`]: the displacement of a base is a drive.
 const DRIVES_IT: &[&str] = &[
     "driv",
@@ -76,6 +78,11 @@ pub(crate) fn likely(name: &str, bracket: Option<&str>) -> Option<(usize, Unit)>
 /// Whether a name is of a column that is none of drive, frequency, amplitude and phase.
 pub(crate) fn is_other(name: &str) -> bool {
     name.split('_').any(|word| OTHER.iter().any(|beginning| word.starts_with(beginning)))
+}
+
+/// Whether a name is that of a setting of the instrument that reads, its range.
+pub(crate) fn is_setting(name: &str) -> bool {
+    name.split('_').any(|word| SETTINGS.iter().any(|beginning| word.starts_with(beginning)))
 }
 
 /// Whether a name is that of the deviation of what has the other one.

@@ -283,8 +283,12 @@ fn read(wanted: &MeasurementSource, bytes: &[u8], frame: &Frame<'_>, sweep: Opti
     unused_keys(wanted, format, &mut notes);
     let Readings { signals, columns, choices, .. } = &readings;
     let (signals, columns, choices) = (*signals, columns.clone(), choices.clone());
-    let sweeps = if readings.drive_assumed { series::sweeps(&readings.list) } else { 1 };
-    if sweeps > 1 {
+    let (sweeps, agree) = if readings.drive_assumed { series::sweeps(&readings.list) } else { (1, true) };
+    if sweeps > 1 && agree {
+        notes.push(format!(
+            "no column states the drive of the {sweeps} sweeps: they agree where they meet, as those of one drive do"
+        ));
+    } else if sweeps > 1 {
         let title = format!("`{}` holds {sweeps} sweeps, and no column states their drives", wanted.file.display());
         let help = "name a column force_n, drive_g, drive_v or the like; of a drive that was the same in all of them its setting will do: \
                     drive_v, the same number in every row";

@@ -10,6 +10,7 @@ use super::swings::{Swing, is_peak_to_peak, other_amplitude};
 use super::unit::{Unit, Wanted};
 use crate::scenario::diagnostic::{nearest, quote};
 use crate::scenario::parameters::{COLUMNS, MEASURED};
+use crate::statistics::median;
 
 /// Where the numbers of a column come from.
 #[derive(Debug, Clone)]
@@ -137,7 +138,7 @@ impl Search<'_, '_> {
             }
             match header::meaning(&self.sheet.headed(index), self.frame) {
                 Meaning::Column(column, unit, stated) if !self.told[column] => {
-                    let unit = self.of_phase(index, column, unit, stated);
+                    let unit = self.of_numbers(index, column, unit, stated);
                     if self.frame.serving(column).contains(&unit.si) {
                         said.named[column].push(Candidate { index, unit, stated });
                     } else {
@@ -147,7 +148,7 @@ impl Search<'_, '_> {
                 Meaning::Alias(column, unit, stated)
                     if !self.told[column] && self.frame.serving(column).contains(&unit.si) =>
                 {
-                    let unit = self.of_phase(index, column, unit, stated);
+                    let unit = self.of_numbers(index, column, unit, stated);
                     said.aliases[column].push(Candidate { index, unit, stated });
                 }
                 Meaning::Likely(column, unit)
@@ -157,7 +158,8 @@ impl Search<'_, '_> {
                 }
                 // Of a drive or a reading without a unit nothing is known but that it goes with the force or the motion.
                 Meaning::NoUnit(column @ (DRIVE | AMPLITUDE)) if self.frame.is_free() && !self.told[column] => {
-                    said.unstated[column].push(Candidate { index, unit: Unit::of("V"), stated: false });
+                    let unit = self.of_numbers(index, column, Unit::of("V"), false);
+                    said.unstated[column].push(Candidate { index, unit, stated: false });
                 }
                 Meaning::NoUnit(column) if !self.told[column] => {
                     said.unsuited.push((index, column, Ok("no unit is stated, and nothing else tells it".into())));
@@ -193,7 +195,10 @@ impl Search<'_, '_> {
             }
         }
         self.find_hertz();
-        self.find_reading(with_speed);
+        // A name says more than a unit.
+        if unstated[AMPLITUDE].is_empty() {
+            self.find_reading(with_speed);
+        }
         self.find_drive();
         self.find_without_unit(unstated);
         self.find_deviations();
@@ -208,13 +213,15 @@ impl Search<'_, '_> {
         }
     }
 
-    /// The unit of a column: of phases that state none, degrees where a number is more than two turns of the circle in radians.
-    fn of_phase(&self, index: usize, column: usize, unit: Unit, stated: bool) -> Unit {
+    /// The unit of a column that states none by its numbers: of phases degrees where one is more than two turns of the circle in radians,
+    /// of readings a level where most are negative, as no amplitude is.
+    fn of_numbers(&self, index: usize, column: usize, unit: Unit, stated: bool) -> Unit {
         let most = MEASURED[PHASE].maximum;
-        if column == PHASE && !stated && self.sheet.numbers(index).any(|value| value.abs() > most) {
-            return unit.spelt("deg");
+        match column {
+            PHASE if !stated && self.sheet.numbers(index).any(|value| value.abs() > most) => unit.spelt("deg"),
+            AMPLITUDE if !stated && unit.is_voltage() && median(self.sheet.numbers(index)) < 0.0 => Unit::level(),
+            _ => unit,
         }
-        unit
     }
 
     /// The frequency by its unit alone, where one column has it and none a name.
@@ -357,6 +364,10 @@ impl Search<'_, '_> {
             if !stated {
                 let header = quote(&self.sheet.header.cells[index]);
                 self.notes.push(match self.frame.is_free() && unit.si == "V" {
+                    true if unit.over.is_some() => format!(
+                        "{header} is read as {} in dB: it states no unit, and most of its numbers are negative",
+                        COLUMNS[column]
+                    ),
                     true => format!(
                         "{header} is read as {}: it states no unit, and 1 V stands for one of whatever it is in",
                         COLUMNS[column]
@@ -387,6 +398,14 @@ impl Search<'_, '_> {
         }
         if self.frame.is_free() {
             self.keep_likeliest(column, &mut candidates);
+        }
+        if column == FREQUENCY && self.frame.is_free() && candidates.len() > 1 {
+            // Both channels of an oscilloscope tell it.
+            let first = candidates[0].index;
+            if candidates[1..].iter().all(|other| self.sheet.follows(other.index, first)) {
+                candidates.truncate(1);
+                self.choices.push((COLUMNS[column].into(), self.sheet.header.cells[first].clone()));
+            }
         }
         match candidates.as_slice() {
             [] => {}
@@ -525,7 +544,7 @@ impl Search<'_, '_> {
         match header::mapped(&sheet.headed(index), key, column, frame) {
             Ok((unit, _)) if !frame.serving(column).contains(&unit.si) => self.unsuited(index, column, unit.si),
             Ok((unit, stated)) => {
-                let unit = self.of_phase(index, column, unit, stated).counted(key == LAG);
+                let unit = self.of_numbers(index, column, unit, stated).counted(key == LAG);
                 let more = if stated { "" } else { ", no unit being stated" };
                 let (shown, swing) = (unit.shown(), unit.swing.note());
                 self.notes.push(format!("{} is read as {key} in {shown}{more}{swing}", quote(header)));

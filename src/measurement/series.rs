@@ -6,7 +6,7 @@ use super::Point;
 use super::reading::{Direction, Reading};
 use crate::effects;
 use crate::scenario::Scenario;
-use crate::statistics::median;
+use crate::statistics::{median, spread};
 
 /// One sweep.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -115,12 +115,49 @@ pub(super) fn group(list: &mut [Reading], arm: bool) -> Vec<Series> {
     series.into_iter().map(|(series, _)| series).collect()
 }
 
-/// How many sweeps rows of one drive are, each of enough of them to be told.
-pub(super) fn sweeps(list: &[Reading]) -> usize {
+/// How many sweeps the rows are, each of enough of them to be told, and whether each agrees with the one before, as those of one drive do.
+pub(super) fn sweeps(list: &[Reading]) -> (usize, bool) {
     let rows: Vec<usize> = (0..list.len()).collect();
     let passes = passes(list, &rows);
     let most = passes.iter().map(|pass| span(list, pass)).fold(0.0, f64::max);
-    passes.iter().filter(|pass| pass.len() >= SWEPT && span(list, pass) >= WAVERS * most).count()
+    let told: Vec<&Vec<usize>> =
+        passes.iter().filter(|pass| pass.len() >= SWEPT && span(list, pass) >= WAVERS * most).collect();
+    let agree = told.windows(2).all(|pair| is_of_its_drive(list, pair[0], pair[1]));
+    (told.len(), agree)
+}
+
+/// Whether a sweep is as large as another where the two meet, or one goes on where the other ends: within what they scatter about one
+/// another, or by less than another level of the drive would make it.
+fn is_of_its_drive(list: &[Reading], sweep: &[usize], other: &[usize]) -> bool {
+    let mut along: Vec<(f64, f64)> =
+        sweep.iter().map(|row| (list[*row].frequency, list[*row].amplitude.ln())).collect();
+    along.sort_by(|a, b| a.0.total_cmp(&b.0));
+    along.dedup_by_key(|(frequency, _)| *frequency);
+    let read = |row: &usize| (list[*row].frequency, list[*row].amplitude.ln());
+    // The logarithm of the ratio to the line through two neighbours.
+    let beside = |pair: &[(f64, f64)], (f, level): (f64, f64)| {
+        let slope = (pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0);
+        level - pair[0].1 - slope * (f - pair[0].0)
+    };
+    let ratio = |row: &usize| {
+        let own = read(row);
+        let pair = along.windows(2).find(|pair| (pair[0].0..=pair[1].0).contains(&own.0))?;
+        Some(beside(pair, own)).filter(|ratio| ratio.is_finite())
+    };
+    let ratios: Vec<f64> = other.iter().filter_map(ratio).collect();
+    if ratios.len() >= SWEPT {
+        let middle = median(ratios.iter().copied());
+        return middle.abs() <= spread(ratios.iter().copied(), middle).max(0.5 * LEVEL);
+    }
+    let places = (1..along.len()).flat_map(|at| [[at - 1, at], [at, at - 1]]);
+    let ends = places.flat_map(|[before, end]| other.iter().map(move |row| (before, end, read(row))));
+    let away = |&(_, end, own): &(usize, usize, (f64, f64))| (own.0 - along[end].0).abs();
+    let Some(nearest) = ends.min_by(|a, b| away(a).total_cmp(&away(b))) else { return false };
+    let (before, end, own) = (along[nearest.0], along[nearest.1], nearest.2);
+    let near = (2.0 * (end.0 - before.0).abs()).max(WAVERS * span(list, sweep).min(span(list, other)));
+    // As the slope at the end has it, or, where frequencies waver and that is noise, as the end itself is.
+    let ratio = beside(&[before, end], own).abs().min((own.1 - end.1).abs());
+    away(&nearest) <= near && ratio < 0.5 * LEVEL
 }
 
 /// What is said of a sweep; the order of rows tells nothing where it is `unordered`.

@@ -63,6 +63,11 @@ impl Unit {
         }
     }
 
+    /// A level of a ratio whose reference is not stated.
+    pub fn level() -> Self {
+        Self { over: Some(Over { si: None, size: 1.0, text: String::new() }), decibel: true, ..Self::of("V") }
+    }
+
     /// The same, its numbers counted the other way round if so.
     pub fn counted(self, negated: bool) -> Self {
         Self { negated, ..self }
@@ -169,10 +174,7 @@ impl Wanted {
             return self.plain(text);
         }
         match level(text) {
-            Some("") if self.possible.contains(&"V") => {
-                let over = Some(Over { si: None, size: 1.0, text: String::new() });
-                Ok(Unit { over, decibel: true, ..Unit::of("V") })
-            }
+            Some("") if self.possible.contains(&"V") => Ok(Unit::level()),
             Some("") => Err("a level needs what it refers to, such as dB re 1 m".into()),
             Some("m") if text.eq_ignore_ascii_case("dbm") => Err("dBm is the level of a power".into()),
             Some(of) => Ok(Unit { decibel: true, ..self.ratio(of)? }),

@@ -323,6 +323,52 @@ fn a_voltage_beside_a_reading_drives_it() {
     assert_eq!((table.signals.reading.unit, table.points[10].drive), ("V", 1.0));
 }
 
+/// What the numbers tell where the headers do not: levels, two channels of one frequency, a name before a unit.
+#[test]
+fn numbers_and_names_tell_what_units_do_not() {
+    let rows = |cells: &dyn Fn(f64, f64) -> String| {
+        let row = |n: i32| {
+            let f = 0.5 + 0.02 * f64::from(n);
+            cells(f, 0.2 / (0.49 - f * f).hypot(0.7 * f / 8.0)) + "\n"
+        };
+        (0..24).map(row).collect::<String>()
+    };
+    let read = |header: &str, cells: &dyn Fn(f64, f64) -> String| {
+        let survey = survey_bytes("t.csv", format!("{header}\n{}", rows(cells)).as_bytes());
+        survey.unwrap_or_else(|error| panic!("{header}: {error}")).table
+    };
+    let at_peak = 0.2 * 8.0 / 0.49;
+    let table = read("freq,mag", &|f, size| format!("{f},{}", 20.0 * (1e-3 * size).log10()));
+    assert!((table.points[10].amplitude / (1e-3 * at_peak) - 1.0).abs() < 1e-9, "{:?}", table.points[10]);
+    let channels = &|f: f64, size: f64| format!("{f},0.5,{},{size}", f * 1.0001);
+    let table = read("CH1 freq [Hz],drive [V],CH2 freq [Hz],response [V]", channels);
+    assert_eq!((table.points[10].frequency, table.points[10].drive), (0.7, 0.5));
+    let table = read("U_V,amplitude,Period (s)", &|f, size| format!("{},{size},{}", 3.0 * f, 1.0 / f));
+    assert!((table.points[10].amplitude / at_peak - 1.0).abs() < 1e-9, "{:?}", table.points[10]);
+    let table = read("\"freq (Hz) Run #16\",\"Angle (rad) Run #16\"", &|f, size| format!("{f},{}", 1e-3 * size));
+    assert_eq!(table.signals.reading.unit, "rad");
+}
+
+/// Up and down again, or on after a step back: where such sweeps agree one drive is taken for all, where they do not it has to be stated.
+#[test]
+fn sweeps_that_agree_are_of_one_drive() {
+    let row = |f: f64, drive: f64| format!("{f:.4},{:.5}\n", drive / (0.49 - f * f).hypot(0.7 * f / 8.0));
+    let sweep = |from: i32, to: i32, drive: f64| {
+        let f = |n: i32| 0.5 + 0.02 * f64::from(n);
+        (from..to).map(|n| row(f(n), drive)).collect::<String>()
+    };
+    let back = |drive: f64| sweep(0, 24, drive).lines().rev().fold(String::new(), |all, line| all + line + "\n");
+    let read = |text: String| survey_bytes("t.csv", format!("f [Hz],A [cm]\n{text}").as_bytes());
+    for text in [sweep(0, 24, 0.2) + &back(0.201), sweep(5, 24, 0.2) + &sweep(0, 5, 0.2)] {
+        let table = read(text).unwrap_or_else(|error| panic!("{error}")).table;
+        assert!(table.notes.iter().any(|note| note.contains("2 sweeps: they agree")), "{:?}", table.notes);
+    }
+    for text in [sweep(0, 24, 0.2) + &back(0.3), sweep(5, 24, 0.2) + &sweep(0, 5, 0.3)] {
+        let refused = read(text).expect_err("two drives").to_string();
+        assert!(refused.contains("holds 2 sweeps"), "{refused}");
+    }
+}
+
 #[test]
 fn an_angular_frequency_is_a_frequency() {
     for name in ["omega [rad/s]", "ω / rad/s", "w (rad/s)", "Kreisfrequenz [rad/s]", "angular frequency (rad/s)"] {
