@@ -9,7 +9,7 @@ use crate::fit::{Evaluation, Parameter, Prediction, Problem, TAIL, parameter, ro
 use crate::measurement::Point;
 use crate::model::Model;
 use crate::solver::cycle::Tolerance;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Complex, DMatrix, DVector};
 
 /// Singular values below this share of the largest count as none.
 const SINGULAR: f64 = 1e-9;
@@ -21,6 +21,8 @@ pub struct Parent<'a> {
     evaluation: Evaluation,
     /// Orthonormal columns that span what its parameters can do.
     span: DMatrix<f64>,
+    /// Whether only what is read beside the motion is looked for from there.
+    beside: bool,
 }
 
 impl<'a> Parent<'a> {
@@ -46,7 +48,12 @@ impl<'a> Parent<'a> {
                 span = u.select_columns(&seen);
             }
         }
-        Self { model: problem.model(&values), problem, evaluation, span }
+        Self { model: problem.model(&values), problem, evaluation, span, beside: false }
+    }
+
+    /// The same, for nothing but what is read beside the motion.
+    pub fn for_what_is_read_beside(self) -> Self {
+        Self { beside: true, ..self }
     }
 
     /// Residuals at the best that the parameters can do, in a linear estimate.
@@ -92,6 +99,34 @@ impl<'a> Parent<'a> {
             both.map_or([0.0; 2], |(own, first)| [own.0 / first.0 - 1.0, own.1 / first.1 - 1.0])
         };
         (1..=others).flat_map(of).collect()
+    }
+
+    /// The model with an effect that is read beside the motion, of the strengths with which the readings are nearest in the complex plane, where it
+    /// is linear in them; `None` where phases are missing.
+    fn with_read_beside(&self, data: &Data<'_>, addition: Addition) -> Option<Model> {
+        let Addition::Effect(effect) = addition else { return None };
+        let points = self.problem.points();
+        let measured: Option<Vec<Complex<f64>>> =
+            points.iter().map(|point| Some(Complex::from_polar(point.amplitude, point.phase?))).collect();
+        let measured = measured.filter(|_| effect.is_read_beside())?;
+        let mut model = extended(&self.model, &[addition]);
+        let sizes = model.effects.last()?.1.clone();
+        let mut read = |values: Vec<f64>| -> Vec<Complex<f64>> {
+            model.effects.last_mut().into_iter().for_each(|(_, own)| own.clone_from(&values));
+            let predicted = |p: &Prediction| Complex::from_polar(p.amplitude, p.phase);
+            self.evaluated(data, &model).predictions.iter().map(predicted).collect()
+        };
+        let none = read(vec![0.0; sizes.len()]);
+        let of = |k: usize| sizes.iter().enumerate().map(|(at, size)| if at == k { *size } else { 0.0 }).collect();
+        let each: Vec<Vec<Complex<f64>>> = (0..sizes.len()).map(|k| read(of(k))).collect();
+        let part = |row: usize, value: Complex<f64>| if row % 2 == 0 { value.re } else { value.im };
+        let rows = 2 * points.len();
+        let matrix = DMatrix::from_fn(rows, sizes.len(), |row, k| part(row, each[k][row / 2] - none[row / 2]));
+        let right = DVector::from_fn(rows, |row, _| part(row, measured[row / 2] - none[row / 2]));
+        let shares = matrix.svd(true, true).solve(&right, SINGULAR).ok()?;
+        let values = sizes.iter().zip(shares.iter()).map(|(size, share)| size * share).collect();
+        model.effects.last_mut()?.1 = values;
+        shares.iter().all(|share| share.is_finite()).then_some(model)
     }
 
     /// A starting point: the model, which has one more addition and leaves this, or as much of the addition as the sum of squares
@@ -161,9 +196,11 @@ pub struct Look {
 /// Looks at starting points of an addition, in turn from the places where its parent may be.
 pub fn look(data: &Data<'_>, parents: &[Parent<'_>], from: &Hypothesis, addition: Addition, count: Count<'_>) -> Look {
     let mut found = Look { starts: Vec::new(), visibility: 0.0, strongest: Vec::new() };
-    for (number, shares) in count.samples(from, addition).into_iter().enumerate() {
-        let parent = &parents[number % parents.len()];
-        let model = shares.of(data, parent, addition);
+    let others = parents.iter().filter(|parent| !parent.beside);
+    let sampled = count.samples(from, addition).into_iter().zip(others.cycle());
+    let sampled = sampled.map(|(shares, parent)| (parent, shares.of(data, parent, addition)));
+    let nearest = parents.iter().filter_map(|parent| Some((parent, parent.with_read_beside(data, addition)?)));
+    for (parent, model) in nearest.chain(sampled) {
         let evaluation = parent.evaluated(data, &model);
         let (start, size) = parent.start(data, from, addition, (&model, &evaluation));
         found.starts.push(start);

@@ -3,9 +3,7 @@
 use super::candidates::Candidates;
 use super::next::Bounds;
 
-/// Schwarz's criterion of two hypotheses closer than this: the data do not decide between them. Odds of twenty to one where
-/// both were as likely before (Kass and Raftery 1995).
-pub const MARGIN: f64 = 6.0;
+pub use crate::fit::MARGIN;
 
 /// Chance at which the right one of rival additions may leave a race for good, since on the readings seen so far another is better.
 pub const MISTAKE: f64 = 1e-3;

@@ -9,8 +9,8 @@ use super::options::{MARGIN, MISTAKE, SearchOptions};
 use super::race::{Competitor, Race, Round};
 use super::runner::{Bar, COSTLY, Runner};
 use crate::compare::{self, Calibration};
-use crate::fit::{TAIL, cost, robust_chi2, robust_square, typical_of};
-use crate::measurement::{Noise, Table};
+use crate::fit::{Problem, TAIL, cost, resonance, robust_chi2, robust_square, typical_of};
+use crate::measurement::{Noise, Point, Table};
 use crate::model::Model;
 use crate::scenario::Scenario;
 use crate::solver::cycle::Tolerance;
@@ -418,8 +418,20 @@ impl<'a> Search<'a> {
         let mut stated = fitted.clone();
         stated[..self.data.stated.len()].copy_from_slice(&self.data.stated);
         let mut places = vec![Parent::new(&self.data, from, fitted.clone(), points)];
-        if stated != fitted && from.additions.is_empty() {
+        if !from.additions.is_empty() {
+            return places;
+        }
+        if stated != fitted {
             places.push(Parent::new(&self.data, from, stated, points));
+        }
+        // ... or where the readings show a resonance beside what is read with it, out of which a flank of it may have led the fit.
+        let keys: Vec<String> = from.fit.parameters.iter().map(|p| p.key.clone()).collect();
+        if let Some(seen) = resonance::started(&from.model, &keys, self.data.points) {
+            let none: [&Point; 0] = [];
+            let values = Problem::new(seen, none, from.fit.parameters.clone(), Tolerance::COARSE).values();
+            let place = Parent::new(&self.data, from, values, points);
+            let has_left = resonance::left_readings(&from.fitted(), self.data.points).is_some();
+            places.push(if has_left { place } else { place.for_what_is_read_beside() });
         }
         places
     }

@@ -277,6 +277,12 @@ pub trait Effect: Sync {
     fn between_series(&self, _p: &[Dual], _series: usize) -> Option<(Dual, Dual)> {
         None
     }
+    /// Whether it is read beside the motion of the mode, which is as without it.
+    fn is_read_beside(&self) -> bool {
+        let one = Dual::constant(1.0);
+        let at = Beside { omega: 1.0, stiffness: one, inertia: one, order: 0 };
+        self.beside(&vec![one; self.parameters().len()], &at).is_some()
+    }
     /// Motion per torque of the drive \[rad/(N m), m/N\], complex, that is read beside that of the mode.
     fn beside(&self, _p: &[Dual], _of: &Beside) -> Option<(Dual, Dual)> {
         None

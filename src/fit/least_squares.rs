@@ -68,6 +68,10 @@ pub fn typical_of(residuals: &DVector<f64>) -> f64 {
     crate::statistics::spread(residuals.iter().copied(), 0.0).max(1.0)
 }
 
+/// Schwarz's criterion of two hypotheses closer than this: the data do not decide between them. Odds of twenty to one where
+/// both were as likely before (Kass and Raftery 1995).
+pub const MARGIN: f64 = 6.0;
+
 /// Schwarz's criterion of so many parameters and a sum of squares over so many readings, less a constant: smaller is better.
 pub fn schwarz(square: f64, parameters: usize, readings: usize) -> f64 {
     square + parameters as f64 * (readings as f64).ln()

@@ -8,7 +8,9 @@ mod problem;
 mod profile;
 pub mod resonance;
 
-pub use least_squares::{CONVERGED, Fit, Settings, TAIL, minimise, robust_chi2, robust_square, schwarz, typical_of};
+pub use least_squares::{
+    CONVERGED, Fit, MARGIN, Settings, TAIL, minimise, robust_chi2, robust_square, schwarz, typical_of,
+};
 pub use parameter::{Parameter, parameter};
 pub use problem::{Evaluation, Prediction, Problem, TROUBLED, cost, is_lost, operation, read_all};
 pub use profile::{Correlation, Identified, Interval, Profiles, approximate_intervals, correlations, profiled};

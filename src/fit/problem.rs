@@ -19,7 +19,7 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering::Relaxed};
 pub const TROUBLED: f64 = 6.0;
 
 /// A model without a steady state at more than this share of the points explains none of them: there a residual counts as
-/// this many standard deviations.
+/// this many standard deviations at least.
 const LOST: (f64, f64) = (0.25, 1e3);
 /// The share where the model is a continuum of sliders, which takes long to find none, and is only looked at.
 const LOST_COSTLY: f64 = 0.05;
@@ -170,7 +170,11 @@ impl<'a> Problem<'a> {
         let mut jacobian = DMatrix::zeros(rows, indices.len());
         if lost && self.gives_up {
             // Whichever points were solved before: the same for any order of them.
-            residuals.fill(LOST.1);
+            let all = self.points.iter().flat_map(|point| {
+                let (amplitude, phase) = unread(point);
+                std::iter::once(amplitude).chain(phase)
+            });
+            residuals.iter_mut().zip(all).for_each(|(slot, residual)| *slot = residual);
             let predictions = solved.into_iter().map(|(p, _)| p).collect();
             return Evaluation { residuals, jacobian, predictions, lost };
         }
@@ -340,11 +344,17 @@ pub fn read_all<'p, I: Iterator<Item = (&'p Point, &'p Prediction)>>(
     let average = (square / readings.max(1) as f64).sqrt();
     let of = |(point, prediction): (&Point, &Prediction)| match prediction.status {
         Status::Steady | Status::Stuck => read(point, prediction),
-        _ if lost => (LOST.1, point.phase.map(|_| LOST.1)),
+        _ if lost => unread(point),
         _ if average > TROUBLED => (average, point.phase.map(|_| average)),
         _ => read(point, prediction),
     };
     pairs().map(of).collect()
+}
+
+/// Residuals of a point of a model that is lost: as of a motion of no size and of the opposite phase, and many times the noise.
+fn unread(point: &Point) -> (f64, Option<f64>) {
+    let phase = point.phase.zip(point.phase_sd).map(|(_, sd)| LOST.1.max(std::f64::consts::PI / sd));
+    (LOST.1.max(point.amplitude / point.amplitude_sd), phase)
 }
 
 /// Residuals of amplitude and, where measured, phase in standard deviations.

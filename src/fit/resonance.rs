@@ -37,8 +37,8 @@ pub struct Resonance {
     pub spanned: bool,
 }
 
-/// The resonance of one series of readings that are the motion differentiated `order` times; `None` where they tell none. What lies
-/// beyond the readings is looked for among them once more, beside something constant that is read with it.
+/// The resonance of one series of readings that are the motion differentiated `order` times; `None` where they tell none. Where it lies
+/// beyond the readings, or a parabola tells as much of them, one is looked for beside something constant that is read with it.
 pub fn resonance(points: &[&Point], order: u8) -> Option<Resonance> {
     let usable: Vec<&Point> =
         points.iter().copied().filter(|p| p.amplitude > 0.0 && p.drive > 0.0 && p.frequency > 0.0).collect();
@@ -50,11 +50,12 @@ pub fn resonance(points: &[&Point], order: u8) -> Option<Resonance> {
     let of = |resonance: Resonance| {
         (left(&usable, &resonance, order), Resonance { spanned: spanned(&usable, &resonance), ..resonance })
     };
-    let alone = found.map(of).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, resonance)| resonance);
-    if alone.is_some_and(|resonance| resonance.spanned) {
-        return alone;
-    }
-    floor::on_floor(&usable, order).or(alone)
+    let alone = found.map(of).min_by(|a, b| a.0.total_cmp(&b.0));
+    let responses: Vec<(f64, f64)> =
+        usable.iter().map(|p| (p.frequency / usable[0].frequency - 1.0, response(p))).collect();
+    let shows = |(left, resonance): &(f64, Resonance)| resonance.spanned && floor::is_no_parabola(&responses, *left);
+    let shown = alone.filter(shows).map(|(_, resonance)| resonance);
+    shown.or_else(|| floor::on_floor(&usable, order)).or(alone.map(|(_, resonance)| resonance))
 }
 
 /// Squares that a resonance leaves of the responses, at the size that leaves least.

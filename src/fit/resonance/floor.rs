@@ -5,9 +5,9 @@
 //! amplitudes alone |H|^2 is a ratio of two parabolas, and the same holds.
 
 use super::Resonance;
-use crate::fit::schwarz;
+use crate::fit::{MARGIN, schwarz};
 use crate::measurement::Point;
-use crate::statistics::wrap;
+use crate::statistics::{median, wrap};
 use nalgebra::{Complex, ComplexField, DMatrix, DVector};
 use std::f64::consts::FRAC_PI_2;
 
@@ -51,20 +51,46 @@ struct Pole {
     phase: Option<f64>,
 }
 
+/// Of a cable, too, which turns the phase in proportion to the frequency: as the readings say that stand between others, or not at all.
 fn of_responses(d: &[f64], response: &[Complex<f64>]) -> Option<Pole> {
+    let mut order: Vec<usize> = (0..d.len()).collect();
+    order.sort_by(|&a, &b| d[a].total_cmp(&d[b]));
+    let turn = |pair: &[usize]| (response[pair[1]] / response[pair[0]]).arg() / (d[pair[1]] - d[pair[0]]);
+    let slope = median(order.windows(2).map(turn).filter(|slope| slope.is_finite()));
+    let along = |slope: f64| {
+        let turned: Vec<Complex<f64>> =
+            d.iter().zip(response).map(|(d, value)| value * Complex::from_polar(1.0, -slope * d)).collect();
+        [beside::<3>(d, &turned), beside::<4>(d, &turned)].map(|found| found.map(|(left, pole)| (left, slope, pole)))
+    };
+    let found = [0.0, slope].into_iter().flat_map(along).flatten();
+    let (_, slope, pole) = found.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(Pole { phase: pole.phase.map(|phase| phase + slope * pole.shift), ..pole })
+}
+
+/// A pole beside something constant (N = 3), or that changes in proportion to the frequency (N = 4), and the criterion of what it leaves.
+fn beside<const N: usize>(d: &[f64], response: &[Complex<f64>]) -> Option<(f64, Pole)> {
     let mean = response.iter().sum::<Complex<f64>>() / d.len() as f64;
     let h: Vec<Complex<f64>> = response.iter().map(|value| value - mean).collect();
-    let [p, floor, rest] = settled(d.len(), |i, before: Option<&[Complex<f64>; 3]>| {
-        let weight = before.map_or(1.0, |[p, ..]| 1.0 / (Complex::from(d[i]) - p).norm());
-        ([h[i], d[i].into(), 1.0.into()].map(|x: Complex<f64>| x * weight), h[i] * d[i] * weight)
+    let powers = |d: Complex<f64>| -> [Complex<f64>; N] { std::array::from_fn(|k| d.powu(k as u32)) };
+    // h d = p h + numerator, in which the numbers after the first multiply powers of d.
+    let solution = settled(d.len(), |i, before: Option<&[Complex<f64>; N]>| {
+        let weight = before.map_or(1.0, |before| 1.0 / (Complex::from(d[i]) - before[0]).norm());
+        let mut row = powers(d[i].into());
+        row.rotate_right(1);
+        row[0] = h[i];
+        (row.map(|x| x * weight), h[i] * d[i] * weight)
     })?;
-    let strength = rest + floor * p;
-    let left = |i: usize| h[i] - floor - strength / (Complex::from(d[i]) - p);
+    let p = solution[0];
+    let numerator = |d: Complex<f64>| -> Complex<f64> {
+        powers(d).iter().zip(&solution[1..]).map(|(power, number)| power * number).sum()
+    };
+    let left = |i: usize| h[i] - numerator(d[i].into()) / (Complex::from(d[i]) - p);
     let line = straight(d, &h)?;
-    let own = (0..d.len()).map(|i| left(i).norm_sqr()).sum::<f64>();
-    let pays = criterion(own, 6, 2 * d.len()) < criterion(line, 4, 2 * d.len());
-    let at = strength / Complex::new(0.0, -p.im);
-    (pays && p.im != 0.0).then(|| Pole { shift: p.re, width: p.im.abs(), peak: at.norm(), phase: Some(at.arg()) })
+    let own = criterion((0..d.len()).map(|i| left(i).norm_sqr()).sum::<f64>(), 2 * N, 2 * d.len());
+    let pays = own < criterion(line, 4, 2 * d.len());
+    let at = numerator(p) / Complex::new(0.0, -p.im);
+    let pole = Pole { shift: p.re, width: p.im.abs(), peak: at.norm(), phase: Some(at.arg()) };
+    (pays && p.im != 0.0).then_some((own, pole))
 }
 
 fn of_squares(d: &[f64], squares: &[f64]) -> Option<Pole> {
@@ -85,6 +111,18 @@ fn of_squares(d: &[f64], squares: &[f64]) -> Option<Pole> {
     let amplitude = |y: f64| (mean * (1.0 + y).max(0.0)).sqrt();
     let peak = (amplitude(ratio(shift)) - amplitude(c)).abs();
     (pays && width > 0.0 && peak > 0.0).then_some(Pole { shift, width, peak, phase: None })
+}
+
+/// Whether a resonance alone, which leaves so much of the squares of responses, tells more of them than a parabola, which has as many
+/// numbers: what is far wider than the readings is none of theirs.
+pub(super) fn is_no_parabola(responses: &[(f64, f64)], left: f64) -> bool {
+    let row = |i: usize, _: Option<&[f64; 3]>| {
+        let (d, value) = responses[i];
+        ([1.0, d, d * d], value)
+    };
+    let Some([a, b, c]) = settled(responses.len(), row) else { return true };
+    let parabola: f64 = responses.iter().map(|(d, value)| (value - a - b * d - c * d * d).powi(2)).sum();
+    criterion(left, 3, responses.len()) + MARGIN < criterion(parabola, 3, responses.len())
 }
 
 /// Schwarz's criterion of what is left of so many readings whose noise nobody states.
@@ -149,6 +187,9 @@ mod tests {
                     let points = points(Complex::from_polar(size, angle), with_phase);
                     let points: Vec<&Point> = points.iter().collect();
                     let found = on_floor(&points, 0).expect("a resonance");
+                    // High on its floor it is found as what it is, not as a resonance of nothing but itself.
+                    let shown = super::super::resonance(&points, 0).expect("a resonance");
+                    assert!(size < 100.0 || (shown.frequency / found.frequency - 1.0).abs() < 1e-9, "{shown:?}");
                     assert!((found.frequency / 50.0 - 1.0).abs() < 0.05 / 400.0, "{size} {angle} {found:?}");
                     assert!((found.quality / 400.0 - 1.0).abs() < 0.05, "{size} {angle} {found:?}");
                     let phase = found.phase.map_or(0.0, |phase| wrap(phase + FRAC_PI_2));
@@ -157,6 +198,18 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_notch_behind_a_cable_that_turns_the_phase_many_times_is_found() {
+        let mut points = points(Complex::from_polar(4.2, 0.3), true);
+        points
+            .iter_mut()
+            .for_each(|p| p.phase = p.phase.map(|phase| wrap(phase - 300.0 * (p.frequency / 50.0 - 1.0) * 8.0)));
+        let points: Vec<&Point> = points.iter().collect();
+        let found = on_floor(&points, 0).expect("a resonance");
+        assert!((found.frequency / 50.0 - 1.0).abs() < 0.05 / 400.0, "{found:?}");
+        assert!((found.quality / 400.0 - 1.0).abs() < 0.1, "{found:?}");
     }
 
     #[test]
