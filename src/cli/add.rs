@@ -140,7 +140,7 @@ fn words(job: &Job<'_>, change: &Change) -> Vec<String> {
     let sign = if job.remove { "without" } else { "with" };
     let mut lines = vec![format!("{}: {sign} {}", before.scenario.title, job.effect)];
     lines.push("error:                    before      after      noise".into());
-    lines.push(format!("  chi2 per reading   {:>11.2}{:>11.2}", b.chi2_per_point, a.chi2_per_point));
+    lines.push(format!("  chi2 per reading   {:>11.2} {:>10.2}", b.chi2_per_point, a.chi2_per_point));
     let percent = (b.rms_error_percent, a.rms_error_percent, a.noise_percent);
     lines.push(format!("  amplitude, rms     {:>9.2} %{:>9.2} %{:>9.2} %", percent.0, percent.1, percent.2));
     if let (Some(b), Some(a), Some(n)) = (b.rms_phase_deg, a.rms_phase_deg, a.noise_phase_deg) {

@@ -334,7 +334,9 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
     let at_bounds = Calibration { fit: fit.clone(), ..calibration.clone() };
     let mut notes = notes(&at_bounds.at_bounds(), unfinished, &points, table);
     notes.extend(resonance::left_readings(&model, &table.points).map(|(own, seen)| {
-        let [own, seen] = [own, seen].map(|f| quantity(f, "Hz", 3));
+        // Digits enough to tell the two apart.
+        let digits = (2.0 - (own / seen - 1.0).abs().log10()).ceil().clamp(3.0, 12.0) as usize;
+        let [own, seen] = [own, seen].map(|f| quantity(f, "Hz", digits));
         format!("the model resonates at {own}, where nothing was read, the readings near {seen}: it follows a flank of theirs")
     }));
     Comparison {

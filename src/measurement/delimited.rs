@@ -70,9 +70,9 @@ fn check_shape(sheet: &Sheet) -> Result<usize> {
     // Blanks may part the numbers.
     let numbers = |cell: &String| cell.split_whitespace().all(|part| part.replace(',', ".").parse::<f64>().is_ok());
     if sheet.header.cells.iter().all(numbers) {
-        let help = "the first line names the columns: speed_m_s, load_n, drive_m, frequency_hz, amplitude_rad, … (of moduli \
-                    frequency_hz, storage_mpa, loss_mpa); \
-                    a line that begins with # is a remark, unless it names every column";
+        let help = "write a line above them that names every column, such as `f [Hz],A [um],phase [deg]`, `f [Hz],U [V],a [m/s^2]`, \
+                    `f [Hz],S21 [dB],phase [deg]` or `f [Hz],X [V],Y [V]`; of rigs with a contact also speed [m/s] and load [N], of moduli \
+                    `frequency [Hz],storage [MPa],loss [MPa]`";
         let place = sheet.row_place(&sheet.header);
         complaints.add(&place, "the table has no header", "numbers where names are needed", help);
         return complaints.check().map(|()| 0);

@@ -3,7 +3,7 @@
 use super::frame::{DRIVES, Frame, READINGS, kind};
 use super::likely::likely;
 use super::names::{ALIASES, AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, MEAN, NAMES, SAYING, SERIES, SWEEP};
-use super::unit::{Unit, Wanted, gravity, known, suffix};
+use super::unit::{Unit, Wanted, electrical, gravity, known, suffix};
 use crate::scenario::parameters::MEASURED;
 
 /// Spellings of one over a second.
@@ -233,6 +233,13 @@ pub(crate) fn split(header: &str) -> (&str, Option<&str>) {
             let name = header[..at].trim().trim_end_matches('/').trim_end();
             return (name, Some(inner[at + 1..].trim()).filter(|unit| !unit.is_empty()));
         }
+    }
+    // `|Z|(Ohm)-data`: what stands behind the unit says nothing more.
+    if let Some((name, (unit, behind))) = header.split_once('(').and_then(|(a, b)| Some((a, b.split_once(')')?)))
+        && behind.starts_with('-')
+        && (known(unit) || electrical(unit).is_some())
+    {
+        return (name.trim(), Some(unit.trim()));
     }
     if let Some((name, unit)) = header.split_once('/') {
         let spaced = name.ends_with(char::is_whitespace) && !name.trim().is_empty();

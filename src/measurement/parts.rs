@@ -10,7 +10,7 @@ use super::unit::{Unit, Wanted, suffix};
 /// Words that name either part within a longer name.
 const WORDS: [&[&str]; 2] = [&["re", "real", "inphase"], &["im", "imag", "imaginary", "quadrature", "quad"]];
 /// Names that are a part as they stand: of a lock-in amplifier, of an admittance.
-const ALONE: [[&str; 2]; 2] = [["x", "g"], ["y", "b"]];
+const ALONE: [[&str; 3]; 2] = [["x", "g", "vx"], ["y", "b", "vy"]];
 
 /// Columns of both parts, and the unit of both. Of complex numbers both are the same column.
 #[derive(Debug, Clone)]
@@ -27,7 +27,9 @@ pub(crate) struct Parts {
 /// The one pair of columns among those that are not `taken` whose names differ in the part alone.
 pub(crate) fn parts(sheet: &Sheet, frame: &Frame<'_>, taken: &[bool]) -> Option<Parts> {
     let of = |index: usize| Some((index, part(&sheet.headed(index), frame)?));
-    let all: Vec<(usize, Part)> = (0..taken.len()).filter(|index| !taken[*index]).filter_map(of).collect();
+    // What is zero throughout is no part, but what an analyser writes beside a magnitude.
+    let may_be = |index: &usize| !taken[*index] && !sheet.is_zero(*index);
+    let all: Vec<(usize, Part)> = (0..taken.len()).filter(may_be).filter_map(of).collect();
     let imaginary_of = |real: &Part| {
         let same = |other: &Part| other.imaginary && (&other.stem, &other.unit) == (&real.stem, &real.unit);
         all.iter().find(|(_, other)| same(other)).map(|(index, _)| *index)
@@ -35,6 +37,11 @@ pub(crate) fn parts(sheet: &Sheet, frame: &Frame<'_>, taken: &[bool]) -> Option<
     let reals = all.iter().filter(|(_, part)| !part.imaginary);
     let mut pairs = reals.filter_map(|(real, part)| {
         let imaginary = imaginary_of(part)?;
+        // No amplitude is negative.
+        let is_signed = |index: usize| sheet.numbers(index).any(|number| number < 0.0);
+        if part.doubtful && !(frame.is_free() && (is_signed(*real) || is_signed(imaginary))) {
+            return None;
+        }
         let unit = part.unit.clone().unwrap_or(Unit::of(frame.serving(AMPLITUDE).last()?));
         Some(Parts { real: *real, imaginary, unit, stated: part.unit.is_some() })
     });
@@ -83,6 +90,8 @@ struct Part {
     /// The other words of its name.
     stem: String,
     unit: Option<Unit>,
+    /// Whether it may as well be a coordinate.
+    doubtful: bool,
 }
 
 fn part(header: &str, frame: &Frame<'_>) -> Option<Part> {
@@ -110,13 +119,14 @@ fn part(header: &str, frame: &Frame<'_>) -> Option<Part> {
     let unit = unit.or_else(of_name);
     // Coordinates have these names, too.
     let alone = ALONE[usize::from(imaginary)].iter().position(|name| words == [*name]);
-    if alone.is_some() && unit.as_ref().is_none_or(|unit| unit.si != "V" && unit.over.is_none()) {
+    if alone.is_some() && unit.as_ref().is_some_and(|unit| unit.si != "V" && unit.over.is_none()) {
         return None;
     }
+    let doubtful = alone.is_some() && unit.is_none();
     let stem = words.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, word)| *word).collect::<Vec<_>>().join("_");
     // `Re(H)`: what stands in the brackets is no unit, but the name.
     let stem = if unit.is_none() { stem + bracket.unwrap_or_default() } else { stem };
-    Some(Part { imaginary, stem: alone.map_or(stem, |pair| pair.to_string()), unit })
+    Some(Part { imaginary, stem: alone.map_or(stem, |pair| pair.to_string()), unit, doubtful })
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 
 use super::sheet::MAX_COLUMNS;
 use super::unit::units_of;
+use crate::scenario::diagnostic::quote;
 use crate::units::count;
 
 /// What may part cells, and is tried in this order; blanks last.
@@ -66,6 +67,28 @@ fn cells(line: &str, separator: u8) -> Vec<String> {
 /// Makes header and numbers of a text the first that stands in it; tells what was done, in words. A text that is such a table already, and
 /// one in which no header is seen, are left as they are.
 pub(super) fn bare(text: &mut String) -> Vec<String> {
+    let mut told: Vec<String> = closed(text).into_iter().collect();
+    told.extend(opened(text));
+    told
+}
+
+/// Takes away the line that closes a block of numbers behind the last of them, as analysers write it: `END`.
+fn closed(text: &mut String) -> Option<String> {
+    let all: Vec<Line<'_>> = lines(text).collect();
+    let is_closing = |line: &Line<'_>| line.text.trim().to_ascii_uppercase().split(' ').next() == Some("END");
+    let numbers = all.iter().rposition(|line| line.numbers().is_some())?;
+    let behind = &all[numbers + 1..];
+    if behind.is_empty() || !behind.iter().all(is_closing) {
+        return None;
+    }
+    let (from, told) =
+        (behind[0].start, format!("what closes the numbers is not read: {}", quote(behind[0].text.trim())));
+    text.truncate(from);
+    Some(told)
+}
+
+/// Makes header and numbers the first that stand in a text.
+fn opened(text: &mut String) -> Vec<String> {
     let first: Vec<Line<'_>> = lines(text).take(MOST).collect();
     let Some(Found { header, units, separator, remark }) = find(&first) else { return Vec::new() };
     let before = first[..header].iter().filter(|line| !line.is_remark()).count();
@@ -197,9 +220,15 @@ mod tests {
     use super::*;
 
     fn bared(text: &str) -> (Vec<String>, Vec<String>) {
+        let (lines, told) = bared_of(text);
+        assert!(!told.iter().any(|one| one.contains("closes")));
+        (lines, told)
+    }
+
+    fn bared_of(text: &str) -> (Vec<String>, Vec<String>) {
         let mut own = text.to_string();
         let told = bare(&mut own);
-        assert_eq!(own.len(), text.len());
+        assert!(own.len() == text.len() || told.iter().any(|one| one.contains("closes")));
         let lines = own.lines().filter(|line| !line.trim().is_empty() && !line.starts_with('#'));
         (lines.map(|line| line.trim().replace(" \t", "\t").replace("\t ", "\t")).collect(), told)
     }
@@ -226,6 +255,15 @@ mod tests {
         assert_eq!((lines[0].as_str(), lines.len(), told.len()), ("f (Hz), a (V), phase (rad)", 3, 1));
         let (lines, told) = bared("# f (Hz), a (V)\n1.0 2e-3\n 2.0   3e-3\n");
         assert_eq!((lines.join("|"), told.len()), ("f (Hz)\ta (V)|1.0\t2e-3|2.0 \t3e-3".into(), 2));
+    }
+
+    #[test]
+    fn what_closes_the_numbers_is_not_read() {
+        let (lines, told) = bared_of("BEGIN CH1_DATA\nf (Hz), a (V)\n1.0, 2\n2.0, 3\nEND\n");
+        assert_eq!((lines.len(), lines[2].as_str()), (3, "2.0, 3"));
+        assert_eq!(told, ["what closes the numbers is not read: `END`", "1 line before the header is not read"]);
+        // A second block is none that closes the first.
+        assert_eq!(bared_of("f,a\n1,2\n2,3\nEND\nf,a\n1,2\n2,3\n").1, Vec::<String>::new());
     }
 
     #[test]

@@ -282,7 +282,7 @@ pub(crate) fn gravity(text: &str) -> Option<&'static str> {
 
 /// The prefix of an electrical unit that is neither of a motion nor of a force, and of a signal that goes with one as a voltage does: a
 /// current, an impedance, an admittance.
-fn electrical(text: &str) -> Option<&'static str> {
+pub(crate) fn electrical(text: &str) -> Option<&'static str> {
     const UNITS: [&str; 8] = ["A", "S", "Ohm", "ohm", "Ohms", "ohms", "Ω", "\u{2126}"];
     let prefix = UNITS.iter().find_map(|unit| text.strip_suffix(unit))?;
     ["", "p", "n", "u", "m", "k", "M", "G"].into_iter().find(|known| *known == prefix.trim().replace(['µ', 'μ'], "u"))
