@@ -2,7 +2,8 @@
 
 use super::{Global, say};
 use crate::compare::{EXCESS, calibrate, judge};
-use crate::discover::{Hypothesis, MARGIN, SearchOptions, explain};
+use crate::discover::{Candidates, Hypothesis, MARGIN, SearchOptions, explain};
+use crate::effects::REGISTRY;
 use crate::error::{Error, Result};
 use crate::files;
 use crate::fit::resonance::{Resonance, of_all, resonance};
@@ -25,10 +26,12 @@ use std::sync::LazyLock;
 /// than this many standard deviations.
 const JUMP: (f64, f64) = (5.0, 8.0);
 
-/// The search that decides between kinds of readings.
+/// The search that decides between kinds of readings: by what acts on the motion. What is read beside it makes one kind of another, since an
+/// acceleration and a share of the drive are a displacement.
 static SHORT: LazyLock<SearchOptions> = LazyLock::new(|| {
     let whole = SearchOptions::default();
-    SearchOptions { max_effects: 2, budget: whole.budget / 10, ..whole }
+    let of_motion = REGISTRY.iter().filter(|effect| !effect.is_read_beside()).map(|effect| effect.name()).collect();
+    SearchOptions { max_effects: 2, budget: whole.budget / 10, candidates: Candidates::Named(of_motion), ..whole }
 });
 
 /// What can be left of readings by a scenario with what it lacks.

@@ -119,7 +119,7 @@ impl<'a> Parent<'a> {
         let none = read(vec![0.0; sizes.len()]);
         let of = |k: usize| sizes.iter().enumerate().map(|(at, size)| if at == k { *size } else { 0.0 }).collect();
         let each: Vec<Vec<Complex<f64>>> = (0..sizes.len()).map(|k| read(of(k))).collect();
-        let part = |row: usize, value: Complex<f64>| if row % 2 == 0 { value.re } else { value.im };
+        let part = |row: usize, value: Complex<f64>| if row.is_multiple_of(2) { value.re } else { value.im };
         let rows = 2 * points.len();
         let matrix = DMatrix::from_fn(rows, sizes.len(), |row, k| part(row, each[k][row / 2] - none[row / 2]));
         let right = DVector::from_fn(rows, |row, _| part(row, measured[row / 2] - none[row / 2]));

@@ -279,9 +279,20 @@ impl Search<'_, '_> {
         if found.is_empty() {
             found = swings;
         }
-        // A voltage drives what stands beside it.
-        if let ([_, _], false) = (&found[..], named(DRIVE)) {
-            found.retain(|(.., unit)| !unit.is_voltage());
+        if let ([one, other], false) = (&found[..], named(DRIVE)) {
+            if one.2.is_voltage() && other.2.is_voltage() && self.frame.is_free() {
+                // Of two voltages the one that is held drives.
+                let steadier = if self.sheet.scatter(one.0) < self.sheet.scatter(other.0) { *one } else { *other };
+                let likely = vec![Candidate { index: steadier.0, unit: steadier.2.clone(), stated: true }];
+                let reading = if steadier.0 == one.0 { *other } else { *one };
+                self.choices.push((COLUMNS[DRIVE].into(), self.sheet.header.cells[steadier.0].clone()));
+                self.choices.push((COLUMNS[AMPLITUDE].into(), self.sheet.header.cells[reading.0].clone()));
+                self.choose_alias(DRIVE, likely, true);
+                found = vec![reading];
+            } else {
+                // A voltage drives what stands beside it.
+                found.retain(|(.., unit)| !unit.is_voltage());
+            }
         }
         if let [(index, _, unit)] = found[..] {
             let unit = if whole(*index) { unit.clone().swinging(Swing::Whole) } else { unit.clone() };

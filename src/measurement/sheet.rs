@@ -82,14 +82,16 @@ impl Sheet {
         numbers.peek().is_some() && numbers.all(|number| number == 0.0)
     }
 
+    /// How much a column varies: robust standard deviation of the logarithms of its sizes.
+    pub fn scatter(&self, index: usize) -> f64 {
+        scatter(self.numbers(index).map(|number| number.abs().ln()))
+    }
+
     /// Whether a column varies more than its ratio to another, which it then follows, as the signal of a sensor does.
     pub fn follows(&self, index: usize, other: usize) -> bool {
         let (own, of): (Vec<f64>, Vec<f64>) = (self.numbers(index).collect(), self.numbers(other).collect());
-        let levels: Vec<f64> = own.iter().map(|number| number.abs().ln()).collect();
-        let ratios: Vec<f64> = levels.iter().zip(&of).map(|(level, number)| level - number.abs().ln()).collect();
-        let [levels, ratios] =
-            [levels, ratios].map(|values| spread(values.iter().copied(), median(values.iter().copied())));
-        own.len() == of.len() && levels > ratios
+        let ratio = scatter(own.iter().zip(&of).map(|(one, other)| (one / other).abs().ln()));
+        own.len() == of.len() && self.scatter(index) > ratio
     }
 
     /// Place of a cell; of the whole row where there is no such cell.
@@ -117,6 +119,12 @@ impl Sheet {
         }
         format!("cell {}{}: ", letters.iter().collect::<String>(), row.line)
     }
+}
+
+/// Robust standard deviation.
+fn scatter(values: impl Iterator<Item = f64>) -> f64 {
+    let values: Vec<f64> = values.collect();
+    spread(values.iter().copied(), median(values.iter().copied()))
 }
 
 /// All records that hold anything, with their places. The text is valid, and so are they.
