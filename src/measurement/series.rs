@@ -86,7 +86,7 @@ pub(super) fn group(list: &mut [Reading], arm: bool) -> Vec<Series> {
         let parts = match (named, set) {
             (true, _) if alike && levels.len() > 1 && is_interleaved(list, &rows, levels.len()) => levels,
             (true, _) => vec![rows],
-            (_, true) if !arm && is_one_sweep(list, &rows, levels.len()) => vec![rows],
+            (_, true) if !arm && is_one_sweep(list, &rows, &levels) => vec![rows],
             (_, true) => levels,
             _ => by_order(list, &rows),
         };
@@ -229,9 +229,16 @@ fn is_interleaved(list: &[Reading], rows: &[usize], levels: usize) -> bool {
     runs > 3 * levels
 }
 
-/// Whether rows at several levels are one sweep in which the drive was read with few digits.
-fn is_one_sweep(list: &[Reading], rows: &[usize], levels: usize) -> bool {
-    levels > SEVERAL && !is_interleaved(list, rows, levels) && passes(list, rows).len() == 1
+/// Whether rows at several levels are one sweep in which the drive was read with few digits, or was another at single readings.
+fn is_one_sweep(list: &[Reading], rows: &[usize], levels: &[Vec<usize>]) -> bool {
+    let count = levels.len();
+    let wavers = || {
+        let mut held = levels.iter().filter(|level| level.len() >= SEVERAL);
+        let (Some(held), None) = (held.next(), held.next()) else { return false };
+        rows.iter().all(|row| (list[*row].drive / list[held[0]].drive).ln().abs() < LEVEL)
+    };
+    let uneven = count > SEVERAL && !is_interleaved(list, rows, count) || count > 1 && wavers();
+    uneven && passes(list, rows).len() == 1
 }
 
 /// How far the frequency goes within some rows \[Hz\].

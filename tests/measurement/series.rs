@@ -90,7 +90,12 @@ fn sweeps_are_told_by_the_order_of_the_rows_where_the_drive_was_measured() {
         .into_iter()
         .map(|[f, drive, amplitude, phase]| [f, format!("{drive:.1e}").parse().expect("a number"), amplitude, phase])
         .collect();
+    // A level that was set, and another at two readings.
+    let mut set = of(1.0, Drive, &mut up());
+    set.iter_mut().for_each(|row| row[1] = 1.0);
+    (set[40][1], set[80][1]) = (0.97, 0.99);
     let cases = [
+        ("one level but at two readings", set, vec![(81, Up)]),
         ("three levels", levels.concat(), vec![(81, Up); 3]),
         ("up and down", [of(1.0, Drive, &mut up()), of(1.0, Drive, &mut down())].concat(), vec![(81, Up), (81, Down)]),
         (
