@@ -108,9 +108,10 @@ fn is_held(sheet: &Sheet, frame: &Frame<'_>, sweep: Option<&Sweep>, aside: &[usi
         let is_deviation = sheet.header.cells.iter().any(|of| is_deviation(&own, &header::plain(header::split(of).0)));
         near || !is_deviation && !is_setting(&own) && bracket.is_some_and(|unit| wanted.unit(unit).is_ok())
     };
+    let tallies = sheet.tallies();
     frame.serving(DRIVE).contains(&"V")
         && sweep_values(DRIVE, sweep).is_empty()
-        && !aside.iter().any(|index| may_be(index) && !sheet.is_zero(*index))
+        && !aside.iter().any(|index| may_be(index) && !tallies[*index].is_zero())
 }
 
 /// A frequency response function is of one drive, of a size that it does not tell: where nothing states it, it is one.

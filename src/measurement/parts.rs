@@ -4,7 +4,7 @@
 use super::frame::{Frame, READINGS};
 use super::header::split;
 use super::names::AMPLITUDE;
-use super::sheet::Sheet;
+use super::sheet::{Sheet, Tally};
 use super::unit::{Unit, Wanted, suffix};
 
 /// Words that name either part within a longer name.
@@ -25,10 +25,10 @@ pub(crate) struct Parts {
 }
 
 /// The one pair of columns among those that are not `taken` whose names differ in the part alone.
-pub(crate) fn parts(sheet: &Sheet, frame: &Frame<'_>, taken: &[bool]) -> Option<Parts> {
+pub(crate) fn parts(sheet: &Sheet, frame: &Frame<'_>, taken: &[bool], tallies: &[Tally]) -> Option<Parts> {
     let of = |index: usize| Some((index, part(&sheet.headed(index), frame)?));
     // What is zero throughout is no part, but what an analyser writes beside a magnitude.
-    let may_be = |index: &usize| !taken[*index] && !sheet.is_zero(*index);
+    let may_be = |index: &usize| !taken[*index] && !tallies[*index].is_zero();
     let all: Vec<(usize, Part)> = (0..taken.len()).filter(may_be).filter_map(of).collect();
     let imaginary_of = |real: &Part| {
         let same = |other: &Part| other.imaginary && (&other.stem, &other.unit) == (&real.stem, &real.unit);
@@ -38,7 +38,7 @@ pub(crate) fn parts(sheet: &Sheet, frame: &Frame<'_>, taken: &[bool]) -> Option<
     let mut pairs = reals.filter_map(|(real, part)| {
         let imaginary = imaginary_of(part)?;
         // No amplitude is negative.
-        let is_signed = |index: usize| sheet.numbers(index).any(|number| number < 0.0);
+        let is_signed = |index: usize| tallies[index].negative > 0;
         if part.doubtful && !(frame.is_free() && (is_signed(*real) || is_signed(imaginary))) {
             return None;
         }

@@ -5,12 +5,11 @@ use super::header::{self, Meaning};
 use super::likely::{in_hertz, is_deviation, is_other};
 use super::names::{ALL, AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LAG, LOAD, NUMBERS, PHASE, PHASE_SD, SPEED};
 use super::parts::{Parts, parts};
-use super::sheet::{Complaints, Sheet};
+use super::sheet::{Complaints, Sheet, Tally};
 use super::swings::{Swing, is_peak_to_peak, other_amplitude};
 use super::unit::{Unit, Wanted};
 use crate::scenario::diagnostic::{nearest, quote};
 use crate::scenario::parameters::{COLUMNS, MEASURED};
-use crate::statistics::median;
 
 /// Where the numbers of a column come from.
 #[derive(Debug, Clone)]
@@ -57,7 +56,9 @@ pub(crate) fn search(
 ) -> Found {
     let taken = vec![false; sheet.header.cells.len()];
     let (slots, words, told, choices) = (Default::default(), Default::default(), [false; ALL], Vec::new());
-    let mut search = Search { sheet, frame, complaints, notes, slots, words, taken, told, choices, parts: None };
+    let tallies = sheet.tallies();
+    let mut search =
+        Search { sheet, tallies, frame, complaints, notes, slots, words, taken, told, choices, parts: None };
     search.map(mapping);
     search.find();
     let Search { slots, words, taken, told, choices, parts, .. } = search;
@@ -89,6 +90,8 @@ struct Said {
 /// The columns found so far.
 struct Search<'a, 'b> {
     sheet: &'a Sheet,
+    /// What the numbers of every column of the table are like.
+    tallies: Vec<Tally>,
     frame: &'a Frame<'a>,
     complaints: &'a mut Complaints<'b>,
     notes: &'a mut Vec<String>,
@@ -112,7 +115,7 @@ impl Search<'_, '_> {
         if self.told[AMPLITUDE] || (0..self.taken.len()).any(amplitude) {
             return;
         }
-        let Some(parts) = parts(self.sheet, self.frame, &self.taken) else { return };
+        let Some(parts) = parts(self.sheet, self.frame, &self.taken, &self.tallies) else { return };
         let [real, imaginary] = [parts.real, parts.imaginary].map(|at| quote(&self.sheet.header.cells[at]));
         let unit = parts.unit.shown();
         let unit = if parts.stated { unit } else { format!("{unit}, no unit being stated") };
@@ -218,8 +221,8 @@ impl Search<'_, '_> {
     fn of_numbers(&self, index: usize, column: usize, unit: Unit, stated: bool) -> Unit {
         let most = MEASURED[PHASE].maximum;
         match column {
-            PHASE if !stated && self.sheet.numbers(index).any(|value| value.abs() > most) => unit.spelt("deg"),
-            AMPLITUDE if !stated && unit.is_voltage() && median(self.sheet.numbers(index)) < 0.0 => Unit::level(),
+            PHASE if !stated && self.tallies[index].largest > most => unit.spelt("deg"),
+            AMPLITUDE if !stated && unit.is_voltage() && self.tallies[index].is_negative() => Unit::level(),
             _ => unit,
         }
     }
@@ -257,7 +260,7 @@ impl Search<'_, '_> {
             Some((index, header::plain(name), unit))
         };
         (0..self.taken.len())
-            .filter(|index| !self.taken[*index] && !self.sheet.is_zero(*index))
+            .filter(|index| !self.taken[*index] && !self.tallies[*index].is_zero())
             .filter_map(of)
             .collect()
     }
@@ -282,7 +285,7 @@ impl Search<'_, '_> {
         if let ([one, other], false) = (&found[..], named(DRIVE)) {
             if one.2.is_voltage() && other.2.is_voltage() && self.frame.is_free() {
                 // Of two voltages the one that is held drives.
-                let steadier = if self.sheet.scatter(one.0) < self.sheet.scatter(other.0) { *one } else { *other };
+                let steadier = if self.sheet.change(one.0) < self.sheet.change(other.0) { *one } else { *other };
                 let likely = vec![Candidate { index: steadier.0, unit: steadier.2.clone(), stated: true }];
                 let reading = if steadier.0 == one.0 { *other } else { *one };
                 self.choices.push((COLUMNS[DRIVE].into(), self.sheet.header.cells[steadier.0].clone()));
@@ -399,7 +402,7 @@ impl Search<'_, '_> {
         let sheet = self.sheet;
         let header = |candidate: &Candidate| quote(&sheet.header.cells[candidate.index]);
         // Nobody reads nothing in all rows: that is the speed or the load of a rig without a contact.
-        candidates.retain(|candidate| column != AMPLITUDE || !self.sheet.is_zero(candidate.index));
+        candidates.retain(|candidate| column != AMPLITUDE || !self.tallies[candidate.index].is_zero());
         if candidates.iter().any(|candidate| candidate.unit.si != "V") {
             candidates.retain(|candidate| candidate.unit.si != "V");
         }
@@ -410,10 +413,10 @@ impl Search<'_, '_> {
         if self.frame.is_free() {
             self.keep_likeliest(column, &mut candidates);
         }
-        if column == FREQUENCY && self.frame.is_free() && candidates.len() > 1 {
+        if let (FREQUENCY, true, [first, other]) = (column, self.frame.is_free(), &candidates[..]) {
             // Both channels of an oscilloscope tell it.
-            let first = candidates[0].index;
-            if candidates[1..].iter().all(|other| self.sheet.follows(other.index, first)) {
+            let first = first.index;
+            if self.sheet.follows(other.index, first) {
                 candidates.truncate(1);
                 self.choices.push((COLUMNS[column].into(), self.sheet.header.cells[first].clone()));
             }

@@ -55,7 +55,7 @@ pub fn by_condition(points: &mut [Point]) -> Vec<Series> {
 }
 
 /// Rows of one load, speed and drive from which on they are swept at a set drive.
-const SEVERAL: usize = 3;
+pub(super) const SEVERAL: usize = 3;
 /// Rows of a sweep, at least, that is told from others by the order of the rows.
 const SWEPT: usize = 4;
 /// A way back that covers less than this share of the way is none, but a frequency that wavers.
@@ -133,31 +133,50 @@ fn is_of_its_drive(list: &[Reading], sweep: &[usize], other: &[usize]) -> bool {
         sweep.iter().map(|row| (list[*row].frequency, list[*row].amplitude.ln())).collect();
     along.sort_by(|a, b| a.0.total_cmp(&b.0));
     along.dedup_by_key(|(frequency, _)| *frequency);
-    let read = |row: &usize| (list[*row].frequency, list[*row].amplitude.ln());
-    // The logarithm of the ratio to the line through two neighbours.
-    let beside = |pair: &[(f64, f64)], (f, level): (f64, f64)| {
-        let slope = (pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0);
-        level - pair[0].1 - slope * (f - pair[0].0)
+    if along.len() < 2 {
+        return false;
+    }
+    let beside = |row: &usize| {
+        let own = (list[*row].frequency, list[*row].amplitude.ln());
+        let above = along.partition_point(|(frequency, _)| *frequency < own.0).clamp(1, along.len() - 1);
+        let (a, b) = (along[above - 1], along[above]);
+        let (near, far) = if own.0 - a.0 < b.0 - own.0 { (a, b) } else { (b, a) };
+        Beside { own, near, far, between: (a.0..=b.0).contains(&own.0) }
     };
-    let ratio = |row: &usize| {
-        let own = read(row);
-        let pair = along.windows(2).find(|pair| (pair[0].0..=pair[1].0).contains(&own.0))?;
-        Some(beside(pair, own)).filter(|ratio| ratio.is_finite())
-    };
-    let ratios: Vec<f64> = other.iter().filter_map(ratio).collect();
+    let all: Vec<Beside> = other.iter().map(beside).collect();
+    let ratios: Vec<f64> = all.iter().filter(|one| one.between).map(Beside::ratio).filter(|r| r.is_finite()).collect();
     if ratios.len() >= SWEPT {
         let middle = median(ratios.iter().copied());
         return middle.abs() <= spread(ratios.iter().copied(), middle).max(0.5 * LEVEL);
     }
-    let places = (1..along.len()).flat_map(|at| [[at - 1, at], [at, at - 1]]);
-    let ends = places.flat_map(|[before, end]| other.iter().map(move |row| (before, end, read(row))));
-    let away = |&(_, end, own): &(usize, usize, (f64, f64))| (own.0 - along[end].0).abs();
-    let Some(nearest) = ends.min_by(|a, b| away(a).total_cmp(&away(b))) else { return false };
-    let (before, end, own) = (along[nearest.0], along[nearest.1], nearest.2);
-    let near = (2.0 * (end.0 - before.0).abs()).max(WAVERS * span(list, sweep).min(span(list, other)));
+    let Some(nearest) = all.iter().min_by(|a, b| a.away().total_cmp(&b.away())) else { return false };
+    let step = (nearest.near.0 - nearest.far.0).abs();
+    let reach = (2.0 * step).max(WAVERS * span(list, sweep).min(span(list, other)));
     // As the slope at the end has it, or, where frequencies waver and that is noise, as the end itself is.
-    let ratio = beside(&[before, end], own).abs().min((own.1 - end.1).abs());
-    away(&nearest) <= near && ratio < 0.5 * LEVEL
+    let ratio = nearest.ratio().abs().min((nearest.own.1 - nearest.near.1).abs());
+    nearest.away() <= reach && ratio < 0.5 * LEVEL
+}
+
+/// A reading and its neighbours in another sweep: frequency and logarithm of the amplitude of each.
+struct Beside {
+    own: (f64, f64),
+    near: (f64, f64),
+    far: (f64, f64),
+    /// Whether it stands between the two.
+    between: bool,
+}
+
+impl Beside {
+    /// The logarithm of the ratio to the line through the neighbours.
+    fn ratio(&self) -> f64 {
+        let slope = (self.near.1 - self.far.1) / (self.near.0 - self.far.0);
+        self.own.1 - self.near.1 - slope * (self.own.0 - self.near.0)
+    }
+
+    /// How far it is from the nearer \[Hz\].
+    fn away(&self) -> f64 {
+        (self.own.0 - self.near.0).abs()
+    }
 }
 
 /// What is said of a sweep; the order of rows tells nothing where it is `unordered`.

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
+use super::series::SEVERAL;
 use crate::error::{Error, Result};
 use crate::scenario::diagnostic::{MAX_TOLD, Place, Problems};
 use crate::scenario::source::Source;
@@ -69,29 +70,42 @@ impl Sheet {
 
     /// The numbers of a column, of any decimal mark; what is none is left out.
     pub fn numbers(&self, index: usize) -> impl Iterator<Item = f64> {
-        let number = move |row: Row| {
-            let cell = row.cells.get(index)?;
-            cell.replace('−', "-").replace(',', ".").parse().ok()
-        };
-        self.rows().filter_map(number)
+        self.rows().filter_map(move |row| number(row.cells.get(index)?))
     }
 
-    /// Whether all numbers of a column are zero.
-    pub fn is_zero(&self, index: usize) -> bool {
-        let mut numbers = self.numbers(index).peekable();
-        numbers.peek().is_some() && numbers.all(|number| number == 0.0)
+    /// What its numbers are like, of every column, in one pass.
+    pub fn tallies(&self) -> Vec<Tally> {
+        let mut all = vec![Tally::default(); self.header.cells.len()];
+        for row in self.rows() {
+            for (tally, cell) in all.iter_mut().zip(&row.cells) {
+                if let Some(number) = number(cell) {
+                    tally.numbers += 1;
+                    tally.negative += usize::from(number < 0.0);
+                    tally.largest = tally.largest.max(number.abs());
+                }
+            }
+        }
+        all
     }
 
-    /// How much a column varies: robust standard deviation of the logarithms of its sizes.
-    pub fn scatter(&self, index: usize) -> f64 {
-        scatter(self.numbers(index).map(|number| number.abs().ln()))
+    /// How much a column changes from row to row, as a logarithm.
+    pub fn change(&self, index: usize) -> f64 {
+        change(self.numbers(index))
     }
 
-    /// Whether a column varies more than its ratio to another, which it then follows, as the signal of a sensor does.
+    /// Whether a column changes more than its ratio to another, which it then follows, as the signal of a sensor does; levels that were set do
+    /// not.
     pub fn follows(&self, index: usize, other: usize) -> bool {
         let (own, of): (Vec<f64>, Vec<f64>) = (self.numbers(index).collect(), self.numbers(other).collect());
-        let ratio = scatter(own.iter().zip(&of).map(|(one, other)| (one / other).abs().ln()));
-        own.len() == of.len() && self.scatter(index) > ratio
+        let mut levels = own.clone();
+        levels.sort_by(f64::total_cmp);
+        levels.dedup();
+        let is_set = SEVERAL * levels.len() <= own.len();
+        let ratios: Vec<f64> = own.iter().zip(&of).map(|(one, other)| one / other).collect();
+        // Where rows go through the levels at one frequency after the other the ratio changes at the next one only.
+        let is_one = spread(ratios.iter().copied(), ratios.first().copied().unwrap_or(0.0)) == 0.0;
+        let changes_more = self.change(index) > change(ratios.into_iter());
+        own.len() == of.len() && changes_more && (!is_set || is_one)
     }
 
     /// Place of a cell; of the whole row where there is no such cell.
@@ -121,10 +135,39 @@ impl Sheet {
     }
 }
 
-/// Robust standard deviation.
-fn scatter(values: impl Iterator<Item = f64>) -> f64 {
-    let values: Vec<f64> = values.collect();
-    spread(values.iter().copied(), median(values.iter().copied()))
+/// What the numbers of a column are like.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Tally {
+    /// How many cells hold one.
+    pub numbers: usize,
+    /// How many are negative.
+    pub negative: usize,
+    /// The largest of their sizes.
+    pub largest: f64,
+}
+
+impl Tally {
+    /// Whether all are zero.
+    pub fn is_zero(&self) -> bool {
+        self.numbers > 0 && self.largest == 0.0
+    }
+
+    /// Whether most are negative.
+    pub fn is_negative(&self) -> bool {
+        2 * self.negative > self.numbers
+    }
+}
+
+/// A number of any decimal mark.
+fn number(cell: &str) -> Option<f64> {
+    cell.parse().ok().or_else(|| cell.replace('−', "-").replace(',', ".").parse().ok())
+}
+
+/// The median change of successive numbers, as a logarithm.
+fn change(numbers: impl Iterator<Item = f64>) -> f64 {
+    let numbers: Vec<f64> = numbers.collect();
+    let changes = numbers.windows(2).map(|pair| (pair[1] / pair[0]).abs().ln().abs());
+    median(changes.filter(|change| change.is_finite()))
 }
 
 /// All records that hold anything, with their places. The text is valid, and so are they.

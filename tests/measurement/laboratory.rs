@@ -308,8 +308,25 @@ fn a_voltage_beside_a_reading_drives_it() {
         ("Frequency,Input,Output,Phase", [0, 1, 2, 3], 1.0, 1.0, "V"),
     ] {
         let text: String = (0..24).map(|n| row(order, n)).collect();
-        let survey = survey_bytes("t.csv", format!("{header}\n{text}").as_bytes());
-        let table = survey.unwrap_or_else(|error| panic!("{header}: {error}")).table;
+        let read = |text: &str| {
+            let survey = survey_bytes("t.csv", format!("{header}\n{text}").as_bytes());
+            survey.unwrap_or_else(|error| panic!("{header}: {error}")).table
+        };
+        let table = read(&text);
+        // At several levels, whatever the order of the rows.
+        let larger = |line: &str, times: f64| {
+            let mut cells: Vec<String> = line.split(',').map(String::from).collect();
+            for at in [1, 2] {
+                cells[at] = (times * cells[at].parse::<f64>().expect("a number")).to_string();
+            }
+            cells.join(",") + "\n"
+        };
+        let of = |times: f64| text.lines().map(|line| larger(line, times)).collect::<Vec<_>>();
+        let levels = [of(1.0), of(2.0), of(4.0)];
+        let by_frequency: String = (0..24).flat_map(|n| levels.iter().map(move |rows| rows[n].as_str())).collect();
+        for rows in [levels.concat().concat(), by_frequency] {
+            assert_eq!(read(&rows).series.len(), 3, "{header}");
+        }
         let point = &table.points[10];
         assert_eq!((table.signals.reading.unit, point.drive), (signal, 0.25 * drive), "{header}");
         let (size, phase) = (0.05 * 8.0 / 0.49 * reading, -std::f64::consts::FRAC_PI_2);
