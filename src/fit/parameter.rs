@@ -43,9 +43,8 @@ pub struct Parameter {
     pub signed: bool,
     /// Sign of the value, for magnitudes.
     sign: f64,
+    /// Whether it is a magnitude; else it is an angle, of which values a turn apart are the same.
     logarithmic: bool,
-    /// Whether values a turn apart are the same.
-    periodic: bool,
     /// What is added to the value before its magnitude is taken: 1 of a relative change.
     beside: f64,
     /// Bounds of `t`.
@@ -110,7 +109,6 @@ fn magnitude(key: &str, info: &ParameterInfo, index: usize, (bounds, range): ((f
         signed: false,
         sign: 1.0,
         logarithmic: true,
-        periodic: false,
         beside: 0.0,
         bounds,
         range,
@@ -118,17 +116,13 @@ fn magnitude(key: &str, info: &ParameterInfo, index: usize, (bounds, range): ((f
 }
 
 fn of_base(key: &str, info: &ParameterInfo, index: usize, (value, beside_zero): (f64, f64), factor: f64) -> Parameter {
-    let logarithmic = info.minimum >= 0.0;
-    let (lower, upper) = match (logarithmic, value > 0.0) {
-        (true, true) => (value / factor, value * factor),
-        // Nothing is known of what is stated as zero.
-        (true, false) => (SMALLEST * SMALLEST * beside_zero, beside_zero),
-        (false, _) => (value - PI, value + PI),
-    };
-    if !logarithmic {
-        let (bounds, range) = ((lower, upper), (value - 0.5 * PI, value + 0.5 * PI));
-        return Parameter { logarithmic, periodic: true, ..magnitude(key, info, index, (bounds, range)) };
+    if info.minimum < 0.0 {
+        let (bounds, range) = ((value - PI, value + PI), (value - 0.5 * PI, value + 0.5 * PI));
+        return Parameter { logarithmic: false, ..magnitude(key, info, index, (bounds, range)) };
     }
+    // Nothing is known of what is stated as zero.
+    let (lower, upper) =
+        if value > 0.0 { (value / factor, value * factor) } else { (SMALLEST * SMALLEST * beside_zero, beside_zero) };
     let clip = |x: f64| x.clamp(info.minimum, info.maximum);
     let bounds = (clip(lower).ln(), clip(upper).ln());
     let middle = if value > 0.0 { value.ln() } else { 0.5 * (bounds.0 + bounds.1) };
@@ -166,12 +160,12 @@ fn of_change(key: &str, info: &ParameterInfo, index: usize, high: f64) -> Parame
 impl Parameter {
     /// Whether values a turn apart are the same.
     pub fn is_periodic(&self) -> bool {
-        self.periodic
+        !self.logarithmic
     }
 
     /// Value at the coordinate `u`.
     pub fn value(&self, u: f64) -> f64 {
-        if self.periodic {
+        if self.is_periodic() {
             return self.middle() + wrap(self.half() * (u - ORIGIN));
         }
         self.at(self.middle() + self.half() * (u - ORIGIN).sin())
@@ -179,7 +173,7 @@ impl Parameter {
 
     /// Derivative of the value by the coordinate.
     pub fn slope(&self, u: f64) -> f64 {
-        if self.periodic {
+        if self.is_periodic() {
             return self.half();
         }
         let by_t = self.natural_slope(self.value(u));
@@ -189,7 +183,7 @@ impl Parameter {
     /// Coordinate of a value; one at a bound is moved a little away from it, where the coordinate has no slope.
     pub fn coordinate(&self, value: f64) -> f64 {
         let sine = (self.scale(value) - self.middle()) / self.half();
-        if self.periodic {
+        if self.is_periodic() {
             return sine + ORIGIN;
         }
         let inside = if sine.abs() < 1.0 - 1e-9 { sine } else { sine.clamp(-INSIDE, INSIDE) };
@@ -201,7 +195,7 @@ impl Parameter {
     pub fn edge(&self, value: f64) -> Option<(f64, f64)> {
         let sine = (self.scale(value) - self.middle()) / self.half();
         let side = sine.signum();
-        (sine.abs() >= INSIDE && !self.periodic).then_some((side, ORIGIN + side * std::f64::consts::FRAC_PI_2))
+        (sine.abs() >= INSIDE && self.logarithmic).then_some((side, ORIGIN + side * std::f64::consts::FRAC_PI_2))
     }
 
     /// Value at the share `share` in 0..1 of the range of a search.
@@ -244,7 +238,7 @@ impl Parameter {
 
     /// Whether the value lies at one of the bounds.
     pub fn at_bound(&self, value: f64) -> bool {
-        if self.periodic {
+        if self.is_periodic() {
             return false;
         }
         let t = self.scale(value);
@@ -260,12 +254,12 @@ impl Parameter {
 
     /// Whether an interval about a value that ends there ends at a bound, or an angle half a turn away.
     pub fn is_open(&self, value: f64, end: f64) -> bool {
-        if self.periodic { (end - value).abs() > PI * (1.0 - 1e-9) } else { self.at_bound(end) }
+        if self.is_periodic() { (end - value).abs() > PI * (1.0 - 1e-9) } else { self.at_bound(end) }
     }
 
     /// Length of the longest step of that sign from the value on its natural scale: to the bound, half a turn of an angle.
     pub fn room(&self, value: f64, direction: f64) -> f64 {
-        if self.periodic {
+        if self.is_periodic() {
             return PI;
         }
         let bound = if direction < 0.0 { self.bounds.0 } else { self.bounds.1 };
@@ -274,7 +268,7 @@ impl Parameter {
 
     /// The value moved by `step` on its natural scale, within the bounds.
     pub fn moved(&self, value: f64, step: f64) -> f64 {
-        if self.periodic {
+        if self.is_periodic() {
             return value + step;
         }
         self.at((self.scale(value) + step).clamp(self.bounds.0, self.bounds.1))

@@ -46,7 +46,8 @@ pub(crate) fn layout(
     if is_recording(sheet, mapping, frame, complaints) {
         return Layout::default();
     }
-    let Found { mut slots, words, taken, told, choices, parts } = search(sheet, mapping, frame, complaints, notes);
+    let Found { mut slots, words, taken, told, choices, parts, tallies } =
+        search(sheet, mapping, frame, complaints, notes);
     per_drive(sheet, frame, sweep, &mut slots, notes);
     let aside: Vec<usize> = (0..taken.len()).filter(|index| !taken[*index]).collect();
     let needed = (SPEED..=AMPLITUDE).filter(|column| frame.has_contact() || !matches!(*column, SPEED | LOAD));
@@ -60,7 +61,8 @@ pub(crate) fn layout(
         }
     }
     // What else lacks is told without it.
-    let drive_assumed = lacking.contains(&DRIVE) && is_held(sheet, frame, sweep, &aside);
+    let filled: Vec<usize> = aside.iter().copied().filter(|index| !tallies[*index].is_zero()).collect();
+    let drive_assumed = lacking.contains(&DRIVE) && is_held(sheet, frame, sweep, &filled);
     if drive_assumed {
         lacking.retain(|column| *column != DRIVE);
         slots[DRIVE] = Some(Slot::Value(1.0, "V"));
@@ -98,8 +100,9 @@ fn is_recording(
     !mapped && !(0..sheet.header.cells.len()).any(frequency) && samples::refuse(sheet, complaints)
 }
 
-/// Whether a drive that nothing states may be taken as one setting: the rig may be driven by a voltage, and no column looks like its drive.
-fn is_held(sheet: &Sheet, frame: &Frame<'_>, sweep: Option<&Sweep>, aside: &[usize]) -> bool {
+/// Whether a drive that nothing states may be taken as one setting: the rig may be driven by a voltage, and none of the columns that
+/// are left and hold numbers looks like its drive.
+fn is_held(sheet: &Sheet, frame: &Frame<'_>, sweep: Option<&Sweep>, filled: &[usize]) -> bool {
     let wanted = Wanted { possible: DRIVES, natural: None, share: false, per_drive: false };
     let may_be = |index: &usize| {
         let (name, bracket) = header::split(&sheet.header.cells[*index]);
@@ -108,10 +111,7 @@ fn is_held(sheet: &Sheet, frame: &Frame<'_>, sweep: Option<&Sweep>, aside: &[usi
         let is_deviation = sheet.header.cells.iter().any(|of| is_deviation(&own, &header::plain(header::split(of).0)));
         near || !is_deviation && !is_setting(&own) && bracket.is_some_and(|unit| wanted.unit(unit).is_ok())
     };
-    let tallies = sheet.tallies();
-    frame.serving(DRIVE).contains(&"V")
-        && sweep_values(DRIVE, sweep).is_empty()
-        && !aside.iter().any(|index| may_be(index) && !tallies[*index].is_zero())
+    frame.serving(DRIVE).contains(&"V") && sweep_values(DRIVE, sweep).is_empty() && !filled.iter().any(may_be)
 }
 
 /// A frequency response function is of one drive, of a size that it does not tell: where nothing states it, it is one.

@@ -72,18 +72,13 @@ pub(super) fn bare(text: &mut String) -> Vec<String> {
     told
 }
 
-/// Takes away the line that closes a block of numbers behind the last of them, as analysers write it: `END`.
+/// Takes away the line that closes the numbers, as analysers write it: `END`.
 fn closed(text: &mut String) -> Option<String> {
-    let all: Vec<Line<'_>> = lines(text).collect();
-    let is_closing = |line: &Line<'_>| line.text.trim().to_ascii_uppercase().split(' ').next() == Some("END");
-    let numbers = all.iter().rposition(|line| line.numbers().is_some())?;
-    let behind = &all[numbers + 1..];
-    if behind.is_empty() || !behind.iter().all(is_closing) {
-        return None;
-    }
-    let (from, told) =
-        (behind[0].start, format!("what closes the numbers is not read: {}", quote(behind[0].text.trim())));
-    text.truncate(from);
+    let start = text.trim_end().rfind('\n')? + 1;
+    let last = text[start..].trim();
+    let closes = last.split_whitespace().next().is_some_and(|word| word.eq_ignore_ascii_case("end"));
+    let told = closes.then(|| format!("what closes the numbers is not read: {}", quote(last)))?;
+    text.truncate(start);
     Some(told)
 }
 

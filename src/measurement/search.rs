@@ -44,6 +44,8 @@ pub(crate) struct Found {
     pub choices: Vec<(String, String)>,
     /// The columns of amplitude and phase, where they hold their parts.
     pub parts: Option<Parts>,
+    /// What the numbers of every column of the table are like.
+    pub tallies: Vec<Tally>,
 }
 
 /// Finds the columns that headers and mapping name.
@@ -61,8 +63,8 @@ pub(crate) fn search(
         Search { sheet, tallies, frame, complaints, notes, slots, words, taken, told, choices, parts: None };
     search.map(mapping);
     search.find();
-    let Search { slots, words, taken, told, choices, parts, .. } = search;
-    Found { slots, words, taken, told, choices, parts }
+    let Search { slots, words, taken, told, choices, parts, tallies, .. } = search;
+    Found { slots, words, taken, told, choices, parts, tallies }
 }
 
 /// A column that a header names.
@@ -285,12 +287,12 @@ impl Search<'_, '_> {
         if let ([one, other], false) = (&found[..], named(DRIVE)) {
             if one.2.is_voltage() && other.2.is_voltage() && self.frame.is_free() {
                 // Of two voltages the one that is held drives.
-                let steadier = if self.sheet.change(one.0) < self.sheet.change(other.0) { *one } else { *other };
-                let likely = vec![Candidate { index: steadier.0, unit: steadier.2.clone(), stated: true }];
-                let reading = if steadier.0 == one.0 { *other } else { *one };
-                self.choices.push((COLUMNS[DRIVE].into(), self.sheet.header.cells[steadier.0].clone()));
-                self.choices.push((COLUMNS[AMPLITUDE].into(), self.sheet.header.cells[reading.0].clone()));
-                self.choose_alias(DRIVE, likely, true);
+                let held = self.sheet.change(one.0) < self.sheet.change(other.0);
+                let (drive, reading) = if held { (*one, *other) } else { (*other, *one) };
+                for (column, (index, ..)) in [(DRIVE, drive), (AMPLITUDE, reading)] {
+                    self.choices.push((COLUMNS[column].into(), self.sheet.header.cells[*index].clone()));
+                }
+                self.choose_alias(DRIVE, vec![Candidate { index: drive.0, unit: drive.2.clone(), stated: true }], true);
                 found = vec![reading];
             } else {
                 // A voltage drives what stands beside it.
