@@ -10,6 +10,7 @@ pub mod files;
 pub mod fit;
 pub mod free_form;
 pub mod interrupt;
+pub mod linear;
 pub mod measurement;
 pub mod model;
 pub mod parameter;

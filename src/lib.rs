@@ -26,7 +26,7 @@
 //!
 //! * [`error`] - what can go wrong, and the exit status of each.
 //! * [`interrupt`], [`terminal`], [`files`], [`results`] - what every write goes through.
-//! * [`statistics`], [`dual`], `roots` - medians and angles, numbers with gradients, zeros of functions.
+//! * [`statistics`], [`dual`], `roots`, `linear` - medians and angles, numbers with gradients, zeros of functions, least squares.
 //! * [`units`] - numbers with units, read and written.
 //! * [`parameter`] - what is known of a number of the model: key, symbol, unit, bounds, scale, and its index.
 //!
@@ -66,8 +66,8 @@
 
 #[doc(inline)]
 pub use stickslip_engine::{
-    compare, discover, dual, effects, error, files, fit, free_form, interrupt, measurement, model, parameter, prony,
-    question, results, roots, scenario, solver, statistics, sweep, terminal, trial, units,
+    compare, discover, dual, effects, error, files, fit, free_form, interrupt, linear, measurement, model, parameter,
+    prony, question, results, roots, scenario, solver, statistics, sweep, terminal, trial, units,
 };
 
 pub mod atlas;

@@ -40,6 +40,8 @@ fn what_the_generator_hid_is_found_from_the_table_alone() {
         ("slip", Verdict::EffectMissing, &["friction-joint"]),
         // Elements that all slip at once: the exponent ends at its bound, where the other numbers must go on.
         ("corner", Verdict::EffectMissing, &["friction-joint", "cubic-stiffness"]),
+        // Neither does any good alone: what softens slips, and what slips hardens.
+        ("together", Verdict::EffectMissing, &["cubic-stiffness", "friction-joint"]),
         // Volts of a velocity: as a displacement, residual modes or crosstalk would seem to be missing.
         ("velocity", Verdict::NothingMissing, &[]),
     ];

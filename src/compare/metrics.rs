@@ -1,6 +1,7 @@
 //! How wrong a model is, in figures: over all points and per condition.
 
 use super::{Compared, Setting};
+use crate::linear::least_squares;
 use crate::measurement::Point;
 use crate::statistics::median;
 
@@ -152,7 +153,7 @@ fn vertex(curve: &[(f64, f64)]) -> Option<(Peak, f64)> {
     let rows = nalgebra::DMatrix::from_fn(part.len(), 3, |i, j| (part[i].0 - curve[top].0).powi(j as i32));
     let logs = nalgebra::DVector::from_iterator(part.len(), part.iter().map(|p| p.1.ln()));
     let inverse = (rows.transpose() * &rows).try_inverse();
-    let fit = rows.svd(true, true).solve(&logs, 1e-12).ok()?;
+    let fit = least_squares(rows, &logs, 1e-12)?;
     if fit[2] >= 0.0 {
         return None;
     }

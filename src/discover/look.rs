@@ -1,15 +1,18 @@
 //! A look at one more addition before any fit: at starting points over its ranges, and how much of the misfit each would take
 //! off in a linear estimate.
 
+pub mod pairs;
+
 use super::data::{Data, readings};
 use super::hypothesis::{Addition, Hypothesis, extended};
 use crate::effects::Effect;
 use crate::fit::resonance;
 use crate::fit::{Evaluation, Parameter, Prediction, Problem, TAIL, parameter, robust_chi2, typical_of};
+use crate::linear::{least_squares, svd};
 use crate::measurement::Point;
 use crate::model::Model;
 use crate::solver::cycle::Tolerance;
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{Complex, DMatrix, DVector, SVD};
 
 /// Singular values below this share of the largest count as none.
 const SINGULAR: f64 = 1e-9;
@@ -40,11 +43,9 @@ impl<'a> Parent<'a> {
             for (column, (parameter, &value)) in from.fit.parameters.iter().zip(&values).enumerate() {
                 jacobian.column_mut(column).scale_mut(parameter.natural_slope(value));
             }
-            let svd = jacobian.svd(true, false);
-            let largest = svd.singular_values.iter().copied().fold(0.0, f64::max);
-            let seen: Vec<usize> =
-                (0..svd.singular_values.len()).filter(|&i| svd.singular_values[i] > SINGULAR * largest).collect();
-            if let Some(u) = svd.u.filter(|_| !seen.is_empty()) {
+            if let Some(SVD { u: Some(u), singular_values, .. }) = svd(jacobian) {
+                let least = SINGULAR * singular_values.max();
+                let seen: Vec<usize> = (0..singular_values.len()).filter(|&i| singular_values[i] > least).collect();
                 span = u.select_columns(&seen);
             }
         }
@@ -119,11 +120,16 @@ impl<'a> Parent<'a> {
         let none = read(vec![0.0; sizes.len()]);
         let of = |k: usize| sizes.iter().enumerate().map(|(at, size)| if at == k { *size } else { 0.0 }).collect();
         let each: Vec<Vec<Complex<f64>>> = (0..sizes.len()).map(|k| read(of(k))).collect();
-        let part = |row: usize, value: Complex<f64>| if row.is_multiple_of(2) { value.re } else { value.im };
+        // Where the model has no steady state nothing is known.
+        let part = |row: usize, value: Complex<f64>| match row.is_multiple_of(2) {
+            _ if !none[row / 2].is_finite() => 0.0,
+            true => value.re,
+            false => value.im,
+        };
         let rows = 2 * points.len();
         let matrix = DMatrix::from_fn(rows, sizes.len(), |row, k| part(row, each[k][row / 2] - none[row / 2]));
         let right = DVector::from_fn(rows, |row, _| part(row, measured[row / 2] - none[row / 2]));
-        let shares = matrix.svd(true, true).solve(&right, SINGULAR).ok()?;
+        let shares = least_squares(matrix, &right, SINGULAR)?;
         let values = sizes.iter().zip(shares.iter()).map(|(size, share)| size * share).collect();
         model.effects.last_mut()?.1 = values;
         shares.iter().all(|share| share.is_finite()).then_some(model)

@@ -4,6 +4,7 @@ use super::Discovery;
 use super::data::Data;
 use super::hypothesis::{Addition, Hypothesis, additions, compatible, extended};
 use super::known::{Entry, Known};
+use super::look::pairs::Pair;
 use super::look::{Count, Look, Parent, look};
 use super::options::{MARGIN, MISTAKE, SearchOptions};
 use super::race::{Competitor, Race, Round};
@@ -200,6 +201,11 @@ impl<'a> Search<'a> {
                 let others = if at_first { self.pool.clone() } else { self.not_fitted_beside(&chosen, known) };
                 let bar = Some((&least, self.unit(&least)));
                 full.extend(self.race(&[&chosen], &others, Field::Each(bar), known));
+                least = self.least(&full).map_or(least, |(_, least)| least.clone());
+                let room = chosen.additions.len() + 2 <= self.options.max_effects;
+                if room && self.structured(&least) && self.goes_on() {
+                    full.extend(self.pairs(&chosen, known));
+                }
             }
             // What explains less where readings are far off is no step towards an explanation.
             let scale = TAIL * typical_of(&chosen.fit.evaluation.residuals);
@@ -266,12 +272,63 @@ impl<'a> Search<'a> {
         known: &mut Known,
     ) -> Vec<Hypothesis> {
         let o = self.options;
-        let all = self.data.points.len();
-        let (field, mut entries) = self.line_up(parents, pool, entered, known);
-        let (kept, survivors) = match entered {
+        let (field, entries) = self.line_up(parents, pool, entered, known);
+        let rules = match entered {
             Field::Best(_) => (o.kept, o.survivors),
             Field::Each(_) => (1.0, field.len()),
         };
+        if matches!(entered, Field::Best(_)) {
+            known.parents.extend(parents.iter().map(|from| from.additions.clone()));
+        }
+        self.run_race((field, entries), rules, known)
+    }
+
+    /// Two laws of the motion together, started from what is estimated at the motion that was measured: what each of them does to a
+    /// resonance may hide the other.
+    fn pairs(&self, from: &Hypothesis, known: &mut Known) -> Vec<Hypothesis> {
+        let o = self.options;
+        let points = o.first_points.min(self.data.points.len());
+        let parent = Parent::new(&self.data, from, from.fit.values.clone(), points);
+        let rest = parent.rest();
+        let mut found = parent.pairs(&self.data, from, &self.pool, (o.starts, o.seed));
+        found.truncate(o.entrants);
+        let one_more =
+            |addition: Addition| -> Vec<Addition> { from.additions.iter().copied().chain([addition]).collect() };
+        // First what explains more without the other.
+        let alone = |addition: Addition| {
+            let all = known.with(&one_more(addition));
+            all.iter().map(|h| self.bic(1.0, h)).fold(f64::INFINITY, f64::min)
+        };
+        found.iter_mut().filter(|pair| alone(pair.additions[1]) < alone(pair.additions[0])).for_each(Pair::turn);
+        let first = |pair: &Pair| {
+            let mut model = pair.model.clone();
+            model.effects.pop();
+            let mut fit = from.fit.clone();
+            fit.parameters = self.data.beside(&model, from, pair.additions[0]);
+            Hypothesis { additions: one_more(pair.additions[0]), model, fit, ..from.clone() }
+        };
+        let firsts: Vec<Hypothesis> = found.iter().map(first).collect();
+        let sure = self.sure();
+        let mut field: Vec<Runner<'_, '_>> = Vec::new();
+        for (of, (pair, first)) in found.iter().zip(&firsts).enumerate() {
+            let start = parent.start_of(&self.data, first, pair);
+            field.push(Runner::new(&self.data, (first, of, sure), pair.additions[1], (start, &rest)));
+        }
+        let entry =
+            |r: &Runner<'_, '_>| Entry { hypothesis: r.hypothesis(false), visibility: 0.0, strongest: Vec::new() };
+        let entries = field.iter().map(entry).collect();
+        self.run_race((field, entries), (o.kept, o.survivors), known)
+    }
+
+    /// Runs a race; the hypotheses that came to its end, fitted to all points.
+    fn run_race(
+        &self,
+        (field, mut entries): (Vec<Runner<'_, 'a>>, Vec<Entry>),
+        (kept, survivors): (f64, usize),
+        known: &mut Known,
+    ) -> Vec<Hypothesis> {
+        let o = self.options;
+        let all = self.data.points.len();
         let first = Round { points: o.first_points.min(all), evaluations: o.first_evaluations, states: 0 };
         let ended = Race { first, points: all, kept, survivors }.run(field, |among| self.data.share(among));
         for runner in ended.dropped.iter().chain(&ended.survivors) {
@@ -292,9 +349,6 @@ impl<'a> Search<'a> {
             entries[*of].keep(hypothesis.clone());
         }
         known.keep(entries);
-        if matches!(entered, Field::Best(_)) {
-            known.parents.extend(parents.iter().map(|from| from.additions.clone()));
-        }
         fitted.into_iter().map(|(_, hypothesis)| hypothesis).collect()
     }
 
@@ -339,7 +393,7 @@ impl<'a> Search<'a> {
             .collect();
         let mut field: Vec<Runner<'s, 'a>> = Vec::new();
         let mut entries: Vec<Entry> = Vec::new();
-        let sure = MARGIN.max(2.0 * (self.pool.len() as f64 / MISTAKE).ln());
+        let sure = self.sure();
         for (of, ((number, addition), look)) in work.iter().zip(looks).enumerate() {
             let from = parents[*number];
             let Look { starts, visibility, strongest } = look;
@@ -358,6 +412,11 @@ impl<'a> Search<'a> {
         });
         self.set_bar(&mut field, parents, entered, || places[0][0][0].rest());
         (field, entries)
+    }
+
+    /// By how much likelihood ratios of so many candidates differ by chance in all cases but one of a thousand.
+    fn sure(&self) -> f64 {
+        MARGIN.max(2.0 * (self.pool.len() as f64 / MISTAKE).ln())
     }
 
     /// Tells those lined up above what they are of no use. Beside a parent that leaves nothing but noise, of which `rest` is left of the

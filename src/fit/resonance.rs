@@ -7,6 +7,7 @@
 mod floor;
 
 use crate::dual::Dual;
+use crate::linear::least_squares;
 use crate::measurement::Point;
 use crate::model::lumps::Lumps;
 use crate::model::{Model, Operation};
@@ -139,7 +140,7 @@ fn parabola(values: &[(f64, f64)]) -> Option<(f64, f64, f64)> {
     let reach = values.iter().map(|(d, _)| d.abs()).fold(0.0, f64::max);
     let rows = DMatrix::from_fn(values.len(), 3, |i, j| (values[i].0 / reach).powi(j as i32) / values[i].1);
     let right = DVector::from_element(values.len(), 1.0);
-    let found = rows.svd(true, true).solve(&right, 1e-12).ok()?;
+    let found = least_squares(rows, &right, 1e-12)?;
     let (a, b, c) = (found[0], found[1] / reach, found[2] / (reach * reach));
     if c <= 0.0 {
         return None;

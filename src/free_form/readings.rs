@@ -92,7 +92,8 @@ impl<'a> Readings<'a> {
     pub fn measured_motion(&self) -> Vec<f64> {
         let of = |p: &&Point| {
             let lumps = Lumps::new(&self.model, &operation(p));
-            relative(&lumps, p.amplitude, p.phase.unwrap_or(0.0), p.phase.is_some()).norm().ln()
+            let motion = p.phase.map(|phase| lumps.motion((p.amplitude, phase)).norm());
+            motion.unwrap_or(p.amplitude / lumps.amplitude_gain.value).ln()
         };
         self.points.iter().map(of).collect()
     }
@@ -126,7 +127,7 @@ impl<'a> Readings<'a> {
         }
         let lumps = Lumps::new(&model, &at);
         let (gain, offset) = (lumps.amplitude_gain, lumps.phase_offset);
-        let x = relative(&lumps, state.amplitude, state.phase, true);
+        let x = lumps.motion((state.amplitude, state.phase));
         let read = Complex::from_polar(state.amplitude / gain.value, state.phase - offset.value);
         let by = |index: usize, per: f64| {
             let (amplitude, phase) = (all[index].0 / state.amplitude, all[index].1);
@@ -153,15 +154,5 @@ impl<'a> Readings<'a> {
         let relative = point.amplitude_sd / point.amplitude;
         let of_phase = point.phase.zip(point.phase_sd).map(|(measured, sd)| wrap(phase - measured) / sd);
         ((amplitude - point.amplitude.ln()) / relative, of_phase)
-    }
-}
-
-/// Complex amplitude of the coordinate from a reading: without what is read beside it, the motion of the base say, as far as a phase
-/// tells it.
-fn relative(lumps: &Lumps, amplitude: f64, phase: f64, has_phase: bool) -> Complex<f64> {
-    let read = Complex::from_polar(amplitude / lumps.amplitude_gain.value, phase - lumps.phase_offset.value);
-    match lumps.read_beside.as_deref() {
-        Some((re, im)) if has_phase => read - Complex::new(re.value, im.value),
-        _ => read,
     }
 }

@@ -6,6 +6,7 @@ use crate::effects::{Beside, Support};
 use crate::parameter::{FIRST_CONTACT_PARAMETER, FIRST_EFFECT_PARAMETER, RIG_PARAMETERS};
 use crate::scenario::{Dissipation, Elasticity, Excitation, Oscillator, Rig};
 use crate::statistics::wrap;
+use nalgebra::Complex;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Coefficients at one operating point; symbols of the paper (Eqs. 1-8) where it has them.
@@ -192,6 +193,12 @@ impl Lumps {
     pub fn reading(&self, (re, im): (f64, f64)) -> (f64, f64) {
         let (re, im) = self.read_beside.as_ref().map_or((re, im), |by| (re + by.0.value, im + by.1.value));
         self.polar_reading(re.hypot(im), im.atan2(re))
+    }
+
+    /// The complex amplitude of the motion behind a reading of this amplitude and phase.
+    pub fn motion(&self, (amplitude, phase): (f64, f64)) -> Complex<f64> {
+        let read = Complex::from_polar(amplitude / self.amplitude_gain.value, phase - self.phase_offset.value);
+        self.read_beside.as_deref().map_or(read, |(re, im)| read - Complex::new(re.value, im.value))
     }
 
     /// The same of an amplitude and a phase.
