@@ -1,7 +1,7 @@
 //! A look at one more addition before any fit: at starting points over its ranges, and how much of the misfit each would take
 //! off in a linear estimate.
 
-pub mod pairs;
+pub mod motion;
 
 use super::data::{Data, readings};
 use super::hypothesis::{Addition, Hypothesis, extended};
@@ -205,7 +205,8 @@ pub fn look(data: &Data<'_>, parents: &[Parent<'_>], from: &Hypothesis, addition
     let others = parents.iter().filter(|parent| !parent.beside);
     let sampled = count.samples(from, addition).into_iter().zip(others.cycle());
     let sampled = sampled.map(|(shares, parent)| (parent, shares.of(data, parent, addition)));
-    let nearest = parents.iter().filter_map(|parent| Some((parent, parent.with_read_beside(data, addition)?)));
+    let beside = parents.iter().filter_map(|parent| Some((parent, parent.with_read_beside(data, addition)?)));
+    let nearest = count.asked.map(|model| (&parents[0], model.clone())).into_iter().chain(beside);
     for (parent, model) in nearest.chain(sampled) {
         let evaluation = parent.evaluated(data, &model);
         let (start, size) = parent.start(data, from, addition, (&model, &evaluation));
@@ -235,6 +236,8 @@ pub fn look(data: &Data<'_>, parents: &[Parent<'_>], from: &Hypothesis, addition
 pub struct Count<'k> {
     /// The model with the addition as it was fitted beside something else.
     pub known: Option<&'k Model>,
+    /// The same as the readings ask for it at the motion that was measured.
+    pub asked: Option<&'k Model>,
     /// How many for each of its parameters.
     pub starts: usize,
     /// Parents that share them.

@@ -4,7 +4,7 @@ use super::Discovery;
 use super::data::Data;
 use super::hypothesis::{Addition, Hypothesis, additions, compatible, extended};
 use super::known::{Entry, Known};
-use super::look::pairs::Pair;
+use super::look::motion::Pair;
 use super::look::{Count, Look, Parent, look};
 use super::options::{MARGIN, MISTAKE, SearchOptions};
 use super::race::{Competitor, Race, Round};
@@ -290,8 +290,7 @@ impl<'a> Search<'a> {
         let points = o.first_points.min(self.data.points.len());
         let parent = Parent::new(&self.data, from, from.fit.values.clone(), points);
         let rest = parent.rest();
-        let mut found = parent.pairs(&self.data, from, &self.pool, (o.starts, o.seed));
-        found.truncate(o.entrants);
+        let mut found = parent.pairs(&self.data, from, &self.pool, (o.entrants, (o.starts, o.seed)));
         let one_more =
             |addition: Addition| -> Vec<Addition> { from.additions.iter().copied().chain([addition]).collect() };
         // First what explains more without the other.
@@ -387,8 +386,10 @@ impl<'a> Search<'a> {
                 let known = known.filter(|_| !from.additions.is_empty());
                 // Beside what leaves nothing but noise the promise alone decides: no more than would go on are looked at.
                 let starts = if self.structured(from) { o.starts } else { (o.starts as f64 * kept).ceil() as usize };
-                let count = Count { known, starts, shared: parents.len(), turn, seed: o.seed };
-                look(&self.data, &places[usize::from(costly(from, *addition))][*number], from, *addition, count)
+                let places = &places[usize::from(costly(from, *addition))][*number];
+                let asked = places[0].with_law(&self.data, from, *addition, (o.starts, o.seed));
+                let count = Count { known, asked: asked.as_ref(), starts, shared: parents.len(), turn, seed: o.seed };
+                look(&self.data, places, from, *addition, count)
             })
             .collect();
         let mut field: Vec<Runner<'s, 'a>> = Vec::new();
@@ -498,7 +499,14 @@ impl<'a> Search<'a> {
     /// What the strongest plausible form of each of these would change beside a hypothesis ([`Look::visibility`]).
     pub(super) fn visible(&self, from: &Hypothesis, additions: &[Addition]) -> Vec<f64> {
         let places = self.places(from, (self.options.first_points / 2).min(self.data.points.len()));
-        let count = Count { known: None, starts: self.options.starts, shared: 1, turn: 0, seed: self.options.seed };
+        let count = Count {
+            known: None,
+            asked: None,
+            starts: self.options.starts,
+            shared: 1,
+            turn: 0,
+            seed: self.options.seed,
+        };
         let of = |addition: &Addition| {
             let goes = self.goes_with(from, *addition) && !extended(&from.model, &[*addition]).has_sliders();
             if goes { look(&self.data, &places[..1], from, *addition, count).visibility } else { 0.0 }
