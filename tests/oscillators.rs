@@ -126,6 +126,49 @@ fn what_is_read_beside_the_motion_decides_no_kind_of_reading() {
 
 /// A sharp resonance whose signal comes through a long cable: the phase turns by many times in the readings, and where it is at none is
 /// known only from the slope.
+/// Twenty readings of a linear resonance by hand, with the deviations of the meter: what they really scatter by is nine times as much.
+#[test]
+fn deviations_that_are_stated_too_small_make_nothing_missing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut noise = noise(0.09);
+    for number in 0..6 {
+        let path = folder.path().join(format!("{number}.csv"));
+        let row = |row: usize| {
+            let frequency = 10.0 + 1.5 * row as f64;
+            let ratio = frequency / 26.4;
+            let amplitude = 1.8 / (1.0 - ratio * ratio).hypot(0.25 * ratio) * (1.0 + noise());
+            format!("{frequency},{amplitude},{}\n", 0.01 * amplitude)
+        };
+        let rows: String = (0..20).map(row).collect();
+        std::fs::write(&path, format!("frequency_hz,amplitude_v,amplitude_sd_v\n{rows}")).expect("written");
+        let scenario = path.with_extension("toml");
+        new(&path, &scenario);
+        let d = found(&scenario);
+        assert_ne!(d.verdict, Verdict::EffectMissing, "{number}: {:?}", d.explanation().hypothesis.effects());
+    }
+}
+
+/// The same of a table in which something is missing: it is found, and the deviations are said to be too small.
+#[test]
+fn what_is_missing_is_found_beside_deviations_that_are_stated_too_small() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = std::fs::read_to_string(table("a")).expect("a table");
+    let path = folder.path().join("a.csv");
+    let row = |(number, row): (usize, &str)| match number {
+        0 => format!("{row},amplitude_sd_percent\n"),
+        _ => format!("{row},0.1\n"),
+    };
+    std::fs::write(&path, text.lines().enumerate().map(row).collect::<String>()).expect("written");
+    let scenario = path.with_extension("toml");
+    new(&path, &scenario);
+    let d = found(&scenario);
+    assert_eq!(
+        (d.verdict, d.explanation().hypothesis.effects()),
+        (Verdict::EffectMissing, vec!["cubic-stiffness".into()])
+    );
+    assert!(d.noise.amplitude > 5.0 && d.noise.amplitude < 20.0, "{:?}", d.noise);
+}
+
 #[test]
 fn a_long_cable_is_a_delay() {
     let folder = tempfile::tempdir().expect("a folder");

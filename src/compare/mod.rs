@@ -22,7 +22,7 @@ pub use json::{ComparisonJson, ForceJson, ParameterJson, SCHEMA, SettingJson, js
 pub use metrics::{ConditionMetrics, Metrics, Peak, peak, rms_error_beside};
 pub use regions::{Region, regions, words};
 pub use shifts::shifts;
-pub use whiteness::{Whiteness, scatter, whiteness};
+pub use whiteness::{Whiteness, scatter, understated, whiteness};
 
 use crate::fit::resonance;
 use crate::fit::{

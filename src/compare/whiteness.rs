@@ -2,7 +2,8 @@
 
 use super::Compared;
 use super::calibrate::{EXCESS, outliers};
-use crate::measurement::{Noise, NoiseSource, Table};
+use crate::measurement::{self, Noise, NoiseSource, Point, Spread, Table};
+use crate::statistics::median;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, Normal};
 
 /// Smooth components (polynomials of the point's number) that a curve is searched for, at most.
@@ -56,8 +57,7 @@ impl Whiteness {
             return (1.0, false);
         }
         let factor = self.rough_chi2.sqrt();
-        let sure = (factor.ln()).abs() > 4.0 / (2.0 * self.rough_freedom.max(1.0)).sqrt();
-        (factor, sure && !(1.0 / NOISE_DIFFERS..NOISE_DIFFERS).contains(&factor))
+        (factor, differs(factor, self.rough_freedom))
     }
 
     /// Noise of the readings over the stated one: the scatter where that contradicts it; where the noise was estimated from the
@@ -68,6 +68,29 @@ impl Whiteness {
             (factor, true) => factor,
             _ => 1.0,
         }
+    }
+}
+
+/// Whether a scatter of so many degrees of freedom, over the stated noise, differs from one, and by more than chance.
+fn differs(factor: f64, freedom: f64) -> bool {
+    let sure = factor.ln().abs() > 4.0 / (2.0 * freedom.max(1.0)).sqrt();
+    sure && !(1.0 / NOISE_DIFFERS..NOISE_DIFFERS).contains(&factor)
+}
+
+/// Scatter of the readings along their series over stated standard deviations that are too small for it, before any model: beside
+/// these nothing would be left that looks like noise, and an explanation would be chosen for its number of parameters.
+pub fn understated(table: &Table) -> Noise {
+    let seen = measurement::scatter(&table.points);
+    let of = |source: NoiseSource, seen: Option<Spread>, stated: &dyn Fn(&Point) -> Option<f64>| {
+        let single = |p: &Point| Some(stated(p)? * (p.replicates as f64).sqrt());
+        let stated = median(table.points.iter().filter_map(single));
+        let seen = seen.filter(|_| source == NoiseSource::Stated && stated > 0.0);
+        let factor = seen.map(|seen| (seen.sd / stated, seen.degrees_of_freedom as f64));
+        factor.filter(|(factor, freedom)| *factor > 1.0 && differs(*factor, *freedom)).map_or(1.0, |(factor, _)| factor)
+    };
+    Noise {
+        amplitude: of(table.amplitude_noise, seen.amplitude, &|p| Some(p.amplitude_sd / p.amplitude)),
+        phase: table.phase_noise.map_or(1.0, |source| of(source, seen.phase, &|p| p.phase_sd)),
     }
 }
 

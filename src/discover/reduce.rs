@@ -12,8 +12,13 @@ impl Search<'_> {
     /// Removes additions that the others make needless; the last may merely have helped an earlier one out of a local minimum.
     /// What leaves structure is judged by what it leaves, not by the noise: there the last one may go, too.
     pub(super) fn eliminate(&self, chosen: Hypothesis) -> Hypothesis {
+        let least = usize::from(self.unit(&chosen) == 1.0);
+        self.eliminate_to(least, chosen)
+    }
+
+    /// The same down to so many of them.
+    pub(super) fn eliminate_to(&self, least: usize, chosen: Hypothesis) -> Hypothesis {
         let unit = self.unit(&chosen);
-        let least = usize::from(unit == 1.0);
         let mut chosen = chosen;
         let mut index = 0;
         while chosen.additions.len() > least && index < chosen.additions.len() {

@@ -41,11 +41,13 @@ pub fn discover_counted(
     solved: &Arc<AtomicU64>,
 ) -> Discovery {
     let scenario = table.applied_to(scenario);
+    let understated = compare::understated(table);
+    let table = &table.estimated(understated);
     let (search, start) = Search::begin(&scenario, table, options, solved);
     let mut known = Known::default();
     let chosen = search.forward(&start, &mut known);
     let Some(noise) = search.scatter(&chosen) else {
-        return search.run(&start, chosen, known, Noise::STATED);
+        return search.run(&start, chosen, known, understated);
     };
     // It goes on with the standard deviations that the readings scatter by.
     let table = table.rescaled(noise);
@@ -54,14 +56,16 @@ pub fn discover_counted(
         .map(|h| search.data.fitted(search.data.reweighted(h, noise), search.data.last_effort(CONTINUED)));
     let again = search.goes_on();
     let mut known = known.map(|entry| search.reweighted(entry, noise, again));
-    let chosen = search.forward(&search.eliminate(chosen), &mut known);
-    search.run(&start, chosen, known, noise)
+    // What was decided for in the other deviations may not be in these.
+    let chosen = search.forward(&search.eliminate_to(0, chosen), &mut known);
+    search.run(&start, chosen, known, noise.times(understated))
 }
 
 /// What explains the measurements of a scenario as far as the forward selection goes, and what the criterion charges it for having
 /// looked at many additions.
 pub fn explain(scenario: &Scenario, table: &Table, options: &SearchOptions) -> (Hypothesis, f64) {
     let scenario = table.applied_to(scenario);
+    let table = &table.estimated(compare::understated(table));
     let (search, start) = Search::begin(&scenario, table, options, &Arc::default());
     let found = search.forward(&start, &mut Known::default());
     let charge = search.looked_at(&found);

@@ -135,14 +135,26 @@ pub struct Table {
     pub amplitude_noise: NoiseSource,
     /// Where those of the phases come from; `None` without phases.
     pub phase_noise: Option<NoiseSource>,
+    /// Where both came from, if the readings refuted them.
+    pub refuted: Option<(NoiseSource, Option<NoiseSource>)>,
     /// What the user should know about how the file was read, in plain words.
     pub notes: Vec<String>,
 }
 
 impl Table {
-    /// Where the deviations of amplitudes and phases come from.
+    /// Where the deviations of amplitudes and phases that the table came with are from.
     pub fn noise_sources(&self) -> (NoiseSource, Option<NoiseSource>) {
-        (self.amplitude_noise, self.phase_noise)
+        self.refuted.unwrap_or((self.amplitude_noise, self.phase_noise))
+    }
+
+    /// The table with deviations so many times as large, estimated from the readings where that is not once.
+    pub fn estimated(&self, noise: Noise) -> Self {
+        let mut table = self.rescaled(noise);
+        let estimated = |factor: f64, source| if factor == 1.0 { source } else { NoiseSource::Estimated };
+        table.amplitude_noise = estimated(noise.amplitude, self.amplitude_noise);
+        table.phase_noise = self.phase_noise.map(|source| estimated(noise.phase, source));
+        table.refuted = Some(self.noise_sources());
+        table
     }
 
     /// The table with other standard deviations.
@@ -315,7 +327,7 @@ fn read(wanted: &MeasurementSource, bytes: &[u8], frame: &Frame<'_>, sweep: Opti
     notes.extend(doubts::doubts(&points, frame.is_arm()));
     let hash = blake3::hash(bytes).to_hex().to_string();
     let file = wanted.file.clone();
-    let table = Table { file, hash, points, series, signals, amplitude_noise, phase_noise, notes };
+    let table = Table { file, hash, points, series, signals, amplitude_noise, phase_noise, refuted: None, notes };
     Ok((table, columns, choices))
 }
 

@@ -27,6 +27,11 @@ impl Noise {
     /// As the table has it.
     pub const STATED: Self = Self { amplitude: 1.0, phase: 1.0 };
 
+    /// These, in units of others.
+    pub fn times(self, unit: Self) -> Self {
+        Self { amplitude: self.amplitude * unit.amplitude, phase: self.phase * unit.phase }
+    }
+
     /// Both in one number, for so many amplitudes and phases.
     pub fn together(&self, amplitudes: usize, phases: usize) -> f64 {
         let (amplitudes, phases) = (amplitudes as f64, phases as f64);
