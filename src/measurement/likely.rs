@@ -12,6 +12,8 @@ const OTHER: &[&str] = &[
 ];
 /// Beginnings of words for a setting of the instrument that reads.
 const SETTINGS: &[&str] = &["scale", "escal", "skal", "range"];
+/// Beginnings of words for a time, a period or a delay.
+const TIMES: &[&str] = &["time", "zeit", "tiemp", "sekund", "seconds", "period", "delay", "lag"];
 /// Beginnings of words that say what shakes the rig. They come before [`READS`]: the displacement of a base is a drive.
 const DRIVES_IT: &[&str] = &[
     "driv",
@@ -83,6 +85,11 @@ pub(crate) fn is_other(name: &str) -> bool {
 /// Whether a name is that of a setting of the instrument that reads, its range.
 pub(crate) fn is_setting(name: &str) -> bool {
     name.split('_').any(|word| SETTINGS.iter().any(|beginning| word.starts_with(beginning)))
+}
+
+/// Whether a name is that of a time, which is no reading of a motion.
+pub(crate) fn is_time(name: &str) -> bool {
+    name.split('_').any(|word| TIMES.iter().any(|beginning| word.starts_with(beginning)))
 }
 
 /// Whether a name is that of the deviation of what has the other one.

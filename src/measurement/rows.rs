@@ -39,10 +39,14 @@ pub(crate) fn readings(
     // A frequency of zero anywhere else is a slip.
     let is_spectrum = sheet.rows().next().is_some_and(|first| is_constant_part(&layout, &first))
         && sheet.rows().any(|row| !is_constant_part(&layout, &row));
-    let mut constant = 0;
+    let (mut constant, mut overflown) = (0, 0);
     for (at, row) in sheet.rows().enumerate() {
         if is_spectrum && is_constant_part(&layout, &row) {
             constant += 1;
+            continue;
+        }
+        if row.cells.iter().any(|cell| is_overflow(cell)) {
+            overflown += 1;
             continue;
         }
         let mut cells = Cells { sheet, layout: &layout, row: &row, commas, complaints: &mut complaints };
@@ -56,6 +60,10 @@ pub(crate) fn readings(
     if constant > 0 {
         notes.push(format!("{} at 0 Hz, the constant part of a spectrum, not used", count(constant, "row")));
     }
+    if overflown > 0 {
+        let rows = count(overflown, "row");
+        notes.push(format!("{rows} with a number of 9.9e37, which an instrument writes that has no reading, not used"));
+    }
     let stated = |column: usize| layout.slots[column].is_some();
     let si = |column: usize| layout.slots[column].as_ref().map_or("", Slot::si);
     Ok(Readings {
@@ -67,6 +75,15 @@ pub(crate) fn readings(
         amplitude_stated: stated(AMPLITUDE_SD),
         phase_stated: stated(PHASE_SD),
     })
+}
+
+/// What an instrument writes instead of infinity, or, a little larger, of no number (SCPI-99, volume 1, section 7.2.1).
+const OVERFLOW: f64 = 9.9e37;
+
+/// Whether a cell is a number that stands for none.
+fn is_overflow(cell: &str) -> bool {
+    let number = || cell.trim().replace(',', ".").parse::<f64>();
+    cell.contains("37") && number().is_ok_and(|number| number.abs() >= OVERFLOW && number.is_finite())
 }
 
 /// Whether a row is of frequency zero, with which a spectrum begins.

@@ -2,7 +2,7 @@
 
 use super::frame::{Frame, READINGS, kind};
 use super::header::{self, Meaning};
-use super::likely::{in_hertz, is_deviation, is_other};
+use super::likely::{in_hertz, is_deviation, is_other, is_time};
 use super::names::{ALL, AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LAG, LOAD, NUMBERS, PHASE, PHASE_SD, SPEED};
 use super::parts::{Parts, parts};
 use super::sheet::{Complaints, Sheet, Tally};
@@ -332,7 +332,11 @@ impl Search<'_, '_> {
             return;
         }
         if named[AMPLITUDE].is_empty() && self.slots[FREQUENCY].is_some() && self.taken.len() == 2 {
-            let is_bare = |index: &usize| !self.taken[*index] && header::split(&self.sheet.headed(*index)).1.is_none();
+            let is_bare = |index: &usize| {
+                let header = self.sheet.headed(*index);
+                let (name, unit) = header::split(&header);
+                !self.taken[*index] && unit.is_none() && !is_time(&header::plain(name))
+            };
             if let Some(index) = (0..2).find(is_bare) {
                 self.choices.push((COLUMNS[AMPLITUDE].into(), self.sheet.header.cells[index].clone()));
                 named[AMPLITUDE].push(Candidate { index, unit: Unit::of("V"), stated: false });

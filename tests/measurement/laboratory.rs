@@ -446,3 +446,25 @@ fn what_stands_before_the_numbers_does_not_matter() {
         "{notes:?}"
     );
 }
+
+/// A second column that holds times is no reading, whatever else the table lacks.
+#[test]
+fn a_column_of_times_is_no_reading() {
+    let rows: String = (0..8).map(|n| format!("{}\t{}\n", 15 + n, 1.2 + 0.1 * f64::from(n))).collect();
+    let read = |header: &str| survey_bytes("t.txt", format!("{header}\n{rows}").as_bytes());
+    for header in ["Frequenz in kHz\tdelta t in mu_Sekunden", "f [kHz]\tdelay", "f [kHz]\tZeitdifferenz"] {
+        assert!(read(header).is_err(), "{header}");
+    }
+    assert!(read("Frequenz in kHz\tAusschlag").is_ok());
+}
+
+/// 9.9e37 is what an instrument writes that has no reading.
+#[test]
+fn rows_of_an_overflow_are_not_readings() {
+    let rows: String = (0..8).map(|n| format!("{},{},0.{}\n", 80 + n, 0.5, n + 1)).collect();
+    let text = format!("f [Hz],F [N],x [mm]\n79,0.5,9.9e+37\n{rows}88,9.91E+37,1\n");
+    let table = load("t.csv", text.as_bytes(), "", "").unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(table.points.len(), 8);
+    let note = "2 rows with a number of 9.9e37, which an instrument writes that has no reading, not used";
+    assert!(table.notes.iter().any(|one| one == note), "{:?}", table.notes);
+}
