@@ -1,7 +1,8 @@
 //! Where the time of a discovery goes, on practice table 1 (312 points with phases): the calibration of the base, one
 //! evaluation with derivatives and one fit per effect, the whole by the number of effects allowed.
 //!
-//! `cargo bench --bench discovery`, or a part of it: `cargo bench --bench discovery -- fit`. All run on one thread per core.
+//! `cargo bench --bench discovery`, or a part of it: `cargo bench --bench discovery -- fit`. All run on one thread per
+//! core.
 
 use divan::Bencher;
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! Time per steady state: every effect in three regimes, cold and warm, derivatives, the published procedure, threads.
 //!
-//! `cargo bench --bench steady`, or a part of it: `cargo bench --bench steady -- cold`. Every benchmark of a steady state
-//! runs over the same 24 frequencies in each sample, so that the times shown are means over a resonance curve.
+//! `cargo bench --bench steady`, or a part of it: `cargo bench --bench steady -- cold`. Every benchmark of a steady
+//! state runs over the same 24 frequencies in each sample, so that the times shown are means over a resonance curve.
 
 #[path = "../tests/common/mod.rs"]
 mod common;

@@ -1,5 +1,5 @@
-//! Prints as JSON how long a fit of rate-strengthening to practice table 1 takes on one thread, for `benches/peers/fit.py`:
-//! from the geometric means of the catalogue's ranges, the contact from the scenario.
+//! Prints as JSON how long a fit of rate-strengthening to practice table 1 takes on one thread, for
+//! `benches/peers/fit.py`: from the geometric means of the catalogue's ranges, the contact from the scenario.
 #![allow(clippy::print_stdout)]
 
 use rayon::ThreadPoolBuilder;

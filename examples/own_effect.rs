@@ -1,4 +1,5 @@
-//! Puts an effect of one's own, as the worked example of `CONTRIBUTING.md` is, into the model of a scenario and solves it.
+//! Puts an effect of one's own, as the worked example of `CONTRIBUTING.md` is, into the model of a scenario and solves
+//! it.
 #![allow(clippy::print_stdout)]
 
 use stickslip::effects::{Effect, Group, Law, Measure, ParameterInfo, Zero};

@@ -133,8 +133,8 @@ fn fastest(groups: &[Vec<Row>], derivatives: bool) -> Vec<Vec<f64>> {
     best
 }
 
-/// Mean times over the rows of each effect at each condition, and its largest errors; and over all conditions of an effect
-/// how many times the base law takes its time there.
+/// Mean times over the rows of each effect at each condition, and its largest errors; and over all conditions of an
+/// effect how many times the base law takes its time there.
 fn effects(groups: &[Vec<Row>]) -> (Value, Value) {
     let mean = |times: &[f64]| times.iter().sum::<f64>() / times.len() as f64;
     let cold: Vec<f64> = fastest(groups, false).iter().map(|times| mean(times)).collect();

@@ -1,9 +1,9 @@
 //! Results of earlier runs, kept in a folder under a hash of everything that they follow from.
 //!
-//! A name is the hash of the inputs and of the program itself (version, sources, compiler, target), so that an entry never
-//! is out of date: what has changed has another name. An entry is written beside its place and moved there, so that
-//! neither an interruption nor a second writer leaves half of one; it begins with the hash of what follows, and one that
-//! does not match is computed again. What would not come back exactly as it went in is not kept at all.
+//! A name is the hash of the inputs and of the program itself (version, sources, compiler, target), so that an entry
+//! never is out of date: what has changed has another name. An entry is written beside its place and moved there, so
+//! that neither an interruption nor a second writer leaves half of one; it begins with the hash of what follows, and
+//! one that does not match is computed again. What would not come back exactly as it went in is not kept at all.
 
 use crate::error::Result;
 use crate::files;
@@ -78,7 +78,8 @@ impl Cache {
     pub fn get<T: DeserializeOwned>(&self, key: &Key) -> Option<T> {
         let path = self.path(key)?;
         let value = opened(&files::text(&path, MAX_BYTES, "").ok()?)?;
-        // Only so that entries in use are not removed; a folder that cannot be written to is no reason to compute again.
+        // Only so that entries in use are not removed; a folder that cannot be written to is no reason to compute
+        // again.
         if let Ok(file) = std::fs::File::options().append(true).open(&path) {
             let _ = file.set_modified(SystemTime::now());
         }

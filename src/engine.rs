@@ -1,5 +1,6 @@
-//! What stickslip computes, from a scenario file to the effect that is missing: the first three parts of the library's page, which lists
-//! every module. A crate of its own, so that figures and pages are compiled beside it and with less effort.
+//! What stickslip computes, from a scenario file to the effect that is missing: the first three parts of the library's
+//! page, which lists every module. A crate of its own, so that figures and pages are compiled beside it and with less
+//! effort.
 
 pub mod compare;
 pub mod discover;

@@ -40,7 +40,8 @@ impl Error {
         move |source| Self::Io { action, path, source }
     }
 
-    /// Exit status: 1 for a gate that failed, 2 for bad usage or input (a file that cannot be read included), 3 where the work could not be finished.
+    /// Exit status: 1 for a gate that failed, 2 for bad usage or input (a file that cannot be read included), 3 where
+    /// the work could not be finished.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Gate(_) => 1,

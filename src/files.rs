@@ -94,7 +94,8 @@ pub fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
     put(path, bytes, |file| file.persist(path))
 }
 
-/// Writes a file that is asked for by its name, in place of one that is empty or that `ours` knows as the program's own.
+/// Writes a file that is asked for by its name, in place of one that is empty or that `ours` knows as the program's
+/// own.
 ///
 /// # Errors
 /// [`Error::Input`] where another file is in its place; [`Error::Io`] where the operating system refuses.

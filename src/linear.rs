@@ -7,8 +7,8 @@ pub fn svd(matrix: DMatrix<f64>) -> Option<SVD<f64, Dyn, Dyn>> {
     (matrix.norm_squared().is_finite() && !matrix.is_empty()).then(|| matrix.svd(true, true))
 }
 
-/// The shortest solution of least squares, singular values below this share of the largest counted as none; `None` where there is none
-/// in numbers.
+/// The shortest solution of least squares, singular values below this share of the largest counted as none; `None`
+/// where there is none in numbers.
 pub fn least_squares(matrix: DMatrix<f64>, right: &DVector<f64>, none: f64) -> Option<DVector<f64>> {
     let parts = svd(matrix)?;
     let solution = parts.solve(right, none * parts.singular_values.max()).ok()?;

@@ -42,7 +42,8 @@ pub struct ParameterInfo {
     pub minimum: f64,
     /// Largest value that is physical.
     pub maximum: f64,
-    /// Magnitudes that a search should cover on the paper's rig, the smaller may be 0; `None` where the catalogue gives none.
+    /// Magnitudes that a search should cover on the paper's rig, the smaller may be 0; `None` where the catalogue gives
+    /// none.
     pub range: Option<(f64, f64)>,
     /// What magnitudes are measured in on any other rig.
     pub measure: Measure,
@@ -150,7 +151,8 @@ pub enum Measure {
     Number,
     /// 1/w0.
     Time,
-    /// Speed of the motion at the contact; where a roller turns, its mean with that of the roller on a logarithmic scale.
+    /// Speed of the motion at the contact; where a roller turns, its mean with that of the roller on a logarithmic
+    /// scale.
     Speed,
     /// One over that speed.
     Slowness,
@@ -226,8 +228,8 @@ pub struct Scales {
 }
 
 impl Scales {
-    /// The paper's rig at the conditions for which the ranges of the catalogue are stated: 20 N, rollers up to 0.1 m/s, drives
-    /// up to 7.5 um.
+    /// The paper's rig at the conditions for which the ranges of the catalogue are stated: 20 N, rollers up to 0.1 m/s,
+    /// drives up to 7.5 um.
     pub const PAPER: Self = Self {
         omega: 451.3978289712967,
         quality: 4.997761613942612,

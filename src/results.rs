@@ -1,7 +1,8 @@
 //! A folder of results, which one run at a time writes to, and in which it replaces nothing but what earlier runs left.
 //!
-//! The file `.stickslip` in it holds a line for every file written there, its hash and its name, put down before the file
-//! is; a run holds a lock on it. A folder of an earlier version has no such list: what it holds is told by its content.
+//! The file `.stickslip` in it holds a line for every file written there, its hash and its name, put down before the
+//! file is; a run holds a lock on it. A folder of an earlier version has no such list: what it holds is told by its
+//! content.
 
 use crate::error::{Error, Result};
 use crate::files::{self, beginning, refused};
@@ -39,8 +40,8 @@ struct List {
 }
 
 impl Results {
-    /// The folder at a path, made where it does not exist; `inputs` are files that no result may replace. Waits where another
-    /// run writes there, and removes what runs that were killed left half written.
+    /// The folder at a path, made where it does not exist; `inputs` are files that no result may replace. Waits where
+    /// another run writes there, and removes what runs that were killed left half written.
     ///
     /// # Errors
     /// [`Error::Input`] where a file of another program has the name of the list; [`Error::Io`] where the operating system
@@ -182,8 +183,8 @@ fn foreign(list: &Path) -> Error {
     refused(list, "is not the list of results that the program keeps there", "name another folder for the results")
 }
 
-/// Whether a file without a list is a result of an earlier version: by what stands in it, a table or a picture in pixels by
-/// the drawing or the JSON beside it.
+/// Whether a file without a list is a result of an earlier version: by what stands in it, a table or a picture in
+/// pixels by the drawing or the JSON beside it.
 fn of_earlier_version(path: &Path) -> bool {
     let drawing = || beginning(&path.with_extension("svg")).is_some_and(|text| drawn(&text));
     let json = || beginning(&path.with_extension("json")).is_some_and(|text| schema(&text, ""));
@@ -198,7 +199,8 @@ fn of_earlier_version(path: &Path) -> bool {
     }
 }
 
-/// Whether this is the beginning of a JSON that the program wrote, of a `kind` such as `report`; any where that is empty.
+/// Whether this is the beginning of a JSON that the program wrote, of a `kind` such as `report`; any where that is
+/// empty.
 pub fn schema(text: &str, kind: &str) -> bool {
     let slash = if kind.is_empty() { "" } else { "/" };
     text.starts_with('{') && text.contains(&format!("\"schema\": \"stickslip.{kind}{slash}"))

@@ -1,8 +1,8 @@
 //! Zeros of functions of one variable.
 
-/// Zero of `f` between the two ends of a bracket, where it has the given values of opposite signs: regula falsi, the value at
-/// an end that stays twice halved (Illinois). Ends where a step or the bracket is below the accuracy, absolute plus relative, or after
-/// `most` evaluations; an end where the value is zero is the answer.
+/// Zero of `f` between the two ends of a bracket, where it has the given values of opposite signs: regula falsi, the
+/// value at an end that stays twice halved (Illinois). Ends where a step or the bracket is below the accuracy, absolute
+/// plus relative, or after `most` evaluations; an end where the value is zero is the answer.
 pub fn regula_falsi(
     f: impl Fn(f64) -> f64,
     [mut low, mut high]: [f64; 2],

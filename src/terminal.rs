@@ -1,7 +1,7 @@
 //! What the program says: results on standard output, messages on standard error, each through one function.
 //!
-//! Names of files, titles and cells of tables are other people's text. On its way to a terminal it loses what a terminal
-//! would obey rather than show.
+//! Names of files, titles and cells of tables are other people's text. On its way to a terminal it loses what a
+//! terminal would obey rather than show.
 
 #![allow(clippy::disallowed_methods)]
 
@@ -30,7 +30,8 @@ pub fn written(outcome: std::io::Result<()>) -> Result<()> {
     }
 }
 
-/// Ends a line that is begun on the terminal of standard error, where it is one: a bar of progress, or the `^C` of the user.
+/// Ends a line that is begun on the terminal of standard error, where it is one: a bar of progress, or the `^C` of the
+/// user.
 pub fn end_line() {
     if shows_progress() {
         let _ = std::io::stderr().write_all(b"\n");
@@ -53,8 +54,8 @@ pub fn tell(message: &str) {
     let _ = std::io::stderr().lock().write_all(format!("{}\n", clean(message)).as_bytes());
 }
 
-/// The text with a sign in place of every character that a terminal would obey: control characters, but for tabs and ends
-/// of lines, and those that turn the direction of what follows.
+/// The text with a sign in place of every character that a terminal would obey: control characters, but for tabs and
+/// ends of lines, and those that turn the direction of what follows.
 pub fn clean(text: &str) -> Cow<'_, str> {
     if !text.chars().any(obeyed) {
         return text.into();

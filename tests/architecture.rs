@@ -1,5 +1,5 @@
-//! Data flows one way: what a module may read of the others, checked on the `use` lines and paths of the source. And what is long
-//! or wide says why.
+//! Data flows one way: what a module may read of the others, checked on the `use` lines and paths of the source. And
+//! what is long or wide says why.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -173,7 +173,8 @@ fn depth(line: &str) -> usize {
     line.len() - line.trim_start().len()
 }
 
-/// The lines of what begins with the first of these, as rustfmt lays them out: up to the first that closes it at the same depth.
+/// The lines of what begins with the first of these, as rustfmt lays them out: up to the first that closes it at the
+/// same depth.
 fn whole<'a>(lines: &'a [&'a str]) -> &'a [&'a str] {
     let closes = |line: &str| depth(line) == depth(lines[0]) && (line.trim() == "}" || line.ends_with(';'));
     let one_line = lines[0].ends_with(['}', ';']);

@@ -21,8 +21,8 @@ fn with(effect: &'static dyn Effect, parameters: Vec<f64>) -> Model {
     model
 }
 
-/// An effect with parameters from its range at a point that is likely to stay in one mode: over a fast roller, or under the
-/// paper's load over one at rest.
+/// An effect with parameters from its range at a point that is likely to stay in one mode: over a fast roller, or under
+/// the paper's load over one at rest.
 fn draw(effect: &'static dyn Effect, random: &mut Random) -> (Model, Operation) {
     let parameters = effect.parameters().iter().map(|info| random.between(info.range.expect("effects have ranges")));
     let model = with(effect, parameters.collect());
@@ -95,8 +95,9 @@ fn agrees_with_shooting_over_the_ranges_of_all_effects() {
     assert!(balanced.iter().all(|&(_, count)| count > DRAWS / 3), "{balanced:?}");
 }
 
-/// Motions that a careless search takes for steady: full slip that friction weakening blows up within a cycle, an interface
-/// below the temperature at which friction would drive it, and a first guess at whose slip rate the law is flat.
+/// Motions that a careless search takes for steady: full slip that friction weakening blows up within a cycle, an
+/// interface below the temperature at which friction would drive it, and a first guess at whose slip rate the law is
+/// flat.
 #[test]
 fn leaves_what_does_not_stay_in_full_slip() {
     let point = |speed, load, drive, frequency| Operation { speed, load, drive, frequency, series: 0 };

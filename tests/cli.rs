@@ -305,7 +305,8 @@ fn the_print_of_a_search_fits_forty_lines_also_where_it_ends_in_structure() {
     assert!(text.lines().count() <= 40, "{} lines:\n{text}", text.lines().count());
 }
 
-/// A cable that came off half-way: from there on the readings are rounding. What lowers the squares raises the error there.
+/// A cable that came off half-way: from there on the readings are rounding. What lowers the squares raises the error
+/// there.
 #[test]
 fn an_error_that_rose_is_not_told_as_one_that_fell() {
     let dir = tempfile::tempdir().unwrap();
@@ -348,5 +349,24 @@ fn a_jump_is_a_step_that_stays_and_not_one_of_two_sweeps_that_differ() {
         let output = stickslip(dir.path()).args(["new", "t.csv"]).unwrap();
         let text = String::from_utf8(output.stdout).unwrap();
         assert_eq!(text.contains("jump"), expected, "{text}");
+    }
+}
+
+/// What falls as a filter does, or does not change, has no resonance: not one with the least quality factor that is
+/// looked for.
+#[test]
+fn a_curve_without_a_peak_has_no_resonance() {
+    let low_pass = |f: f64| 1.0 / (1.0 + (f / 400.0).powi(2)).sqrt();
+    let flat = |f: f64| 1020.0 * (1.0 + 1e-4 * (f / 1000.0).powi(2));
+    let peak = |f: f64| 1.0 / (1.0 - (f / 500.0).powi(2)).hypot(f / 500.0 / 1.5);
+    let cases: [(&dyn Fn(f64) -> f64, bool); 3] = [(&low_pass, false), (&flat, false), (&peak, true)];
+    for (number, (response, seen)) in cases.into_iter().enumerate() {
+        let dir = tempfile::tempdir().unwrap();
+        let rows = (1..=40).map(|i| 25.0 * f64::from(i)).map(|f| format!("{f},1,{:.6}\n", 0.01 * response(f)));
+        let text = "frequency_hz,force_n,amplitude_mm\n".to_string() + &rows.collect::<String>();
+        std::fs::write(dir.path().join("t.csv"), text).unwrap();
+        let output = stickslip(dir.path()).args(["new", "t.csv"]).output().unwrap();
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(!error.contains("no resonance is seen in any series"), seen, "{number}: {error}");
     }
 }

@@ -144,7 +144,8 @@ fn noise_larger_than_stated_is_taken_from_the_scatter() {
     assert!(regions <= 2 && outliers <= 5, "{regions} regions, {outliers} readings that stand out");
 }
 
-/// Deviations that were estimated along series are known to a fifth or so: intervals are as wide wherever they are in that.
+/// Deviations that were estimated along series are known to a fifth or so: intervals are as wide wherever they are in
+/// that.
 #[test]
 fn intervals_go_by_the_scatter_about_the_model_where_the_noise_was_estimated() {
     let widths = |factor: f64| -> Vec<f64> {
@@ -190,7 +191,8 @@ fn the_parts_of_the_error_budget_add_up_and_outliers_are_listed() {
     let sum = b.numerical_percent.powi(2) + b.noise_percent.powi(2) + b.model_percent.powi(2);
     assert!((sum.sqrt() / b.total_percent - 1.0).abs() < 1e-9, "{b:?}");
     assert!(b.numerical_percent < 1e-3, "{b:?}");
-    // One amplitude of 48 that is 40 % too high: the model is 1 - 1/1.4 too low there, and nothing of that is its fault.
+    // One amplitude of 48 that is 40 % too high: the model is 1 - 1/1.4 too low there, and nothing of that is its
+    // fault.
     let thrown = 100.0 * (1.0 - 1.0 / 1.4) / (found.points.len() as f64).sqrt();
     assert!(b.noise_percent > 0.95 * thrown && b.model_percent < 0.5, "{b:?}");
     assert_eq!(found.outliers.iter().map(|o| (o.row, o.column)).collect::<Vec<_>>(), [(21, "amplitude_rad")]);

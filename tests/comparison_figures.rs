@@ -1,4 +1,5 @@
-//! Figures of a comparison: everything draws for full, sparse and awkward tables, nothing overlaps, the numbers are right.
+//! Figures of a comparison: everything draws for full, sparse and awkward tables, nothing overlaps, the numbers are
+//! right.
 
 #[path = "figures/layout.rs"]
 mod layout;

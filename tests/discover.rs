@@ -237,7 +237,8 @@ fn missing(folder: &str, effect: &str) -> Discovery {
     d
 }
 
-/// On the first points that a race looks at, a rival has the better of the planted delay by chance: that must not decide.
+/// On the first points that a race looks at, a rival has the better of the planted delay by chance: that must not
+/// decide.
 #[test]
 fn a_few_readings_that_favour_a_rival_by_chance_do_not_decide() {
     let d = missing("delay", "sensor-delay");
@@ -250,7 +251,8 @@ fn what_came_to_the_end_of_the_race_is_fitted_by_itself_too() {
     missing("compliance", "roller-compliance");
 }
 
-/// Where profiles may solve nothing, every end is that of the curvature, and it is said; where they may solve enough, none is.
+/// Where profiles may solve nothing, every end is that of the curvature, and it is said; where they may solve enough,
+/// none is.
 #[test]
 fn intervals_without_a_budget_are_of_the_curvature_and_told_as_that() {
     let (scenario, table) = practice(4);

@@ -1,4 +1,5 @@
-//! A rig that is another one from series to series: tables from the closed form of a linear resonance, through the search and back.
+//! A rig that is another one from series to series: tables from the closed form of a linear resonance, through the
+//! search and back.
 
 use std::fmt::Write as _;
 use std::path::Path;

@@ -152,7 +152,8 @@ fn zero_strength_is_the_base() {
 fn reference_rows_agree_to_1e_4() {
     let mut wrong = Vec::new();
     let mut largest: Vec<(&str, f64, f64)> = Vec::new();
-    // A stroke of 0.3 um against 225 um to gross slip: the table has no slip at all there, which a continuum always has.
+    // A stroke of 0.3 um against 225 um to gross slip: the table has no slip at all there, which a continuum always
+    // has.
     let unresolved = |row: &Row| row.effect.name() == "partial-slip" && row.at.speed == 0.0 && row.at.load == 20.0;
     for row in rows().into_iter().filter(|row| !unresolved(row)) {
         let state = steady(&with(row.effect, row.parameters.clone()), &row.at);
@@ -307,7 +308,8 @@ fn microslip_far_below_gross_slip_is_that_of_the_continuum() {
         let share = rig.contact_arm * without.amplitude * contact.stiffness / (2.0 * contact.friction * at.load);
         let coupling = rig.contact_arm * rig.contact_arm * contact.stiffness;
         let (re, im) = (-0.5 * share * coupling, 2.0 / (3.0 * std::f64::consts::PI) * share * coupling);
-        // The response falls by the change of the stiffness over itself; torque of the drive over response gives the latter.
+        // The response falls by the change of the stiffness over itself; torque of the drive over response gives the
+        // latter.
         let w = std::f64::consts::TAU * frequency;
         let arm = rig.spring_arm * at.drive / without.amplitude;
         let (torque, angle) = (

@@ -173,8 +173,8 @@ fn a_warm_start_gives_the_answer_of_a_cold_one_sooner() {
                 let fresh = cold(&changed, &operation, &tolerance, false).state;
                 let what = format!("{name} {operation:?} {factor}");
                 assert_eq!(other.status.word(), fresh.status.word(), "{what}");
-                // Both are within the tolerance of the solver; the kink of the quadratic law at rest, in a contact that came
-                // to rest with another stretch, is the least accurate of all.
+                // Both are within the tolerance of the solver; the kink of the quadratic law at rest, in a contact that
+                // came to rest with another stretch, is the least accurate of all.
                 let allowed = if name == "quadratic-damping" { 2e-5 } else { 2e-7 };
                 assert!(distance(&other, &fresh) < allowed, "{what}: {:e}", distance(&other, &fresh));
                 warm_cycles += other.cycles;
@@ -201,8 +201,8 @@ fn few_steps_are_good_to_1e_4() {
     }
 }
 
-/// Work beside the answer: a prediction that quietly fails would cost full cycles again. Among the frequencies are those at
-/// which an event passes the start of the cycle.
+/// Work beside the answer: a prediction that quietly fails would cost full cycles again. Among the frequencies are
+/// those at which an event passes the start of the cycle.
 #[test]
 fn a_sweep_of_the_base_law_is_predicted_from_event_to_event() {
     let (model, tolerance, mut warm) = (paper_model(Series), Tolerance::default(), Warm::default());

@@ -1,5 +1,5 @@
-//! A user's own effect, `formula` in a scenario: the physics of the catalogue typed as text, rows of another program, closed
-//! forms, every command.
+//! A user's own effect, `formula` in a scenario: the physics of the catalogue typed as text, rows of another program,
+//! closed forms, every command.
 
 mod common;
 
@@ -276,7 +276,8 @@ fn quintic(frequency: f64, force: f64, k5: f64) -> f64 {
     high
 }
 
-/// A folder with the readings of a quintic spring at several drives, with 0.5 % of scatter, and a scenario that declares it.
+/// A folder with the readings of a quintic spring at several drives, with 0.5 % of scatter, and a scenario that
+/// declares it.
 fn measured() -> tempfile::TempDir {
     let dir = tempfile::tempdir().unwrap();
     let mut random = Random(5);

@@ -1,5 +1,5 @@
-//! The free form: tables with a law outside the catalogue, made by a program that shares no code (`tests/reference/beyond.py`), and
-//! tables in closed form written here.
+//! The free form: tables with a law outside the catalogue, made by a program that shares no code
+//! (`tests/reference/beyond.py`), and tables in closed form written here.
 
 #[path = "figures/layout.rs"]
 mod layout;
@@ -109,7 +109,8 @@ fn laws_outside_the_catalogue_are_told_by_their_variable_and_their_curve() {
     assert!(10 * inside >= 9 * places, "{inside} of {places}\n{told}");
 }
 
-/// How a table is written: levels, the response of a series at a frequency to be measured, or the drive for one to be held.
+/// How a table is written: levels, the response of a series at a frequency to be measured, or the drive for one to be
+/// held.
 struct Made {
     mode: Mode,
     /// Largest motion.

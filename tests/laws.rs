@@ -168,7 +168,8 @@ fn powers_of_one_and_two_are_the_linear_and_the_quadratic_damping() {
     }
 }
 
-/// The exact motion without stops: its peak is Den Hartog's, its fundamental that of drive and square wave of the friction.
+/// The exact motion without stops: its peak is Den Hartog's, its fundamental that of drive and square wave of the
+/// friction.
 #[test]
 fn friction_in_the_pivot_is_that_of_den_hartog() {
     for (r, zeta, beta, peak) in

@@ -244,7 +244,8 @@ fn the_sign_of_an_even_force_is_hidden_beside_odd_ones_alone() {
     assert!(!with(with_sign(1.0, 0.0), "asymmetric-stiffness", &[1.0]).hides_sign(0));
 }
 
-/// y [1 + Gamma r^2/(1 - r^2 + i r/Q)] is what a place of a base-driven structure does in space, Gamma 1 of a mass on a spring.
+/// y [1 + Gamma r^2/(1 - r^2 + i r/Q)] is what a place of a base-driven structure does in space, Gamma 1 of a mass on a
+/// spring.
 #[test]
 fn a_place_of_a_base_driven_structure_moves_as_its_participation_says() {
     let text = "title = 'x'\nprovenance = 'x'\n[rig]\nkind = 'oscillator'\ndrive = 'base'\nreading = 'absolute'\n\

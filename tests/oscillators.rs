@@ -58,8 +58,8 @@ fn what_the_generator_hid_is_found_from_the_table_alone() {
     }
 }
 
-/// The levels of a notch, as an analyser saves them: a flank of a resonance outside the readings leaves less than a peak where the dip
-/// is, and yet the search begins at the dip.
+/// The levels of a notch, as an analyser saves them: a flank of a resonance outside the readings leaves less than a
+/// peak where the dip is, and yet the search begins at the dip.
 #[test]
 fn a_notch_of_levels_alone_is_a_resonance_beside_a_crosstalk() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -100,8 +100,9 @@ fn noise(deviation: f64) -> impl FnMut() -> f64 {
     }
 }
 
-/// A voltage that is neither a displacement nor an acceleration, but an acceleration beside a share of the drive: that share makes one of
-/// the other, and does not speak for either. The nearer of the two is taken, and the steadier voltage for the drive.
+/// A voltage that is neither a displacement nor an acceleration, but an acceleration beside a share of the drive: that
+/// share makes one of the other, and does not speak for either. The nearer of the two is taken, and the steadier
+/// voltage for the drive.
 #[test]
 fn what_is_read_beside_the_motion_decides_no_kind_of_reading() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -124,9 +125,9 @@ fn what_is_read_beside_the_motion_decides_no_kind_of_reading() {
     assert!(text.contains("drive = \"U_0 [V]\""), "{text}");
 }
 
-/// A sharp resonance whose signal comes through a long cable: the phase turns by many times in the readings, and where it is at none is
-/// known only from the slope.
-/// Twenty readings of a linear resonance by hand, with the deviations of the meter: what they really scatter by is nine times as much.
+/// A sharp resonance whose signal comes through a long cable: the phase turns by many times in the readings, and where
+/// it is at none is known only from the slope. Twenty readings of a linear resonance by hand, with the deviations of
+/// the meter: what they really scatter by is nine times as much.
 #[test]
 fn deviations_that_are_stated_too_small_make_nothing_missing() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -200,8 +201,9 @@ fn a_long_cable_is_a_delay() {
     assert_eq!(interval("instrument.phase_offset").identified, Identified::No);
 }
 
-/// A notch that is narrow beside the readings, a thousand of them and each far better than the misfit: the calibration follows a flank out of
-/// the readings, and yet the search begins where they show the dip; a model without a steady state is no way out.
+/// A notch that is narrow beside the readings, a thousand of them and each far better than the misfit: the calibration
+/// follows a flank out of the readings, and yet the search begins where they show the dip; a model without a steady
+/// state is no way out.
 #[test]
 fn a_narrow_notch_among_many_readings_is_a_resonance_beside_a_crosstalk() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -278,8 +280,8 @@ fn what_a_reading_in_volts_is_of_is_told_with_what_is_missing() {
     );
 }
 
-/// Where a joint only begins to slip, stiffness, slip force and exponent lie along a curved valley: intervals that lose their way in
-/// it miss what was planted (k_t 1.39e5 N/m, F_s 0.0312 N, n 1.73, f0 6484.9 Hz).
+/// Where a joint only begins to slip, stiffness, slip force and exponent lie along a curved valley: intervals that lose
+/// their way in it miss what was planted (k_t 1.39e5 N/m, F_s 0.0312 N, n 1.73, f0 6484.9 Hz).
 #[test]
 fn intervals_follow_a_curved_valley() {
     let folder = tempfile::tempdir().expect("a folder");

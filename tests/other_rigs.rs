@@ -14,7 +14,8 @@ const BENT: &str = "[[effect]]\nname = \"cubic-stiffness\"\nK_3 = \"4e9 N/m^3\"\
 const SWEEP: &str = "[sweep]\nfrequency = { from = \"53 Hz\", to = \"59 Hz\", points = 61 }\n\
     drive = [\"0.05 N\", \"0.5 N\"]\n";
 
-/// A scenario of a beam that is driven by a force and read by an accelerometer, with a table that its linear model misses.
+/// A scenario of a beam that is driven by a force and read by an accelerometer, with a table that its linear model
+/// misses.
 fn beam(folder: &Path) {
     let bent = folder.join("bent.toml");
     std::fs::write(&bent, format!("title = \"Bent\"\n{RIG}{BENT}{SWEEP}")).unwrap();

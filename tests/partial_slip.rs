@@ -15,8 +15,9 @@ use stickslip::statistics::wrap;
 
 /// The reference table.
 const TABLE: &str = include_str!("data/effects.csv");
-/// Equal elements that reproduce the table, chosen by a scan. What the separate program used is not recorded: 24 miss the rows at
-/// W = 0.1 N by 1.7e-4, 32 and more meet them to 1e-4, and from 205 on the first threshold would be reached at W = 20 N.
+/// Equal elements that reproduce the table, chosen by a scan. What the separate program used is not recorded: 24 miss
+/// the rows at W = 0.1 N by 1.7e-4, 32 and more meet them to 1e-4, and from 205 on the first threshold would be reached
+/// at W = 20 N.
 const EQUAL: usize = 200;
 
 /// Steps so fine that they do not show at 1e-5.
@@ -159,7 +160,8 @@ fn at_full_load_the_stroke_stays_below_the_first_threshold_of_the_table() {
     }
 }
 
-/// A law of friction that falls below zero at rest leaves the sliders nothing to hold with: whatever comes of it, no panic.
+/// A law of friction that falls below zero at rest leaves the sliders nothing to hold with: whatever comes of it, no
+/// panic.
 #[test]
 fn friction_below_zero_at_rest_is_no_reason_to_stop() {
     let mut model = paper_model(Series);

@@ -87,7 +87,8 @@ fn a_weak_drive_finds_berg_friction_a_spring_and_a_strong_one_finds_none() {
     }
 }
 
-/// Berg's loop of amplitude A loses 2 Fm [2 A - x2 (1 + r)^2 ln(1 + 2 A/(x2 (1 + r)))], r Fm being the force at its ends.
+/// Berg's loop of amplitude A loses 2 Fm [2 A - x2 (1 + r)^2 ln(1 + 2 A/(x2 (1 + r)))], r Fm being the force at its
+/// ends.
 #[test]
 fn the_drive_does_the_work_of_bergs_loop() {
     let [limit, stretch] = [0.01, 3e-7];

@@ -123,7 +123,8 @@ fn a_hardening_arm_has_two_states_between_its_folds_and_both_are_found() {
 
 #[test]
 fn steep_weakening_does_not_stick_where_the_slip_goes_on() {
-    // Both stick and slip are consistent with the states wherever N |dmu/ds| > cc: a cycle must go on as the last one ended.
+    // Both stick and slip are consistent with the states wherever N |dmu/ds| > cc: a cycle must go on as the last one
+    // ended.
     for v_s in [5e-5, 1e-4, 3e-4, 5e-4] {
         let state = steady(&with("stribeck", &[0.2, v_s]), &at(0.02, 71.0));
         let free = steady(&paper_model(Series), &at(0.02, 71.0));

@@ -51,7 +51,8 @@ fn every_effect_agrees_to_1e_5_where_it_matters() {
     lines.par_iter().for_each(|line| {
         let c: Vec<&str> = line.split(',').collect();
         let v: Vec<f64> = c[2..].iter().map(|v| v.parse().unwrap()).collect();
-        // Two points per effect and condition near the resonances; the age of a contact that never slips is not periodic.
+        // Two points per effect and condition near the resonances; the age of a contact that never slips is not
+        // periodic.
         let locked = c[0] == "rate-and-state" && v[0] == 0.0;
         if ![70.0, 82.0].contains(&v[3]) || locked {
             return;
@@ -114,8 +115,8 @@ fn a_roller_of_less_than_a_gram_agrees() {
     }
 }
 
-/// Friction that rises from rest with the logarithm of the slip rate lets the slip die out gently: a step may end within a
-/// rounding of the event, and the mode with it.
+/// Friction that rises from rest with the logarithm of the slip rate lets the slip die out gently: a step may end
+/// within a rounding of the event, and the mode with it.
 #[test]
 fn slip_that_dies_out_gently_ends_at_every_accuracy() {
     let mut model = model_of("grosch", "delta_mu=0.28272474387298874 v_m=0.006906902474338505 h=2.375719218006876");
@@ -174,7 +175,8 @@ fn time_integration_converges_with_order_two() {
 
 #[test]
 fn a_healing_contact_at_rest_slips_on_or_rests_as_it_does_in_time() {
-    // Ageing friction over a roller at rest: a slip cycle that keeps the age in balance, and healing until nothing slips.
+    // Ageing friction over a roller at rest: a slip cycle that keeps the age in balance, and healing until nothing
+    // slips.
     let plan = Plan { steps: 2000, cycles: 400, settled: 1e-7, window: 10, solved: Plan::SOLVED };
     let cases = [
         ("a=0.0983 B=0.0501 v_0=1.053e-6 D_c=4.361e-5", 0.0231, 1.855e-5, 74.68, false),

@@ -295,12 +295,13 @@ fn names_of_causes_are_read_and_unknown_ones_refused() {
     assert!(outside::find("outside-run-out").is_some());
 }
 
-/// The calibration without the roller's compliance takes the contact to a thousandth of its stiffness, where a roller that
-/// gives way changes nothing: the search has to look at the stated contact as well.
+/// The calibration without the roller's compliance takes the contact to a thousandth of its stiffness, where a roller
+/// that gives way changes nothing: the search has to look at the stated contact as well.
 #[test]
 fn effects_that_the_calibration_hides_are_found() {
     let folder = tempfile::tempdir().unwrap();
-    // The calibrated base of the first is far off; the fit that begins at that of the second ends at a roller without mass.
+    // The calibrated base of the first is far off; the fit that begins at that of the second ends at a roller without
+    // mass.
     for seed in [0, 4] {
         let options = Options { seed, ..options(&["roller-compliance"], folder.path().into()) };
         let results = stickslip::results::Results::open(folder.path(), []).unwrap();

@@ -46,8 +46,8 @@ pub struct Entry {
     pub strengths: Vec<Strength>,
 }
 
-/// An entry for every effect of the registry that acts on such a rig, on rig, contact and instrument of `scenario`; its effects are left out.
-/// The result does not depend on the number of threads.
+/// An entry for every effect of the registry that acts on such a rig, on rig, contact and instrument of `scenario`; its
+/// effects are left out. The result does not depend on the number of threads.
 pub fn run(scenario: &Scenario) -> Vec<Entry> {
     let bare = Model { effects: Vec::new(), ..Model::new(scenario) };
     let fits = |effect: &&&'static dyn Effect| fits_rig(**effect, bare.has_contact).is_ok();

@@ -46,7 +46,8 @@ pub struct Judged {
     pub reason: String,
     /// Condition under which the statement holds; may be empty.
     pub caveat: String,
-    /// Value of the drive u0 \[m\] from which on the relation holds, with the printed one, where it was sought and found.
+    /// Value of the drive u0 \[m\] from which on the relation holds, with the printed one, where it was sought and
+    /// found.
     pub remedy: Option<(f64, f64)>,
     /// The verdict.
     pub verdict: Verdict,
@@ -224,7 +225,8 @@ fn relation(expect: &Expect, unit: &str) -> std::result::Result<Relation, String
     }
 }
 
-/// Smallest value of the varied setting for which the relation holds, to one part in a thousand, with the printed value.
+/// Smallest value of the varied setting for which the relation holds, to one part in a thousand, with the printed
+/// value.
 fn seek(
     remedy: &Remedy,
     setting: &Setting,

@@ -39,8 +39,8 @@ pub struct Job<'a> {
     pub plot: plot::Plot,
 }
 
-/// Fits the effect to the scenario's measurements and writes the changed scenario; everything that can be wrong with the
-/// input is found before the fit.
+/// Fits the effect to the scenario's measurements and writes the changed scenario; everything that can be wrong with
+/// the input is found before the fit.
 pub fn execute(job: &Job<'_>, global: &Global) -> Result<()> {
     let (scenario, table) = with_measurements(job.path)?;
     let refused = |why: String| {

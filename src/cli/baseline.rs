@@ -155,7 +155,8 @@ pub fn inside(name: &str) -> bool {
         && Path::new(name).components().all(|part| matches!(part, Component::Normal(_)))
 }
 
-/// Curves of a `curves.csv`, named by what stands in their rows, and what they are of; rows that are no numbers are passed over.
+/// Curves of a `curves.csv`, named by what stands in their rows, and what they are of; rows that are no numbers are
+/// passed over.
 fn parse(text: &str) -> (Curves, Signal) {
     let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(text.as_bytes());
     let Ok(header) = reader.headers().cloned() else { return (Vec::new(), Signal::ANGLE) };

@@ -1,4 +1,5 @@
-//! The scenario that `stickslip add` and `stickslip discover` write: fitted numbers rounded to what is known of them, and proof that it says so.
+//! The scenario that `stickslip add` and `stickslip discover` write: fitted numbers rounded to what is known of them,
+//! and proof that it says so.
 
 use super::destination::{self, Target};
 use crate::compare::{self, Comparison};

@@ -60,8 +60,8 @@ impl Folder {
         Ok(Self { results: Results::open(path, inputs)?, drawn: drawn.clone(), written: Mutex::default() })
     }
 
-    /// Complains where a file that is asked for by an option lies where results go: it may lie in the folder under a name of
-    /// its own, not deeper.
+    /// Complains where a file that is asked for by an option lies where results go: it may lie in the folder under a
+    /// name of its own, not deeper.
     ///
     /// # Errors
     /// [`Error::Input`] naming the option.

@@ -178,7 +178,8 @@ enum Command {
     Accept(accept::Arguments),
     /// Plant causes, hide the answers, search, score: the program examines itself
     Trial(trial::Arguments),
-    /// Fit a table of moduli (DMA master curve, relaxation, creep) by a series of relaxations and a spring-pot, for a contact
+    /// Fit a table of moduli (DMA master curve, relaxation, creep) by a series of relaxations and a spring-pot, for a
+    /// contact
     #[command(after_help = prony::TERMS)]
     Prony(prony::Arguments),
     /// Read and validate only

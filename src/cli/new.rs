@@ -22,12 +22,12 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
-/// Two neighbours along a series whose responses per drive differ by this many times what their neighbours do are a jump, if by more
-/// than this many standard deviations.
+/// Two neighbours along a series whose responses per drive differ by this many times what their neighbours do are a
+/// jump, if by more than this many standard deviations.
 const JUMP: (f64, f64) = (5.0, 8.0);
 
-/// The search that decides between kinds of readings: by what acts on the motion. What is read beside it makes one kind of another, since an
-/// acceleration and a share of the drive are a displacement.
+/// The search that decides between kinds of readings: by what acts on the motion. What is read beside it makes one kind
+/// of another, since an acceleration and a share of the drive are a displacement.
 static SHORT: LazyLock<SearchOptions> = LazyLock::new(|| {
     let whole = SearchOptions::default();
     let of_motion = REGISTRY.iter().filter(|effect| !effect.is_read_beside()).map(|effect| effect.name()).collect();
@@ -133,12 +133,15 @@ impl<'a> Draft<'a> {
         };
         let points = &seen.table.points;
         let rolls = points.iter().any(|p| p.speed > 0.0 || p.load > 0.0);
-        // Without load, or where the roller is fastest, the rig is alone; at the lowest speed under load the contact sticks.
+        // Without load, or where the roller is fastest, the rig is alone; at the lowest speed under load the contact
+        // sticks.
         let fastest = points.iter().map(|p| p.speed).fold(0.0, f64::max);
         let unloaded = points.iter().any(|p| p.load == 0.0);
         let alone = |p: &&Point| if unloaded { p.load == 0.0 } else { p.speed == fastest };
         let slowest = points.iter().filter(|p| p.load > 0.0).map(|p| p.speed).fold(f64::INFINITY, f64::min);
-        let of = |part: Vec<Point>| of_all(&part, seen.table.signals.reading.order);
+        let of = |part: Vec<Point>| {
+            of_all(&part, seen.table.signals.reading.order).filter(|resonance| !resonance.is_overdamped())
+        };
         // At the smallest drive, where a rig that is not linear is nearest to it.
         let gentlest = seen.table.series.iter().map(|s| s.drive).fold(f64::INFINITY, f64::min);
         let gentle = |p: &&Point| seen.table.series[p.series].drive <= gentlest;
@@ -281,9 +284,9 @@ impl<'a> Draft<'a> {
         lacking
     }
 
-    /// The scenario that explains the readings best with what it lacks, and what was chosen between, in words: of a reading in volts
-    /// it is not said whether it is of displacement, velocity or acceleration, and of a rig on a moving base not whether its motion
-    /// is read relative to that; they differ in shape and phase.
+    /// The scenario that explains the readings best with what it lacks, and what was chosen between, in words: of a
+    /// reading in volts it is not said whether it is of displacement, velocity or acceleration, and of a rig on a
+    /// moving base not whether its motion is read relative to that; they differ in shape and phase.
     fn best_scenario(&self, target: &Path) -> Result<(String, Option<String>)> {
         let kinds = self.kinds();
         if let [only] = kinds[..] {
@@ -415,8 +418,8 @@ impl<'a> Draft<'a> {
         text
     }
 
-    /// What the size of the readings tells: the mass, or a sensitivity where drive or reading is a voltage. `ratio` is the peak
-    /// over that of a single mass.
+    /// What the size of the readings tells: the mass, or a sensitivity where drive or reading is a voltage. `ratio` is
+    /// the peak over that of a single mass.
     fn write_size(&self, Written { text, instrument, free }: &mut Written, ratio: f64, Kind { order, absolute }: Kind) {
         let (drive, reading) = self.signals();
         let volts = (drive.unit == "V", reading.unit == "V");
@@ -486,8 +489,8 @@ fn digits(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value)
 }
 
-/// Steps of the response per drive between neighbours along the frequency that are far larger than the steps about them, which
-/// do not take them back.
+/// Steps of the response per drive between neighbours along the frequency that are far larger than the steps about
+/// them, which do not take them back.
 fn jumps(points: &[&Point]) -> usize {
     let response = |p: &Point| p.amplitude / p.drive;
     let step = |pair: &[&Point]| (response(pair[1]) / response(pair[0])).ln();

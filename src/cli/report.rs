@@ -37,7 +37,8 @@ pub struct Arguments {
     /// Make the page again from the report.json of an earlier run and the files beside it; nothing is simulated
     #[arg(long, value_name = "FILE", conflicts_with_all = ["scenarios", "max_rms_error", "max_chi2", "verdict"])]
     from: Option<PathBuf>,
-    /// Compare with an earlier run, its folder or its report.json: what improved, what got worse, which pictures changed
+    /// Compare with an earlier run, its folder or its report.json: what improved, what got worse, which pictures
+    /// changed
     #[arg(long, visible_alias = "against", value_name = "DIR|FILE", conflicts_with = "from")]
     baseline: Option<PathBuf>,
     /// Show the page in the browser ($BROWSER, or that of the desktop)

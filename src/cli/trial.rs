@@ -16,7 +16,8 @@ use std::time::Duration;
 #[derive(Debug, Clone, Args)]
 // Wide: an option of the command line is a field.
 pub struct Arguments {
-    /// What to plant: names of effects, pairs joined by +, none, keys like rig.inertia, causes outside the catalogue, or all, effects, recalibrations, pairs, outside; NAME:N draws N of these at most
+    /// What to plant: names of effects, pairs joined by +, none, keys like rig.inertia, causes outside the catalogue,
+    /// or all, effects, recalibrations, pairs, outside; NAME:N draws N of these at most
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "all")]
     effects: Vec<String>,
     /// Number of draws per cause
@@ -31,7 +32,8 @@ pub struct Arguments {
     /// Measure no phases
     #[arg(long)]
     no_phase: bool,
-    /// Scenario whose rig is measured at the rows of its table or at its sweep [default: the paper's rig, 13 conditions, 24 frequencies]
+    /// Scenario whose rig is measured at the rows of its table or at its sweep [default: the paper's rig, 13
+    /// conditions, 24 frequencies]
     #[arg(long, value_name = "SCENARIO")]
     conditions: Option<PathBuf>,
     /// Folder of tables, answers, results and figures; finished trials in it are not run again

@@ -3,8 +3,8 @@
 use super::Compared;
 use crate::measurement::{Direction, Series};
 
-/// How many readings lie on another stable state than the one that a sweep of the model in the direction of the series is on
-/// at their frequency. The state of a sweep is the one nearest to that at the frequency before.
+/// How many readings lie on another stable state than the one that a sweep of the model in the direction of the series
+/// is on at their frequency. The state of a sweep is the one nearest to that at the frequency before.
 pub(super) fn off_the_sweep(points: &[Compared], series: &[Series]) -> usize {
     let mut count = 0;
     for (index, of) in series.iter().enumerate() {

@@ -14,7 +14,8 @@ const PLAN: Plan = Plan { steps: 2000, cycles: 400, settled: 1e-7, window: 1, so
 /// Root mean square errors of the amplitude in percent; the squares of the three parts add up to that of the total.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct ErrorBudget {
-    /// Difference of the two solvers, at a sample of the points; NaN where a rig without contact rings too long for that.
+    /// Difference of the two solvers, at a sample of the points; NaN where a rig without contact rings too long for
+    /// that.
     pub numerical_percent: f64,
     /// Noise of the measurements, with the readings that stand out.
     pub noise_percent: f64,
@@ -24,8 +25,8 @@ pub struct ErrorBudget {
     pub total_percent: f64,
 }
 
-/// The budget of a comparison; `scatter` is the noise of the readings over the stated one, amplitudes among the `outliers` are
-/// no matter of the model.
+/// The budget of a comparison; `scatter` is the noise of the readings over the stated one, amplitudes among the
+/// `outliers` are no matter of the model.
 pub(super) fn budget(
     model: &Model,
     points: &[Compared],

@@ -21,13 +21,13 @@ const RESTARTS: usize = 8;
 const LOWER: f64 = 1e-3;
 /// A robust fit is made again where what it leaves has become smaller than this share of what it was.
 pub(crate) const TIGHTER: f64 = 0.9;
-/// Mean square of the residuals beyond which they are more than a noise that was estimated from the scatter of the readings
-/// along series: that estimate is known to a fifth or so.
+/// Mean square of the residuals beyond which they are more than a noise that was estimated from the scatter of the
+/// readings along series: that estimate is known to a fifth or so.
 pub const EXCESS: f64 = 2.0;
 /// Evaluations of one fit at most.
 const EVALUATIONS: usize = 60;
-/// A residual this many times the scatter of its neighbours about a line, or the step from one to the next, away from that line
-/// stands out ...
+/// A residual this many times the scatter of its neighbours about a line, or the step from one to the next, away from
+/// that line stands out ...
 const OUTLYING: f64 = 5.0;
 /// Share of such a step that counts as scatter.
 const STEP: f64 = 0.6;
@@ -42,7 +42,8 @@ const ALIKE: f64 = 0.02;
 /// A calibrated model.
 #[derive(Debug, Clone)]
 pub struct Calibration {
-    /// The model that the ranges of the fit are about: as it is stated, or where a calibration that met a bound began again.
+    /// The model that the ranges of the fit are about: as it is stated, or where a calibration that met a bound began
+    /// again.
     pub base: Model,
     /// The fit.
     pub fit: Fit,
@@ -91,11 +92,11 @@ pub fn problem<'a>(
     Problem::new(model.clone(), points, parameters, tolerance)
 }
 
-/// Fits the parameters named `keys`, starting from the model's own values, from those that a linear resonance of the readings
-/// has, and from others within their ranges (quasi-random, by `seed`). A fit that ends at a bound begins again about it, while
-/// that lowers the sum of squares. Residuals that are many times the typical one count linearly. The fit is no more accurate
-/// than [`Tolerance::FIT`]: at full accuracy, points without a steady state that it passes take seconds each. Residuals and
-/// derivatives at its end are as accurate as `tolerance` says.
+/// Fits the parameters named `keys`, starting from the model's own values, from those that a linear resonance of the
+/// readings has, and from others within their ranges (quasi-random, by `seed`). A fit that ends at a bound begins again
+/// about it, while that lowers the sum of squares. Residuals that are many times the typical one count linearly. The
+/// fit is no more accurate than [`Tolerance::FIT`]: at full accuracy, points without a steady state that it passes take
+/// seconds each. Residuals and derivatives at its end are as accurate as `tolerance` says.
 pub fn calibrate(model: &Model, keys: &[String], points: &[Point], tolerance: Tolerance, seed: u32) -> Calibration {
     let operations: Vec<(Operation, f64)> = points.iter().map(|p| (crate::fit::operation(p), p.amplitude)).collect();
     let model = model.clone().scaled_at(&operations);
@@ -109,7 +110,8 @@ pub fn calibrate(model: &Model, keys: &[String], points: &[Point], tolerance: To
         }
     }
     for _ in 0..RESTARTS {
-        // A contact that leaves its range has left the motion: what it does beyond is nothing that a search could start from.
+        // A contact that leaves its range has left the motion: what it does beyond is nothing that a search could start
+        // from.
         if best.at_bounds().iter().all(|key| key.starts_with("contact.")) {
             break;
         }
@@ -132,8 +134,8 @@ pub fn calibrate(model: &Model, keys: &[String], points: &[Point], tolerance: To
 /// Most evaluations of the model that [`calibrate_about`] takes, but for a robust fit that goes on getting tighter.
 pub const MOST: usize = 1 + STARTS + (FOLLOWED + 1) * EVALUATIONS;
 
-/// A calibration as [`calibrate`] within the ranges about the values that the model has, and no further; every fit of it ends with the
-/// evaluation that reaches so many steady states.
+/// A calibration as [`calibrate`] within the ranges about the values that the model has, and no further; every fit of
+/// it ends with the evaluation that reaches so many steady states.
 pub fn calibrate_about(
     model: &Model,
     keys: &[String],
@@ -146,8 +148,8 @@ pub fn calibrate_about(
     let mut fit = search.settled(search.best_of_starts(seed));
     let is_noise = |fit: &Fit| typical_of(&fit.evaluation.residuals).powi(2) <= EXCESS;
     if !is_noise(&fit) {
-        // A stretch of readings that are far off may have carried the squares away, where the stated values leave of most others nothing
-        // but noise.
+        // A stretch of readings that are far off may have carried the squares away, where the stated values leave of
+        // most others nothing but noise.
         let start = stated.values();
         let typical = typical_of(&search.residuals(&start));
         let other = search.settled(search.minimised(&start, TAIL * typical));
@@ -228,8 +230,8 @@ fn scattered(parameters: &[Parameter], number: u32, seed: u32) -> Vec<f64> {
     parameters.iter().enumerate().map(|(d, p)| p.within(share(d))).collect()
 }
 
-/// Readings that are far off where their neighbours along the frequency are not. `residuals` holds (row, residual) of one
-/// column of one curve, in the order of the frequency; `noise` is that of the readings over the stated one.
+/// Readings that are far off where their neighbours along the frequency are not. `residuals` holds (row, residual) of
+/// one column of one curve, in the order of the frequency; `noise` is that of the readings over the stated one.
 pub(crate) fn outliers(column: &'static str, residuals: &[(usize, f64)], noise: f64) -> Vec<Outlier> {
     let mut found = Vec::new();
     for (i, &(row, residual)) in residuals.iter().enumerate() {
@@ -240,14 +242,15 @@ pub(crate) fn outliers(column: &'static str, residuals: &[(usize, f64)], noise: 
         if near.len() < NEIGHBOURS {
             continue;
         }
-        // Along the line through the neighbours (Theil 1950, Sen 1968): at the end of a curve on which a model fails smoothly
-        // they are all on one side.
+        // Along the line through the neighbours (Theil 1950, Sen 1968): at the end of a curve on which a model fails
+        // smoothly they are all on one side.
         let pairs = near.iter().enumerate().flat_map(|(n, a)| near[..n].iter().map(move |b| (a.1 - b.1) / (a.0 - b.0)));
         let slope = median(pairs);
         let level: Vec<f64> = near.iter().map(|(step, residual)| residual - slope * step).collect();
         let middle = median(level.iter().copied());
         let scatter = spread(level, middle);
-        // Where a model fails, its residuals run steeply and bend: a step from one neighbour to the next is no surprise.
+        // Where a model fails, its residuals run steeply and bend: a step from one neighbour to the next is no
+        // surprise.
         let step = median(near.windows(2).map(|pair| (pair[1].1 - pair[0].1).abs()));
         let off_line = (residual - middle).abs() > OUTLYING * scatter.max(STEP * step).max(noise);
         if off_line && off_parabola(residual, &near, noise) {
@@ -257,9 +260,9 @@ pub(crate) fn outliers(column: &'static str, residuals: &[(usize, f64)], noise: 
     found
 }
 
-/// Whether a residual is further from the parabola through its neighbours (step, residual) than noise takes it: at the end of
-/// a curve, where neighbours are on one side, that is known less well. One of them, the one that fits least to the others, is
-/// left out: it may stand out itself.
+/// Whether a residual is further from the parabola through its neighbours (step, residual) than noise takes it: at the
+/// end of a curve, where neighbours are on one side, that is known less well. One of them, the one that fits least to
+/// the others, is left out: it may stand out itself.
 fn off_parabola(residual: f64, near: &[(f64, f64)], noise: f64) -> bool {
     let without = |skipped: usize| {
         let kept: Vec<(f64, f64)> = (0..near.len()).filter(|&i| i != skipped).map(|i| near[i]).collect();

@@ -24,8 +24,8 @@ pub struct ModelCurve {
     pub phase: Vec<f64>,
 }
 
-/// Curves over the range of the measured frequencies, one per series, each swept and driven as that was. `driven` are frequency
-/// and drive of the readings of every series, in the order of the frequency.
+/// Curves over the range of the measured frequencies, one per series, each swept and driven as that was. `driven` are
+/// frequency and drive of the readings of every series, in the order of the frequency.
 pub fn model_curves(
     model: &Model,
     settings: &[Setting],

@@ -1,14 +1,14 @@
-//! What the contact must have done: its dynamic stiffness and damping from the measured response and the known rig, with no
-//! model of the contact at all. Of a rig without one, what force must have acted besides those that the model has.
+//! What the contact must have done: its dynamic stiffness and damping from the measured response and the known rig,
+//! with no model of the contact at all. Of a rig without one, what force must have acted besides those that the model
+//! has.
 
 use super::Compared;
 use crate::model::Model;
 use crate::model::lumps::Lumps;
 use std::f64::consts::TAU;
 
-/// Dynamic stiffness and damping of the contact at one point:
-/// `k + i w c = [Gamma e^{i phi0}/(alpha e^{i phi}) - (K - J w^2 + i w C)]/b^2`; without a contact those of the missing force,
-/// with b = 1 and in the units of K and C.
+/// Dynamic stiffness and damping of the contact at one point: `k + i w c = [Gamma e^{i phi0}/(alpha e^{i phi}) - (K - J
+/// w^2 + i w C)]/b^2`; without a contact those of the missing force, with b = 1 and in the units of K and C.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct ContactPoint {
     /// Data row of the table, from 1.
@@ -36,8 +36,8 @@ impl ContactPoint {
     }
 }
 
-/// The contact of the measurements, and that of the model, at every point with phase. Of `model` only rig and instrument
-/// are used; standard deviations are propagated to first order, amplitude and phase being independent.
+/// The contact of the measurements, and that of the model, at every point with phase. Of `model` only rig and
+/// instrument are used; standard deviations are propagated to first order, amplitude and phase being independent.
 pub fn fingerprint(model: &Model, points: &[Compared]) -> (Vec<ContactPoint>, Vec<ContactPoint>) {
     let with_phase = points.iter().filter_map(|p| Some((p, p.point.phase?, p.point.phase_sd?)));
     with_phase

@@ -24,7 +24,8 @@ pub struct ComparisonJson {
     points: usize,
     readings: usize,
     chi2_per_point: f64,
-    /// Schwarz's criterion: squares in those of the noise, what is far off by its logarithm, and ln(readings) for each parameter.
+    /// Schwarz's criterion: squares in those of the noise, what is far off by its logarithm, and ln(readings) for each
+    /// parameter.
     bic: f64,
     rms_error_percent: f64,
     rms_phase_deg: Option<f64>,
@@ -62,8 +63,8 @@ impl ParameterJson {
     }
 }
 
-/// A condition as scripts read it: keys with units where they are those of the paper's rig, and for any other one the drive with
-/// its unit, and its series.
+/// A condition as scripts read it: keys with units where they are those of the paper's rig, and for any other one the
+/// drive with its unit, and its series.
 #[derive(Debug, Clone, Serialize)]
 pub struct SettingJson {
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -136,7 +137,8 @@ impl PeakJson {
     }
 }
 
-/// The force that must have acted on a rig without contact besides those of its model, as a dynamic stiffness and damping.
+/// The force that must have acted on a rig without contact besides those of its model, as a dynamic stiffness and
+/// damping.
 #[derive(Debug, Clone, Serialize)]
 pub struct ForceJson {
     stiffness_unit: &'static str,
@@ -180,7 +182,8 @@ impl ForceJson {
     }
 }
 
-/// Units of stiffness, damping and motion of a rig without contact; where its mass is not stated the first two are per mass.
+/// Units of stiffness, damping and motion of a rig without contact; where its mass is not stated the first two are per
+/// mass.
 pub fn units_of_force(model: &Model) -> [&'static str; 3] {
     let stated = !matches!(model.rig, Rig::Oscillator(oscillator) if !oscillator.mass_stated);
     match (model.rig.coordinate(), stated) {

@@ -86,8 +86,8 @@ impl Metrics {
     }
 }
 
-/// Root mean square of the relative error in amplitude \[%\], the model at no point better than `base` where it has no steady state: an error
-/// does not fall by what is not predicted. Both are of the same points.
+/// Root mean square of the relative error in amplitude \[%\], the model at no point better than `base` where it has no
+/// steady state: an error does not fall by what is not predicted. Both are of the same points.
 pub fn rms_error_beside<'a>(
     points: impl Iterator<Item = &'a Compared>,
     base: impl Iterator<Item = &'a Compared>,
@@ -122,7 +122,8 @@ impl ConditionMetrics {
     }
 }
 
-/// Width of a curve at 1/√2 of its largest amplitude; where it falls so low on one side only, twice the half of it there.
+/// Width of a curve at 1/√2 of its largest amplitude; where it falls so low on one side only, twice the half of it
+/// there.
 fn width(curve: &[(f64, f64)]) -> f64 {
     let Some(top) = (0..curve.len()).max_by(|&i, &j| curve[i].1.total_cmp(&curve[j].1)) else { return 0.0 };
     let (at, level) = (curve[top].0, curve[top].1 * std::f64::consts::FRAC_1_SQRT_2);
@@ -142,7 +143,8 @@ pub fn peak(curve: &[(f64, f64)]) -> Option<Peak> {
     vertex(curve).map(|(peak, _)| peak)
 }
 
-/// The same and the standard deviation of its frequency \[Hz\] over that of the amplitudes relative to them, to first order.
+/// The same and the standard deviation of its frequency \[Hz\] over that of the amplitudes relative to them, to first
+/// order.
 fn vertex(curve: &[(f64, f64)]) -> Option<(Peak, f64)> {
     let top = (0..curve.len()).max_by(|&i, &j| curve[i].1.total_cmp(&curve[j].1))?;
     if top == 0 || top + 1 == curve.len() {

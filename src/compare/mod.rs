@@ -182,7 +182,8 @@ pub struct Comparison {
     pub whiteness: Whiteness,
     /// Where the model fails, the largest share of chi2 first.
     pub regions: Vec<Region>,
-    /// What the contact must have done, per point with phase and load; without a contact, what the missing force must have.
+    /// What the contact must have done, per point with phase and load; without a contact, what the missing force must
+    /// have.
     pub contact: Vec<ContactPoint>,
     /// The same for the model, at the same points and in the same order.
     pub contact_model: Vec<ContactPoint>,
@@ -209,9 +210,9 @@ impl Compared {
 }
 
 impl Comparison {
-    /// What squares are counted in where models are held against this one: the noise, and where more is left, the mean square of
-    /// that (the quasi-likelihood of Burnham and Anderson 2002, section 2.5). A misfit a hundred times the noise makes no term
-    /// significant that takes off a hundredth of it.
+    /// What squares are counted in where models are held against this one: the noise, and where more is left, the mean
+    /// square of that (the quasi-likelihood of Burnham and Anderson 2002, section 2.5). A misfit a hundred times the
+    /// noise makes no term significant that takes off a hundredth of it.
     pub fn unit(&self) -> f64 {
         unit(&self.whiteness, &self.fit, self.overall.readings)
     }
@@ -221,7 +222,8 @@ impl Comparison {
         self.points.iter().filter(|p| !p.model.status.is_steady()).count()
     }
 
-    /// Three numbers that add up. Integrated over time when first asked for, which takes long where motions settle slowly.
+    /// Three numbers that add up. Integrated over time when first asked for, which takes long where motions settle
+    /// slowly.
     pub fn error_budget(&self) -> &ErrorBudget {
         if let Some(budget) = self.error_budget.get() {
             return budget;
@@ -297,9 +299,9 @@ pub fn unit(whiteness: &Whiteness, fit: &Fit, readings: usize) -> f64 {
 }
 
 /// Compares a model whose calibration is done with the measurements; intervals are by profile likelihood where
-/// `profiles` says how many steady states these may take, else from the curvature; where profiles find a better calibration it is taken.
-/// Where nothing but noise is left and its scatter contradicts the stated standard deviations, intervals, ranges of misfit and
-/// readings that stand out go by the scatter.
+/// `profiles` says how many steady states these may take, else from the curvature; where profiles find a better
+/// calibration it is taken. Where nothing but noise is left and its scatter contradicts the stated standard deviations,
+/// intervals, ranges of misfit and readings that stand out go by the scatter.
 pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, profiles: Option<u64>) -> Comparison {
     let settings = settings_of(scenario, table);
     let mut calibrated =
@@ -361,8 +363,8 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
     }
 }
 
-/// What has to be known of a comparison: parameters that ended at a bound, ends of intervals that were not found, readings where the
-/// model has several states or none.
+/// What has to be known of a comparison: parameters that ended at a bound, ends of intervals that were not found,
+/// readings where the model has several states or none.
 fn notes(at_bounds: &[&str], unfinished: usize, points: &[Compared], table: &Table) -> Vec<String> {
     let mut notes = Vec::new();
     for key in at_bounds {

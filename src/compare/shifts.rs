@@ -7,8 +7,8 @@ use crate::units::{self, Frequencies};
 /// Relative error of a peak's height up to which nothing is said of it, in standard deviations of a reading.
 const HIGHER: f64 = 3.0;
 
-/// Sentences such as `resonance 9.9 to 10.5 Hz too low at 0.05 to 2 mm/s (6 of 13 conditions)`, none where the peaks are right
-/// within their noise.
+/// Sentences such as `resonance 9.9 to 10.5 Hz too low at 0.05 to 2 mm/s (6 of 13 conditions)`, none where the peaks
+/// are right within their noise.
 pub fn shifts(c: &Comparison) -> Vec<String> {
     let digits = Frequencies::of(c.points.iter().map(|p| p.point.frequency));
     let frequency = |m: &ConditionMetrics| {

@@ -33,7 +33,8 @@ pub struct Whiteness {
     pub smooth_ratio: f64,
     /// Probability of so large a ratio.
     pub smooth_p: f64,
-    /// Mean square of the rest: the noise that the data have over the one stated, squared, whatever smooth misfit there is.
+    /// Mean square of the rest: the noise that the data have over the one stated, squared, whatever smooth misfit there
+    /// is.
     pub rough_chi2: f64,
     /// Degrees of freedom of the rest.
     pub rough_freedom: f64,
@@ -50,8 +51,8 @@ pub struct Whiteness {
 const NOISE_DIFFERS: f64 = 1.25;
 
 impl Whiteness {
-    /// Scatter of the residuals about anything smooth over the stated noise, and whether it differs from one by more than
-    /// chance.
+    /// Scatter of the residuals about anything smooth over the stated noise, and whether it differs from one by more
+    /// than chance.
     pub fn scatter(&self) -> (f64, bool) {
         if self.own_scatter {
             return (1.0, false);
@@ -60,8 +61,8 @@ impl Whiteness {
         (factor, differs(factor, self.rough_freedom))
     }
 
-    /// Noise of the readings over the stated one: the scatter where that contradicts it; where the noise was estimated from the
-    /// readings alone, the scatter about the model, which is known better.
+    /// Noise of the readings over the stated one: the scatter where that contradicts it; where the noise was estimated
+    /// from the readings alone, the scatter about the model, which is known better.
     pub fn noise(&self) -> f64 {
         match self.scatter() {
             _ if self.own_scatter => self.rough_chi2.sqrt(),
@@ -77,8 +78,9 @@ fn differs(factor: f64, freedom: f64) -> bool {
     sure && !(1.0 / NOISE_DIFFERS..NOISE_DIFFERS).contains(&factor)
 }
 
-/// Scatter of the readings along their series over stated standard deviations that are too small for it, before any model: beside
-/// these nothing would be left that looks like noise, and an explanation would be chosen for its number of parameters.
+/// Scatter of the readings along their series over stated standard deviations that are too small for it, before any
+/// model: beside these nothing would be left that looks like noise, and an explanation would be chosen for its number
+/// of parameters.
 pub fn understated(table: &Table) -> Noise {
     let seen = measurement::scatter(&table.points);
     let of = |source: NoiseSource, seen: Option<Spread>, stated: &dyn Fn(&Point) -> Option<f64>| {
@@ -94,9 +96,9 @@ pub fn understated(table: &Table) -> Noise {
     }
 }
 
-/// Scatter of amplitudes and phases about anything smooth, over their standard deviations, each by itself; `None` where it is not to
-/// be gone by. Of stated deviations where it contradicts these, of those estimated along series always: it is known better. More
-/// than they say only where nothing but noise is left: a misfit may be rough too.
+/// Scatter of amplitudes and phases about anything smooth, over their standard deviations, each by itself; `None` where
+/// it is not to be gone by. Of stated deviations where it contradicts these, of those estimated along series always: it
+/// is known better. More than they say only where nothing but noise is left: a misfit may be rough too.
 pub fn scatter(points: &[Compared], table: &Table, fitted: usize) -> Option<Noise> {
     let structured = whiteness(points, table.series.len(), fitted, table.amplitude_noise).structured;
     let of = |kind: fn(&Compared) -> Option<f64>, source: NoiseSource| {
@@ -116,8 +118,8 @@ pub fn scatter(points: &[Compared], table: &Table, fitted: usize) -> Option<Nois
     (noise != Noise::STATED).then_some(noise)
 }
 
-/// Tests the residuals of all series. `fitted` parameters have absorbed as many components; `source` is where the noise of the
-/// amplitudes comes from.
+/// Tests the residuals of all series. `fitted` parameters have absorbed as many components; `source` is where the noise
+/// of the amplitudes comes from.
 pub fn whiteness(points: &[Compared], conditions: usize, fitted: usize, source: NoiseSource) -> Whiteness {
     let own_scatter = source == NoiseSource::Estimated;
     let mut curves: Vec<Vec<f64>> = Vec::new();

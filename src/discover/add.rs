@@ -27,8 +27,9 @@ pub struct Change {
 }
 
 impl Change {
-    /// Whether the data decide for the change, or against it; a model without a steady state at measured points where the other
-    /// has one is none to decide for, whatever its sum of squares, nor is a larger one that leaves more of everything.
+    /// Whether the data decide for the change, or against it; a model without a steady state at measured points where
+    /// the other has one is none to decide for, whatever its sum of squares, nor is a larger one that leaves more of
+    /// everything.
     pub fn decided(&self) -> Option<bool> {
         if self.leaves_more() {
             return None;
@@ -41,8 +42,8 @@ impl Change {
         }
     }
 
-    /// Whether the model with more effects is preferred though chi2 and the error of the amplitude are larger with it, which only residuals
-    /// that count little make possible: it contains the other, and could leave less.
+    /// Whether the model with more effects is preferred though chi2 and the error of the amplitude are larger with it,
+    /// which only residuals that count little make possible: it contains the other, and could leave less.
     pub fn leaves_more(&self) -> bool {
         let (with, without) = match self.gain > 0.0 {
             true => (&self.after, &self.before),

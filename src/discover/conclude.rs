@@ -12,12 +12,14 @@ use std::sync::OnceLock;
 
 /// A sum of squares that is larger by this than that of a smaller hypothesis shows a fit that did not come to its end.
 const WORSE: f64 = 1.0;
-/// Rivals of the explanation whose prediction of left-out conditions and, where they are tied with it, profiles are computed.
+/// Rivals of the explanation whose prediction of left-out conditions and, where they are tied with it, profiles are
+/// computed.
 const RIVALS: usize = 3;
 
-/// Takes off the last additions as long as they leave no steady state, or raise the error of the amplitude, of what was fitted and
-/// of series that are left out, or that of the latter with numbers of each series, where what is left is no noise: misfit of one
-/// cause, spread over many readings, makes terms significant that only follow it. Tells the first that was taken off.
+/// Takes off the last additions as long as they leave no steady state, or raise the error of the amplitude, of what was
+/// fitted and of series that are left out, or that of the latter with numbers of each series, where what is left is no
+/// noise: misfit of one cause, spread over many readings, makes terms significant that only follow it. Tells the first
+/// that was taken off, and why.
 fn beyond_prediction(steps: &mut Vec<Step>) -> Option<String> {
     let mut first = None;
     let lost = |step: &Step| is_lost(step.comparison.points.iter().map(|p| &p.model));
@@ -25,7 +27,7 @@ fn beyond_prediction(steps: &mut Vec<Step>) -> Option<String> {
         && lost(last)
         && !lost(before)
     {
-        first = steps.pop()?.added;
+        first = steps.pop()?.added.map(|name| format!("with {name} too few of the readings have a steady state"));
     }
     // Of a single series nothing is left out. What has numbers of each series can follow any misfit of these.
     let follows_series = |last: &Step| {
@@ -39,7 +41,13 @@ fn beyond_prediction(steps: &mut Vec<Step>) -> Option<String> {
             || follows_series(last))
         && predicts_worse(before, last)
     {
-        first = steps.pop()?.added;
+        let gone = steps.pop()?;
+        let what = match (follows_series(&gone), gone.held_out) {
+            (true, _) => "has numbers of each series, and does not predict those that are left out",
+            (false, Some(_)) => "raises the error of the amplitude, and that of series that are left out",
+            (false, None) => "raises the error of the amplitude",
+        };
+        first = gone.added.map(|name| format!("{name} {what}"));
     }
     first
 }
@@ -125,8 +133,8 @@ fn to_be_ranked(
     all
 }
 
-/// Counts what contains a smaller hypothesis, and can do whatever that does, as if it did, where its own fit is worse; `all` are in
-/// the order of their size.
+/// Counts what contains a smaller hypothesis, and can do whatever that does, as if it did, where its own fit is worse;
+/// `all` are in the order of their size.
 fn counted_as_contained(all: &mut [(Hypothesis, bool)], unit: f64) {
     for index in 0..all.len() {
         let (smaller, rest) = all.split_at_mut(index);
@@ -240,7 +248,7 @@ impl Search<'_> {
         let more = best.hypothesis.additions.len().saturating_sub(end.additions.len());
         let takes = MARGIN + 2.0 * more as f64 * (pool.max(1) as f64).ln();
         let verdict = if let Some(further) = further {
-            format!("but {further} leaves too few steady states, or raises the error of series that are left out")
+            format!("but {further}")
         } else if above < takes {
             format!("too little to decide for it: among {pool} that were looked at it takes {takes:.1}")
         } else {
@@ -313,7 +321,8 @@ impl Search<'_> {
         all.into_iter().enumerate().map(weigh).collect()
     }
 
-    /// Additions of which the strongest plausible form would be found beside something: what was fitted, or the explanation.
+    /// Additions of which the strongest plausible form would be found beside something: what was fitted, or the
+    /// explanation.
     fn showing(&self, chosen: &Hypothesis, known: &Known) -> Vec<Addition> {
         let shows = |addition: Addition, visibility: f64| {
             let parameters = count(&extended(&self.data.base, &[addition]), &addition.keys()) as f64;
@@ -369,8 +378,8 @@ impl Search<'_> {
         let mut survivors: Vec<&Hypothesis> = rivals.iter().collect();
         let mut behind = None;
         if survivors.len() < 2 {
-            // The explanation and its closest rival with as many additions, fitted to all points if there is one; calibration alone
-            // has one only where the data favour it, if too little to decide.
+            // The explanation and its closest rival with as many additions, fitted to all points if there is one;
+            // calibration alone has one only where the data favour it, if too little to decide.
             let rivals = || {
                 candidates.iter().filter(|Candidate { hypothesis: h, .. }| {
                     let favoured = !chosen.additions.is_empty() || h.bic < bic(chosen);

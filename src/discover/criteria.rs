@@ -49,8 +49,8 @@ impl Search<'_> {
         Some((unit, least))
     }
 
-    /// What squares are counted in beside a hypothesis, as [`compare::Comparison::unit`]; beside one that was not fitted to all
-    /// points, the noise.
+    /// What squares are counted in beside a hypothesis, as [`compare::Comparison::unit`]; beside one that was not
+    /// fitted to all points, the noise.
     pub(super) fn unit(&self, hypothesis: &Hypothesis) -> f64 {
         let tested = self.whiteness(hypothesis);
         tested.map_or(1.0, |whiteness| compare::unit(&whiteness, &hypothesis.fit, self.readings()))

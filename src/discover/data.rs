@@ -137,8 +137,8 @@ impl<'a> Data<'a> {
         (self.budget - self.budget / INTERVALS).saturating_sub(self.solved())
     }
 
-    /// A fit to all points, one of so many that are made at once, with its share of what is left: asked while none is under way, so that
-    /// it is the same for any number of threads.
+    /// A fit to all points, one of so many that are made at once, with its share of what is left: asked while none is
+    /// under way, so that it is the same for any number of threads.
     pub fn effort(&self, evaluations: usize, among: usize) -> Effort {
         Effort { points: self.points.len(), evaluations, states: self.share(among) }
     }
@@ -160,8 +160,8 @@ impl<'a> Data<'a> {
         (points * effort.evaluations) as u64 * cost(model) < effort.states
     }
 
-    /// Parameters that move where these are added: those of an effect with the signs that the model has, all others about the
-    /// values that the scenario states, wherever fits have carried them since.
+    /// Parameters that move where these are added: those of an effect with the signs that the model has, all others
+    /// about the values that the scenario states, wherever fits have carried them since.
     pub fn movable(&self, model: &Model, additions: &[Addition]) -> Vec<Parameter> {
         let keys = self.free.iter().cloned().chain(additions.iter().flat_map(Addition::keys));
         let of = |key: String| parameter(if key.starts_with("effect.") { model } else { &self.base }, &key);
@@ -174,8 +174,8 @@ impl<'a> Data<'a> {
         keys.filter_map(|key| parameter(if key.starts_with("effect.") { model } else { &self.base }, &key)).collect()
     }
 
-    /// Fits the parameters of a model from a start, whose residuals are about as large as `typical` (infinite where that is not
-    /// known): what is far larger than those counts little.
+    /// Fits the parameters of a model from a start, whose residuals are about as large as `typical` (infinite where
+    /// that is not known): what is far larger than those counts little.
     pub fn fit(&self, model: &Model, parameters: &[Parameter], start: &[f64], typical: f64, effort: Effort) -> Fit {
         let all = effort.points >= self.points.len();
         let (tolerance, converged) = if all { (Tolerance::FIT, CLOSER) } else { (Tolerance::COARSE, CLOSE) };

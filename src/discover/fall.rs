@@ -1,7 +1,8 @@
 //! How the error falls as what was found grows from nothing to its fitted strength, all of it or a part of it.
 //!
-//! Each state on the way is a solution of the model at all measured points. Nothing is read between two laws: what a strength
-//! says in between are the values of the parameters, which go in equal steps from the calibrated base to the fit.
+//! Each state on the way is a solution of the model at all measured points. Nothing is read between two laws: what a
+//! strength says in between are the values of the parameters, which go in equal steps from the calibrated base to the
+//! fit.
 
 use super::hypothesis::{Addition, Hypothesis};
 use super::select::Search;

@@ -12,8 +12,8 @@ use rayon::prelude::*;
 
 /// Longest step on the natural scale of a parameter that leaving a condition out may make.
 const LONGEST: f64 = 1.0;
-/// A step longer than this may leave the straight part of a valley: it is tried on a part of the points, and halved where the
-/// sum of squares rises ...
+/// A step longer than this may leave the straight part of a valley: it is tried on a part of the points, and halved
+/// where the sum of squares rises ...
 const STRAIGHT: f64 = 0.05;
 /// ... by more than a good step may raise that of a part, ...
 const UPHILL: f64 = 2.0;
@@ -34,8 +34,8 @@ pub struct HeldOut {
 }
 
 /// Leaves one series out after the other. The fit without it is one Gauss-Newton step from the fit to all, shortened
-/// until it leads no more uphill; the prediction is a new solution of the model. `None` where there is only one series, or
-/// the fit is to a part of the points.
+/// until it leads no more uphill; the prediction is a new solution of the model. `None` where there is only one series,
+/// or the fit is to a part of the points.
 pub fn held_out(data: &Data<'_>, hypothesis: &Hypothesis) -> Option<HeldOut> {
     let series = data.points.iter().map(|p| p.series).max().map_or(0, |last| last + 1);
     if series < 2 || hypothesis.fit.evaluation.predictions.len() != data.points.len() {
@@ -112,7 +112,8 @@ impl<'a> Fitted<'a> {
         shares.find(|values| objective(values) <= before + UPHILL).unwrap_or_else(|| fit.values.clone())
     }
 
-    /// Of a series as the others predict it: sum of squares of the amplitude's relative error, chi2, points and readings.
+    /// Of a series as the others predict it: sum of squares of the amplitude's relative error, chi2, points and
+    /// readings.
     fn predicted(&self, series: usize) -> (f64, f64, usize, usize) {
         let points: Vec<&Point> = self.points_of(series, true).collect();
         let values = self.values_without(series);

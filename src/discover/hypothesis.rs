@@ -1,4 +1,5 @@
-//! What may be wrong with a model: a number of the rig or the instrument, or an effect that is missing; alone or together.
+//! What may be wrong with a model: a number of the rig or the instrument, or an effect that is missing; alone or
+//! together.
 
 use super::candidates::Candidates;
 use crate::effects::{self, Effect, find, middle};
@@ -53,8 +54,8 @@ impl std::fmt::Debug for Addition {
     }
 }
 
-/// Everything that may be added to a model whose parameters `free` move already: first recalibrations, then those of the
-/// `candidates` that fit its rig.
+/// Everything that may be added to a model whose parameters `free` move already: first recalibrations, then those of
+/// the `candidates` that fit its rig.
 pub fn additions(model: &Model, free: &[String], with_phase: bool, candidates: &Candidates) -> Vec<Addition> {
     let movable = |key: &&'static str| {
         !key.starts_with("contact.")
@@ -202,8 +203,8 @@ impl Hypothesis {
         self.over_all(|residuals| robust_square(residuals, unit))
     }
 
-    /// A sum of squares over all points, or what it would be: every parameter takes off one unit by chance, of a part of the
-    /// readings as of all.
+    /// A sum of squares over all points, or what it would be: every parameter takes off one unit by chance, of a part
+    /// of the readings as of all.
     fn over_all(&self, square: impl Fn(&DVector<f64>) -> f64) -> f64 {
         let (residuals, scale) = self.left();
         let by_chance = self.fit.parameters.len() as f64;

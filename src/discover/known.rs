@@ -14,7 +14,8 @@ pub(super) struct Entry {
 }
 
 impl Entry {
-    /// Keeps the better of two fits: one to more points before one to fewer, and before an estimate, which it may have refuted.
+    /// Keeps the better of two fits: one to more points before one to fewer, and before an estimate, which it may have
+    /// refuted.
     pub fn keep(&mut self, hypothesis: Hypothesis) {
         let points = |h: &Hypothesis| match h.basis() {
             Basis::AllPoints | Basis::Contained => usize::MAX,

@@ -1,5 +1,5 @@
-//! A look at one more addition before any fit: at starting points over its ranges, and how much of the misfit each would take
-//! off in a linear estimate.
+//! A look at one more addition before any fit: at starting points over its ranges, and how much of the misfit each
+//! would take off in a linear estimate.
 
 pub mod motion;
 
@@ -81,8 +81,8 @@ impl<'a> Parent<'a> {
         resonance::kept(model, &free, &read(&self.evaluation), &read(evaluation))
     }
 
-    /// Changes of stiffness and gain, beside those of the first series, with which the model would have the resonance that the readings
-    /// of so many others have; none of what is not seen.
+    /// Changes of stiffness and gain, beside those of the first series, with which the model would have the resonance
+    /// that the readings of so many others have; none of what is not seen.
     fn of_series(&self, others: usize) -> Vec<f64> {
         let order = self.model.signals.reading.order;
         let ratios = |series: usize| -> Option<(f64, f64)> {
@@ -102,8 +102,8 @@ impl<'a> Parent<'a> {
         (1..=others).flat_map(of).collect()
     }
 
-    /// The model with an effect that is read beside the motion, of the strengths with which the readings are nearest in the complex plane, where it
-    /// is linear in them; `None` where phases are missing.
+    /// The model with an effect that is read beside the motion, of the strengths with which the readings are nearest in
+    /// the complex plane, where it is linear in them; `None` where phases are missing.
     fn with_read_beside(&self, data: &Data<'_>, addition: Addition) -> Option<Model> {
         let Addition::Effect(effect) = addition else { return None };
         let points = self.problem.points();
@@ -135,8 +135,8 @@ impl<'a> Parent<'a> {
         shares.iter().all(|share| share.is_finite()).then_some(model)
     }
 
-    /// A starting point: the model, which has one more addition and leaves this, or as much of the addition as the sum of squares
-    /// wants; and the sum of squares of what the addition changes beyond what the parameters could.
+    /// A starting point: the model, which has one more addition and leaves this, or as much of the addition as the sum
+    /// of squares wants; and the sum of squares of what the addition changes beyond what the parameters could.
     fn start(
         &self,
         data: &Data<'_>,
@@ -193,7 +193,8 @@ pub struct Start {
 pub struct Look {
     /// Starting points.
     pub starts: Vec<Start>,
-    /// Largest change that any of them makes beyond what the parameters before can imitate: sum of squares, over all points.
+    /// Largest change that any of them makes beyond what the parameters before can imitate: sum of squares, over all
+    /// points.
     pub visibility: f64,
     /// The model with that change; all of them where none changes anything.
     pub strongest: Vec<Model>,
@@ -264,8 +265,8 @@ enum Sample {
 impl Count<'_> {
     fn samples(&self, from: &Hypothesis, addition: Addition) -> Vec<Sample> {
         if let Addition::Recalibration(_) = addition {
-            // The stated value, a little to either side, and where the resonance of the readings puts it: a sensor may be
-            // inverted, a gain off by any factor.
+            // The stated value, a little to either side, and where the resonance of the readings puts it: a sensor may
+            // be inverted, a gain off by any factor.
             return vec![Sample::Step(-0.05), Sample::Step(0.05), Sample::Resonance];
         }
         if matches!(addition, Addition::Effect(effect) if effect.of_series().is_some()) {

@@ -1,7 +1,7 @@
 //! Which effect is missing: from data alone, or an honest statement that the data cannot tell.
 //!
-//! Hypotheses are nothing but calibration, one recalibrated number of rig or instrument, or effects of the registry, added
-//! one after the other. They are ranked by Schwarz's criterion and by the prediction of left-out conditions.
+//! Hypotheses are nothing but calibration, one recalibrated number of rig or instrument, or effects of the registry,
+//! added one after the other. They are ranked by Schwarz's criterion and by the prediction of left-out conditions.
 
 mod add;
 mod candidates;
@@ -103,8 +103,8 @@ pub struct Candidate {
     pub testable: bool,
     /// Mean square of the residuals in standard deviations.
     pub chi2_per_point: f64,
-    /// Intervals of its parameters: by profile likelihood for the chosen one and the leading ones tied with it, from the curvature
-    /// for the others.
+    /// Intervals of its parameters: by profile likelihood for the chosen one and the leading ones tied with it, from
+    /// the curvature for the others.
     pub intervals: Vec<Interval>,
     /// Prediction of left-out conditions, for the leading ones.
     pub held_out: Option<HeldOut>,

@@ -73,8 +73,8 @@ struct Typical {
     phase: Option<f64>,
 }
 
-/// The point within the bounds at which two of the survivors, those that are hardest to tell apart there included, differ
-/// most: the largest distance of the best two.
+/// The point within the bounds at which two of the survivors, those that are hardest to tell apart there included,
+/// differ most: the largest distance of the best two.
 pub(super) fn next(survivors: &[&Hypothesis], table: &Table, bounds: &Bounds) -> Option<NextMeasurement> {
     let [one, other, ..] = survivors else { return None };
     let (fitted, rival) = (one.fitted(), other.fitted());
@@ -91,8 +91,8 @@ pub(super) fn next(survivors: &[&Hypothesis], table: &Table, bounds: &Bounds) ->
     })
 }
 
-/// Where an effect that the data cannot show would show most, in the one of its `forms` that shows most there, in words; empty
-/// where nowhere.
+/// Where an effect that the data cannot show would show most, in the one of its `forms` that shows most there, in
+/// words; empty where nowhere.
 pub(super) fn would_show(without: &Model, forms: &[Model], table: &Table, bounds: &Bounds) -> String {
     if has_numbers_of_series(without) {
         return String::new();
@@ -120,7 +120,8 @@ pub(super) fn would_show(without: &Model, forms: &[Model], table: &Table, bounds
     }
 }
 
-/// Whether a model has numbers of each series, of which one that is still to be measured has none: nothing is predicted there.
+/// Whether a model has numbers of each series, of which one that is still to be measured has none: nothing is predicted
+/// there.
 fn has_numbers_of_series(model: &Model) -> bool {
     model.effects.iter().any(|(effect, _)| effect.of_series().is_some())
 }
@@ -137,9 +138,9 @@ fn within(one: &Model, other: &Model, table: &Table, bounds: &Bounds) -> Option<
     farthest(&[one, other], &grid(table, bounds, one.has_contact), (typical.amplitude, typical.phase))
 }
 
-/// The point of `grid` at which the two of the models that are most alike there differ most, and by how much: in standard
-/// deviations, the relative one of an amplitude and, where phases count, that of a phase \[rad\]. Points at which a model
-/// has no steady state are left out.
+/// The point of `grid` at which the two of the models that are most alike there differ most, and by how much: in
+/// standard deviations, the relative one of an amplitude and, where phases count, that of a phase \[rad\]. Points at
+/// which a model has no steady state are left out.
 pub fn farthest(models: &[&Model], grid: &[Operation], sd: (f64, Option<f64>)) -> Option<(Operation, f64)> {
     let tolerance = Tolerance::default();
     let distance = |a: &SteadyState, b: &SteadyState| {

@@ -5,7 +5,8 @@ use super::next::Bounds;
 
 pub use crate::fit::MARGIN;
 
-/// Chance at which the right one of rival additions may leave a race for good, since on the readings seen so far another is better.
+/// Chance at which the right one of rival additions may leave a race for good, since on the readings seen so far
+/// another is better.
 pub const MISTAKE: f64 = 1e-3;
 
 /// The policy of a search, whole. `docs/search.md` tells what each is for.
@@ -16,10 +17,11 @@ pub struct SearchOptions {
     pub max_effects: usize,
     /// Seed of the Sobol sequence of starting points.
     pub seed: u32,
-    /// Starting points that are looked at for each parameter of a candidate, over the ranges of all. Cost of the looks in
-    /// proportion.
+    /// Starting points that are looked at for each parameter of a candidate, over the ranges of all. Cost of the looks
+    /// in proportion.
     pub starts: usize,
-    /// Starting points of one candidate that are fitted at most, fewer of sliders. Cost of the first round in proportion.
+    /// Starting points of one candidate that are fitted at most, fewer of sliders. Cost of the first round in
+    /// proportion.
     pub entrants: usize,
     /// Points of the table on which a race begins, spread over all series; every round takes twice as many.
     pub first_points: usize,

@@ -84,8 +84,8 @@ impl Race {
         Result { survivors: field, dropped }
     }
 
-    /// Lets a field work on in turns, the most promising first, until half of what there was is spent; those whose turn does not come
-    /// are returned.
+    /// Lets a field work on in turns, the most promising first, until half of what there was is spent; those whose turn
+    /// does not come are returned.
     fn advance<C: Competitor>(field: &mut Vec<C>, round: Round, share: impl Fn(usize) -> u64) -> Vec<C> {
         let ranked = Self::ranked(field);
         field.extend(ranked.into_iter().map(|(_, competitor)| competitor));
@@ -122,8 +122,8 @@ impl Race {
         ranked
     }
 
-    /// Sorts the competitors, the best first, and leaves one of those that have come to the same place: the criterion of the
-    /// same candidate twice, closer than one unit.
+    /// Sorts the competitors, the best first, and leaves one of those that have come to the same place: the criterion
+    /// of the same candidate twice, closer than one unit.
     fn rank<C: Competitor>(&self, field: &mut Vec<C>) {
         let ranked = Self::ranked(field);
         let mut seen: Vec<(usize, f64)> = Vec::new();

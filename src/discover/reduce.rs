@@ -9,8 +9,8 @@ use crate::model::Model;
 use crate::solver::cycle::Tolerance;
 
 impl Search<'_> {
-    /// Removes additions that the others make needless; the last may merely have helped an earlier one out of a local minimum.
-    /// What leaves structure is judged by what it leaves, not by the noise: there the last one may go, too.
+    /// Removes additions that the others make needless; the last may merely have helped an earlier one out of a local
+    /// minimum. What leaves structure is judged by what it leaves, not by the noise: there the last one may go, too.
     pub(super) fn eliminate(&self, chosen: Hypothesis) -> Hypothesis {
         let least = usize::from(self.unit(&chosen) == 1.0);
         self.eliminate_to(least, chosen)
@@ -41,7 +41,8 @@ impl Search<'_> {
         self.data.fitted(self.moved(from, &from.fitted(), additions), self.data.last_effort(CONTINUED))
     }
 
-    /// The hypothesis with these additions in place of its own, at the values that it has and that effects have in a model.
+    /// The hypothesis with these additions in place of its own, at the values that it has and that effects have in a
+    /// model.
     fn moved(&self, from: &Hypothesis, fitted: &Model, additions: Vec<Addition>) -> Hypothesis {
         let mut model = extended(&self.data.base, &additions);
         for (effect, values) in &mut model.effects {
@@ -61,8 +62,8 @@ impl Search<'_> {
         Hypothesis { additions, model, fit, estimate: None, bic: f64::INFINITY }
     }
 
-    /// Puts the simpler effect that one is with a parameter at a value, or acts like, in its place, fitted from where that is, unless the
-    /// data tell the two apart: a race may have ended beside the minimum of the simpler one.
+    /// Puts the simpler effect that one is with a parameter at a value, or acts like, in its place, fitted from where
+    /// that is, unless the data tell the two apart: a race may have ended beside the minimum of the simpler one.
     pub(super) fn simplified(&self, chosen: Hypothesis, known: &mut Known) -> Hypothesis {
         let mut chosen = chosen;
         for index in 0..chosen.additions.len() {

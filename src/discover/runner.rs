@@ -87,7 +87,8 @@ impl<'s, 'a> Runner<'s, 'a> {
         self.parameters.len() - self.from.fit.parameters.len()
     }
 
-    /// Distance from another of the same addition, in shares of the ranges of a search; without bound where a sign differs.
+    /// Distance from another of the same addition, in shares of the ranges of a search; without bound where a sign
+    /// differs.
     pub fn distance(&self, other: &Self) -> f64 {
         let own = self.from.fit.parameters.len();
         let along = |i: usize| {
@@ -114,8 +115,8 @@ impl<'s, 'a> Runner<'s, 'a> {
         self.scale() * robust_square(&residuals, unit) + self.data.price(other.fit.parameters.len())
     }
 
-    /// By how much the sum of squares of what it adds to is larger over all readings than over those that the residuals are of: a
-    /// part of the readings may happen to scatter less than all.
+    /// By how much the sum of squares of what it adds to is larger over all readings than over those that the residuals
+    /// are of: a part of the readings may happen to scatter less than all.
     fn ratio(&self) -> f64 {
         let all = &self.from.fit.evaluation.residuals;
         let left = self
@@ -183,7 +184,8 @@ impl Competitor for Runner<'_, '_> {
 
     fn is_beaten(&self, first: &Self) -> bool {
         let Some(fit) = &self.fit else { return false };
-        // What it was fitted to is enough to tell, were it to gain in the next round, with twice the evaluations, twice as much.
+        // What it was fitted to is enough to tell, were it to gain in the next round, with twice the evaluations, twice
+        // as much.
         let gain = if fit.is_exhausted() { 2.0 * self.gain } else { 0.0 };
         let above = |bar: f64, unit: f64| self.bic(unit) - gain - bar > self.sure * self.scale();
         let count = first.residuals.len() as f64;

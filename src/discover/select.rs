@@ -20,12 +20,13 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
-/// Of single linkage: above 2 and the better the larger, by its authors' 4, that almost surely few basins are searched twice.
+/// Of single linkage: above 2 and the better the larger, by its authors' 4, that almost surely few basins are searched
+/// twice.
 const SIGMA: f64 = 4.0;
 /// Evaluations of one continuation of a fit to all points.
 pub(super) const CONTINUED: usize = 15;
-/// A fit that ended for want of evaluations goes on while that gains more than this in the criterion, and may bring it level with
-/// the best.
+/// A fit that ended for want of evaluations goes on while that gains more than this in the criterion, and may bring it
+/// level with the best.
 const GAIN: f64 = 0.1;
 
 /// Finds what is missing in the model of a scenario, given its measurements.
@@ -61,8 +62,8 @@ pub fn discover_counted(
     search.run(&start, chosen, known, noise.times(understated))
 }
 
-/// What explains the measurements of a scenario as far as the forward selection goes, and what the criterion charges it for having
-/// looked at many additions.
+/// What explains the measurements of a scenario as far as the forward selection goes, and what the criterion charges it
+/// for having looked at many additions.
 pub fn explain(scenario: &Scenario, table: &Table, options: &SearchOptions) -> (Hypothesis, f64) {
     let scenario = table.applied_to(scenario);
     let table = &table.estimated(compare::understated(table));
@@ -91,9 +92,10 @@ enum Field<'h> {
     Each(Option<(&'h Hypothesis, f64)>),
 }
 
-/// Leaves `most` of ranked starting points: half are the best of those that have no better one near, as multi-level single linkage
-/// takes them (Rinnooy Kan and Timmer 1987), spread over the basins of attraction that the estimate sees; the others the best of
-/// those that have one, second samples of these basins: where a candidate changes nothing, every point is alone.
+/// Leaves `most` of ranked starting points: half are the best of those that have no better one near, as multi-level
+/// single linkage takes them (Rinnooy Kan and Timmer 1987), spread over the basins of attraction that the estimate
+/// sees; the others the best of those that have one, second samples of these basins: where a candidate changes nothing,
+/// every point is alone.
 fn entrants(ranked: &mut Vec<Runner<'_, '_>>, most: usize) {
     let Some(first) = ranked.first() else { return };
     let (count, d) = (ranked.len() as f64, first.own() as f64);
@@ -148,7 +150,8 @@ impl<'a> Search<'a> {
         Search { scenario: self.scenario, table, options: self.options, data, pool: self.pool.clone() }
     }
 
-    /// What was found, in standard deviations that are so many times as large; fitted `again` where the fit is to all points.
+    /// What was found, in standard deviations that are so many times as large; fitted `again` where the fit is to all
+    /// points.
     fn reweighted(&self, entry: Entry, noise: Noise, again: bool) -> Entry {
         let Entry { hypothesis, visibility, strongest } = entry;
         let mut hypothesis = self.data.reweighted(hypothesis, noise);
@@ -182,8 +185,8 @@ impl<'a> Search<'a> {
         self.data.left() > 0
     }
 
-    /// Adds to a hypothesis as long as that pays, and removes what that makes needless: all candidates race beside the leading
-    /// hypotheses.
+    /// Adds to a hypothesis as long as that pays, and removes what that makes needless: all candidates race beside the
+    /// leading hypotheses.
     fn forward(&self, start: &Hypothesis, known: &mut Known) -> Hypothesis {
         let (mut chosen, mut beam) = (start.clone(), vec![start.clone()]);
         for _ in 0..self.options.max_effects {
@@ -192,10 +195,12 @@ impl<'a> Search<'a> {
                 break;
             }
             let mut full = self.race(&beam.iter().collect::<Vec<_>>(), &self.pool, Field::Best(0), known);
-            // What leaves structure is held against everything else that a user might add by hand, fitted as it would be then.
+            // What leaves structure is held against everything else that a user might add by hand, fitted as it would
+            // be then.
             let mut least = self.least(&full).map_or(&chosen, |(_, least)| least).clone();
             if self.structured(&least) && self.goes_on() {
-                // A race may end beside the minimum, where a resonance folds say; a calibration has other starting points.
+                // A race may end beside the minimum, where a resonance folds say; a calibration has other starting
+                // points.
                 least = self.calibrated(&least);
                 full.push(least.clone());
             }
@@ -287,8 +292,8 @@ impl<'a> Search<'a> {
         self.run_race((field, entries), rules, known)
     }
 
-    /// Two laws of the motion together, started from what is estimated at the motion that was measured: what each of them does to a
-    /// resonance may hide the other.
+    /// Two laws of the motion together, started from what is estimated at the motion that was measured: what each of
+    /// them does to a resonance may hide the other.
     fn pairs(&self, from: &Hypothesis, known: &mut Known) -> Vec<Hypothesis> {
         let o = self.options;
         let points = o.first_points.min(self.data.points.len());
@@ -375,7 +380,7 @@ impl<'a> Search<'a> {
             .collect();
         // A look is the round before the first, and takes half of its points.
         let points = (o.first_points / 2).min(self.data.points.len());
-        // A continuum of sliders costs as much as all others together: it is looked at on fewer points, ...
+        // A continuum of sliders costs as much as all others together: it is looked at on fewer points.
         let few = work.iter().any(|(number, addition)| costly(parents[*number], *addition)).then_some(points / COSTLY);
         let places_on = |points: usize| -> Vec<Vec<Parent<'_>>> {
             parents.par_iter().map(|from| self.places(from, points)).collect()
@@ -388,7 +393,8 @@ impl<'a> Search<'a> {
                 let from = parents[*number];
                 let known = fitted.iter().find(|(a, _)| a == addition).map(|(_, model)| model);
                 let known = known.filter(|_| !from.additions.is_empty());
-                // Beside what leaves nothing but noise the promise alone decides: no more than would go on are looked at.
+                // Beside what leaves nothing but noise the promise alone decides: no more than would go on are looked
+                // at.
                 let starts = if self.structured(from) { o.starts } else { (o.starts as f64 * kept).ceil() as usize };
                 let places = &places[usize::from(costly(from, *addition))][*number];
                 let asked = places[0].with_law(&self.data, from, *addition, (o.starts, o.seed));
@@ -408,15 +414,19 @@ impl<'a> Search<'a> {
             entries.extend(runners.first().map(|r| Entry { hypothesis: r.hypothesis(false), visibility, strongest }));
             field.extend(runners);
         }
-        // ... and once something is found competes only if that leaves structure, and it promises most.
+        self.keep_promising(&mut field);
+        self.set_bar(&mut field, parents, entered, || places[0][0][0].rest());
+        (field, entries)
+    }
+
+    /// Once something is found a continuum of sliders competes only if that leaves structure, and it promises most.
+    fn keep_promising(&self, field: &mut Vec<Runner<'_, 'a>>) {
         let typical = field.iter().map(Competitor::typical).fold(f64::INFINITY, f64::min);
         let most = field.iter().map(|r| r.badness(typical)).fold(f64::INFINITY, f64::min);
         field.retain(|r| {
             let wanted = r.from.additions.is_empty() || (r.badness(typical) <= most && self.structured(r.from));
             wanted || !costly(r.from, r.addition)
         });
-        self.set_bar(&mut field, parents, entered, || places[0][0][0].rest());
-        (field, entries)
     }
 
     /// By how much likelihood ratios of so many candidates differ by chance in all cases but one of a thousand.
@@ -424,8 +434,9 @@ impl<'a> Search<'a> {
         MARGIN.max(2.0 * (self.pool.len() as f64 / MISTAKE).ln())
     }
 
-    /// Tells those lined up above what they are of no use. Beside a parent that leaves nothing but noise, of which `rest` is left of the
-    /// readings of the look, only what would be decided for is worth a fit, unless it is asked for.
+    /// Tells those lined up above what they are of no use. Beside a parent that leaves nothing but noise, of which
+    /// `rest` is left of the readings of the look, only what would be decided for is worth a fit, unless it is asked
+    /// for.
     fn set_bar<'s>(
         &self,
         field: &mut Vec<Runner<'s, 'a>>,
@@ -450,8 +461,8 @@ impl<'a> Search<'a> {
         field.iter_mut().for_each(|runner| runner.bar = bar);
     }
 
-    /// The starting points of a candidate that are worth a fit, of which it keeps a share, the best first. They compete with one another
-    /// first: a linear estimate tells them apart, but little of what candidates are worth.
+    /// The starting points of a candidate that are worth a fit, of which it keeps a share, the best first. They compete
+    /// with one another first: a linear estimate tells them apart, but little of what candidates are worth.
     fn best_starts<'s>(&'s self, mut runners: Vec<Runner<'s, 'a>>, kept: f64) -> Vec<Runner<'s, 'a>> {
         let Some(first) = runners.first() else { return runners };
         let (from, addition) = (first.from, first.addition);
@@ -475,8 +486,8 @@ impl<'a> Search<'a> {
         Hypothesis::best_fit(self.race(&[from], &[addition], Field::Each(None), known))
     }
 
-    /// A hypothesis where its fit is, and with the base where the scenario states it: once something is missing, a calibration
-    /// may have carried it far off, and nothing is left there for an addition to act on.
+    /// A hypothesis where its fit is, and with the base where the scenario states it: once something is missing, a
+    /// calibration may have carried it far off, and nothing is left there for an addition to act on.
     fn places(&self, from: &Hypothesis, points: usize) -> Vec<Parent<'a>> {
         let fitted = from.fit.values.clone();
         let mut stated = fitted.clone();
@@ -488,7 +499,8 @@ impl<'a> Search<'a> {
         if stated != fitted {
             places.push(Parent::new(&self.data, from, stated, points));
         }
-        // ... or where the readings show a resonance beside what is read with it, out of which a flank of it may have led the fit.
+        // ... or where the readings show a resonance beside what is read with it, out of which a flank of it may have
+        // led the fit.
         let keys: Vec<String> = from.fit.parameters.iter().map(|p| p.key.clone()).collect();
         if let Some(seen) = resonance::started(&from.model, &keys, self.data.points) {
             let none: [&Point; 0] = [];
@@ -523,8 +535,8 @@ impl<'a> Search<'a> {
         !from.additions.contains(&addition) && compatible(&self.data.base, &all)
     }
 
-    /// Follows fits that ended for want of evaluations, in a curved valley say, to their minimum, while they may come level with
-    /// the best.
+    /// Follows fits that ended for want of evaluations, in a curved valley say, to their minimum, while they may come
+    /// level with the best.
     pub(super) fn settle_all(&self, mut all: Vec<&mut Hypothesis>, best: &Hypothesis) {
         let unit = self.unit(best);
         let best = self.bic(unit, best);
@@ -552,8 +564,8 @@ impl<'a> Search<'a> {
         self.whiteness(hypothesis).is_none_or(|white| white.structured)
     }
 
-    /// The best of hypotheses. Of those that the data do not tell apart the simpler: at first a recalibration; once something
-    /// is known to be missing, an effect.
+    /// The best of hypotheses. Of those that the data do not tell apart the simpler: at first a recalibration; once
+    /// something is known to be missing, an effect.
     fn pick(&self, all: &[Hypothesis], first: bool) -> Option<Hypothesis> {
         let unit = self.least(all)?.0;
         let bic = |h: &Hypothesis| self.bic(unit, h);
@@ -570,8 +582,9 @@ impl<'a> Search<'a> {
         simple.or(close.iter().min_by(least)).map(|h| (**h).clone())
     }
 
-    /// Replaces every addition in turn by another that explains better beside the others, itself at another place included;
-    /// with what does as well in the place of each, itself first. What is no explanation has none that does as well.
+    /// Replaces every addition in turn by another that explains better beside the others, itself at another place
+    /// included; with what does as well in the place of each, itself first. What is no explanation has none that does
+    /// as well.
     fn exchange(&self, chosen: Hypothesis, known: &mut Known) -> (Hypothesis, Vec<Vec<Hypothesis>>) {
         let mut chosen = chosen;
         let mut ties: Vec<Vec<Hypothesis>> = Vec::new();

@@ -10,7 +10,8 @@ const UNSOLVED: f64 = 0.1;
 pub struct Evidence {
     /// Whether the test for structure could have found any: enough neighbours along the series.
     pub testable: bool,
-    /// Whether it found structure: along the series where noise is stated or scatters, or a misfit larger than the scatter.
+    /// Whether it found structure: along the series where noise is stated or scatters, or a misfit larger than the
+    /// scatter.
     pub structured: bool,
     /// Share of the points at which the hypothesis has no steady state.
     pub unsolved: f64,

@@ -118,7 +118,8 @@ pub fn fits_rig(effect: &dyn Effect, contact: bool) -> Result<(), String> {
     }
 }
 
-/// Whether the published procedure can carry an effect: only changes of the drive, of the linear damping and of the reading.
+/// Whether the published procedure can carry an effect: only changes of the drive, of the linear damping and of the
+/// reading.
 pub fn in_paper_formulation(effect: &dyn Effect) -> bool {
     let (p, d) = sample(effect);
     let one = Dual::constant(1.0);

@@ -15,17 +15,18 @@ use std::ops::Range;
 use std::sync::Mutex;
 use strsim::osa_distance;
 
-/// Magnitudes of the variables at which a formula is tried, in SI; at the first two it has to be finite whatever the rig,
-/// beyond them an exponential may overflow.
+/// Magnitudes of the variables at which a formula is tried, in SI; at the first two it has to be finite whatever the
+/// rig, beyond them an exponential may overflow.
 const TRIED: [f64; 5] = [0.0, 1e-9, 1e-6, 1e-3, 1.0];
 const NEAR: f64 = 1e-9;
 /// Phases of an oscillation at which a force is looked at.
 const PHASES: usize = 16;
 /// A stated number that is no strength is searched within this factor: its order of magnitude is known.
 const STATED: f64 = 10.0;
-/// Strengths that a search covers, in units of one as strong as what the law stands beside: of a force without a contact those
-/// of the catalogue's stiffnesses, which are in units of a bend by the width of the resonance; of a force beside a contact those
-/// of its cubic stiffness on the paper's rig; of friction and of the bristles those of its laws and its viscoelastic branch.
+/// Strengths that a search covers, in units of one as strong as what the law stands beside: of a force without a
+/// contact those of the catalogue's stiffnesses, which are in units of a bend by the width of the resonance; of a force
+/// beside a contact those of its cubic stiffness on the paper's rig; of friction and of the bristles those of its laws
+/// and its viscoelastic branch.
 const ALONE: (f64, f64) = (0.01, 1000.0);
 const BESIDE_CONTACT: (f64, f64) = (1e-5, 300.0);
 const OF_FRICTION: (f64, f64) = (2e-3, 2.0);
@@ -356,8 +357,8 @@ impl Tried<'_> {
             place[variable] = t;
             of(self.program.jet(&place, &nominal))
         };
-        // Of what is continuous the difference falls with the distance, by less than that for powers near zero only; what has
-        // no bound grows.
+        // Of what is continuous the difference falls with the distance, by less than that for powers near zero only;
+        // what has no bound grows.
         [0.0, 1e-6].into_iter().any(|beside| {
             let [near, far] = [1e-40, 1e-20].map(|t| [at(beside, t), at(beside, -t)]);
             let across = |ends: [f64; 2]| (ends[0] - ends[1]).abs();
@@ -422,8 +423,8 @@ impl Tried<'_> {
         })
     }
 
-    /// Largest value with a strength of one over an oscillation of these amplitudes, the least and the largest of what the
-    /// other parameters make of it; `None` where there is none.
+    /// Largest value with a strength of one over an oscillation of these amplitudes, the least and the largest of what
+    /// the other parameters make of it; `None` where there is none.
     fn sizes(&self, strength: usize, zero: &[Zero], amplitudes: [f64; VARIABLES]) -> Option<(f64, f64)> {
         let nominal = self.nominal();
         let choices: Vec<Vec<f64>> = (0..nominal.len())

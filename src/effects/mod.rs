@@ -1,7 +1,7 @@
 //! The catalogue of effects: one registry slice, one file per effect.
 //!
-//! An effect declares what it contributes - a term of the friction coefficient, a change of the normal load, a branch of
-//! the contact, a torque on the arm, a change of the drive or of the reading - and [`crate::model`] combines the
+//! An effect declares what it contributes - a term of the friction coefficient, a change of the normal load, a branch
+//! of the contact, a torque on the arm, a change of the drive or of the reading - and [`crate::model`] combines the
 //! contributions in one place. Every law is stated once, here, and every solver evaluates that statement.
 
 mod actuator_lag;
@@ -93,7 +93,8 @@ pub struct Law {
 pub struct Branch {
     /// Its force \[N\].
     pub force: f64,
-    /// What the force had left to its limit at the last reversal \[N\]: positive on the way up, negative on the way down.
+    /// What the force had left to its limit at the last reversal \[N\]: positive on the way up, negative on the way
+    /// down.
     pub reach: f64,
 }
 
@@ -151,8 +152,8 @@ pub trait Effect: Sync {
     fn unstated(&self, _index: usize) -> Option<f64> {
         None
     }
-    /// The name and the parameters of a simpler effect near these values: which this one is with one of its parameters at a value, or what
-    /// it does to a fundamental, to first order, on a rig of this size.
+    /// The name and the parameters of a simpler effect near these values: which this one is with one of its parameters
+    /// at a value, or what it does to a fundamental, to first order, on a rig of this size.
     fn simpler(&self, _p: &[f64], _scales: &Scales) -> Option<(&'static str, Vec<f64>)> {
         None
     }
@@ -166,7 +167,8 @@ pub trait Effect: Sync {
         movable.map(|info| format!("effect.{}.{}", self.name(), info.key)).collect()
     }
 
-    /// Term added to the friction coefficient at slip rate `s >= 0` \[m/s\] and interface state `psi` (0 where there is none).
+    /// Term added to the friction coefficient at slip rate `s >= 0` \[m/s\] and interface state `psi` (0 where there is
+    /// none).
     fn friction(&self, _p: &[f64], _s: f64, _psi: f64) -> Option<Law> {
         None
     }
@@ -190,13 +192,13 @@ pub trait Effect: Sync {
     fn branch(&self, _p: &[Dual]) -> Option<(Dual, Dual)> {
         None
     }
-    /// Complex stiffness \[N/m\], in phase and in quadrature, that the bristles have beside their own at `omega` \[rad/s\], in
-    /// proportion to a power of the frequency.
+    /// Complex stiffness \[N/m\], in phase and in quadrature, that the bristles have beside their own at `omega`
+    /// \[rad/s\], in proportion to a power of the frequency.
     fn fractional(&self, _p: &[Dual], _omega: f64) -> Option<(Dual, Dual)> {
         None
     }
-    /// Force of the bristles that depends on the history of their stretch: where the hysteresis stands when the stretch has moved
-    /// by `by` \[m\] without turning back, and the slope of its force there \[N/m\].
+    /// Force of the bristles that depends on the history of their stretch: where the hysteresis stands when the stretch
+    /// has moved by `by` \[m\] without turning back, and the slope of its force there \[N/m\].
     fn hysteresis(&self, _p: &[f64], _from: Branch, _by: f64) -> Option<(Branch, f64)> {
         None
     }
@@ -212,8 +214,8 @@ pub trait Effect: Sync {
     fn continuum(&self, _p: &[f64]) -> Option<f64> {
         None
     }
-    /// Slip elements between the body and the ground: (stiffness \[N/m, N m/rad\], force or torque at full slip \[N, N m\],
-    /// exponent).
+    /// Slip elements between the body and the ground: (stiffness \[N/m, N m/rad\], force or torque at full slip \[N, N
+    /// m\], exponent).
     fn joint(&self, _p: &[Dual]) -> Option<[Dual; 3]> {
         None
     }
@@ -221,7 +223,8 @@ pub trait Effect: Sync {
     fn torque(&self, _p: &[f64], _th: f64, _w: f64) -> Option<Law> {
         None
     }
-    /// Whether the torque has a kink in its slope where the angular velocity is zero, over which steps of high order lose it.
+    /// Whether the torque has a kink in its slope where the angular velocity is zero, over which steps of high order
+    /// lose it.
     fn torque_is_kinked(&self) -> bool {
         false
     }
@@ -233,7 +236,8 @@ pub trait Effect: Sync {
     fn torque_is_steep(&self, _p: &[f64]) -> bool {
         false
     }
-    /// Dry friction between the body and the ground \[N, N m\]: a force against the velocity that holds the body at rest.
+    /// Dry friction between the body and the ground \[N, N m\]: a force against the velocity that holds the body at
+    /// rest.
     fn dry_friction(&self, _p: &[Dual]) -> Option<Dual> {
         None
     }
@@ -249,7 +253,8 @@ pub trait Effect: Sync {
     fn is_smooth(&self) -> bool {
         true
     }
-    /// Force of the bristles \[N\], beside that of their stiffness and damping, at their stretch \[m\] and its rate \[m/s\].
+    /// Force of the bristles \[N\], beside that of their stiffness and damping, at their stretch \[m\] and its rate
+    /// \[m/s\].
     fn bristle_force(&self, _p: &[f64], _stretch: f64, _rate: f64) -> Option<Law> {
         None
     }

@@ -17,8 +17,8 @@ pub fn middle(effect: &dyn Effect, scales: &Scales) -> Vec<f64> {
     effect.parameters().iter().zip(typical(effect)).enumerate().map(middle).collect()
 }
 
-/// Values in the middle of the search ranges on the paper's rig (geometric mean to one digit): valid, and no statement about
-/// any material. Of a formula those with which it was tried.
+/// Values in the middle of the search ranges on the paper's rig (geometric mean to one digit): valid, and no statement
+/// about any material. Of a formula those with which it was tried.
 pub fn typical(effect: &dyn Effect) -> Vec<f64> {
     if let Some(formula) = effect.formula() {
         return formula.nominal();

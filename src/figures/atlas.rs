@@ -218,7 +218,8 @@ fn csv(lines: &[Line<'_>]) -> String {
     table.finish()
 }
 
-/// Per condition the peak of the base and of the strongest curve that is steady throughout and has its peak within the range.
+/// Per condition the peak of the base and of the strongest curve that is steady throughout and has its peak within the
+/// range.
 fn notes(lines: &[Line<'_>]) -> Vec<(String, String)> {
     let peak = |curve: &Curve| data::peak(&data::steady(curve, per_drive(curve)));
     let text = |(f, a): (f64, f64)| format!("{} rad/m at {f:.1} Hz", significant(a, 3));

@@ -42,8 +42,8 @@ impl Pair {
     }
 }
 
-/// Draws those curves of a scenario that differ by more than `tolerance` of their peak, the most different first; `reading` is
-/// what they are of.
+/// Draws those curves of a scenario that differ by more than `tolerance` of their peak, the most different first;
+/// `reading` is what they are of.
 ///
 /// # Errors
 /// [`FigureError::MissingData`] where none does, [`FigureError::Render`] where an element cannot be drawn.

@@ -120,7 +120,8 @@ pub fn with_contact(outcome: &Outcome, figure: &str) -> Result<(), FigureError> 
     if outcome.scenario.contact.is_some() { Ok(()) } else { Err(FigureError::missing(figure, need)) }
 }
 
-/// A drive with its unit, to so many digits: as the sentences have it, but for the paper's rig, whose figures have their own way.
+/// A drive with its unit, to so many digits: as the sentences have it, but for the paper's rig, whose figures have
+/// their own way.
 pub fn drive(value: f64, signal: &Signal, digits: usize) -> String {
     if *signal == Signals::ARM.drive {
         return Unit::fitting(value, signal.unit).show(value, digits);

@@ -25,8 +25,8 @@ struct Pair<'a> {
     difference: Vec<Point>,
     /// Steps per cycle and the largest relative difference from the series curve.
     to_series: Vec<Point>,
-    /// Steps per cycle and the largest relative difference from the Richardson extrapolation of the two finest, for all others;
-    /// empty below three step sizes.
+    /// Steps per cycle and the largest relative difference from the Richardson extrapolation of the two finest, for all
+    /// others; empty below three step sizes.
     to_limit: Vec<Point>,
     /// Largest relative difference of that extrapolation from the series formulation.
     between: Option<f64>,

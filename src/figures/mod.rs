@@ -132,7 +132,8 @@ impl Drawing {
         self
     }
 
-    /// A drawing without key numbers: name of its files and title, caption and text alternative, SVG and CSV, how to read it.
+    /// A drawing without key numbers: name of its files and title, caption and text alternative, SVG and CSV, how to
+    /// read it.
     fn new(
         (name, title): (&str, &str),
         (caption, alt): (String, String),

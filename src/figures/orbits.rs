@@ -119,7 +119,8 @@ pub fn left_out(count: usize) -> String {
     if count == 0 { String::new() } else { format!(" {count} further points with orbits are not shown.") }
 }
 
-/// Range of an axis for the force of one point less mu W, in `unit`; one unit either way where only rounding would show.
+/// Range of an axis for the force of one point less mu W, in `unit`; one unit either way where only rounding would
+/// show.
 pub fn force_range(cycle: &Cycle<'_>, unit: &Unit) -> (f64, f64) {
     let (lowest, highest) = range((0..cycle.len()).map(|i| cycle.force(i)));
     if highest - lowest <= ROUNDING * cycle.condition.friction * cycle.condition.load {

@@ -1,8 +1,8 @@
 //! Sizes and resolutions of figures: for the two columns of a journal, a slide, a web page.
 //!
-//! A figure is laid out at one width, so a preset only says how wide that is on paper and how many pixels that takes. Texts
-//! are [`TICK_SIZE`](super::style::TICK_SIZE) of [`WIDTH`](super::style::WIDTH) pixels: 7 to 9 pt at the width of two columns.
-//! At the width of one column they could not be read, which is why there is no preset for it.
+//! A figure is laid out at one width, so a preset only says how wide that is on paper and how many pixels that takes.
+//! Texts are [`TICK_SIZE`](super::style::TICK_SIZE) of [`WIDTH`](super::style::WIDTH) pixels: 7 to 9 pt at the width of
+//! two columns. At the width of one column they could not be read, which is why there is no preset for it.
 
 use super::{FigureError, style};
 

@@ -1,4 +1,5 @@
-//! The answer to the question of a scenario: one panel per leading effect, its curves between those of the model itself.
+//! The answer to the question of a scenario: one panel per leading effect, its curves between those of the model
+//! itself.
 
 use super::axes::{Axis, Panel};
 use super::canvas::{Anchor, Canvas, Dash, Point, Stroke, Type, document};
@@ -21,7 +22,8 @@ const TARGET: Stroke = Stroke { color: INK, width: 3.4, dash: Dash::Solid };
 const CLOSEST: super::style::Color = super::style::Color(0x00, 0x8a, 0x63);
 /// Curves that differ by less than this share of the largest value are drawn as one.
 const ALIKE: f64 = 0.005;
-/// Height of a line of text above a panel, and panels side by side from which on there is room for one criterion a line.
+/// Height of a line of text above a panel, and panels side by side from which on there is room for one criterion a
+/// line.
 const LINE: f64 = 18.0;
 const MANY: usize = 3;
 const MILDEST: super::style::Color = super::style::Color(0xaa, 0x44, 0x99);

@@ -140,8 +140,8 @@ impl<'a> Data<'a> {
         lower.marks(canvas, &open, Mark::Circle, 4.0, styled.stroke.color, false);
     }
 
-    /// A curve that folds: what a sweep upwards finds as it is drawn elsewhere, what one downwards finds besides dashed; marks
-    /// where they jump, and thin lines to where they land.
+    /// A curve that folds: what a sweep upwards finds as it is drawn elsewhere, what one downwards finds besides
+    /// dashed; marks where they jump, and thin lines to where they land.
     fn branches(&self, canvas: &mut Canvas, panel: &Panel, styled: &Styled<'_>, phase: bool) {
         let of = |s: &SteadyState| if phase { self.phase(s.phase) } else { self.unit.of(s.amplitude) };
         // Phases are not joined across half a turn.
@@ -245,7 +245,8 @@ impl<'a> Data<'a> {
     }
 }
 
-/// Where a sweep jumps from one branch to the other: the last frequency before it and the first after it, by their indices.
+/// Where a sweep jumps from one branch to the other: the last frequency before it and the first after it, by their
+/// indices.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Fold {
     from: usize,
@@ -266,7 +267,8 @@ fn double(curve: &Curve) -> Vec<(usize, usize)> {
     runs
 }
 
-/// Whether the branch of a sweep downwards is the one that goes on in the state at `beyond`, next to the end `at` of a run.
+/// Whether the branch of a sweep downwards is the one that goes on in the state at `beyond`, next to the end `at` of a
+/// run.
 fn down_goes_on(curve: &Curve, at: usize, beyond: usize) -> bool {
     let complex = |s: &SteadyState| (s.amplitude * s.phase.cos(), s.amplitude * s.phase.sin());
     let far = |s: &SteadyState| {

@@ -310,8 +310,8 @@ pub(super) fn rasterise(svg: &str, scale: f32) -> Result<Vec<u8>, FigureError> {
     encode(&pixels).map_err(|error| failed(error.to_string()))
 }
 
-/// Opaque pixels as PNG. Lines on white are smaller without a filter, and at this level of compression in a third of the time
-/// of the usual one.
+/// Opaque pixels as PNG. Lines on white are smaller without a filter, and at this level of compression in a third of
+/// the time of the usual one.
 fn encode(pixels: &tiny_skia::Pixmap) -> Result<Vec<u8>, png::EncodingError> {
     let colors: Vec<u8> = pixels.data().chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
     let mut bytes = Vec::new();

@@ -1,5 +1,5 @@
-//! A densely measured series is a smooth curve: it is solved at as many of its frequencies as its shape needs, and read between
-//! them.
+//! A densely measured series is a smooth curve: it is solved at as many of its frequencies as its shape needs, and read
+//! between them.
 
 use super::Prediction;
 use crate::measurement::Point;
@@ -114,8 +114,8 @@ impl<'c> Reading<'c> {
         }
     }
 
-    /// What a polynomial through so many of the nearest points that are solved reads at a place; `None` where one of them has no steady state,
-    /// or more than one.
+    /// What a polynomial through so many of the nearest points that are solved reads at a place; `None` where one of
+    /// them has no steady state, or more than one.
     fn read(&self, place: usize, count: usize, points: &[&Point], solved: &[Option<Solved>]) -> Option<Solved> {
         let above = self.nodes.partition_point(|&node| node < place);
         let first = above.saturating_sub(count / 2).min(self.nodes.len() - count);
@@ -188,7 +188,8 @@ mod tests {
         (0..count).map(point).collect()
     }
 
-    /// A resonance of Q = 30 whose stiffness has a kink at 80 Hz; its derivative by the natural frequency. None near 95 Hz.
+    /// A resonance of Q = 30 whose stiffness has a kink at 80 Hz; its derivative by the natural frequency. None near 95
+    /// Hz.
     fn solve(f: f64) -> Solved {
         let (w, w0) = (TAU * f, TAU * 70.0 * (1.0 + 1e-3 * (f - 80.0).max(0.0)));
         let z = Complex::new(w0 * w0 - w * w, w * w0 / 30.0);

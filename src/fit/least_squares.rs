@@ -4,10 +4,11 @@ use super::{Evaluation, Parameter, Problem};
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
 use nalgebra::{DMatrix, DVector, Dyn, storage::Owned};
 
-/// Beyond this many standard deviations residuals count with their logarithm: normal noise with the tails of Student's t, so
-/// that what is far off loses its pull and outliers decide nothing.
+/// Beyond this many standard deviations residuals count with their logarithm: normal noise with the tails of Student's
+/// t, so that what is far off loses its pull and outliers decide nothing.
 pub const TAIL: f64 = 4.0;
-/// Relative change of the sum of squares at which a fit to all points is done: far below one unit for any table that fits.
+/// Relative change of the sum of squares at which a fit to all points is done: far below one unit for any table that
+/// fits.
 pub const CONVERGED: f64 = 1e-7;
 
 /// How hard to try.
@@ -41,8 +42,8 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// Schwarz's criterion with squares in this unit (1: in that of the noise), less a constant common to all fits of the same
-    /// readings, of which there are so many; smaller is better.
+    /// Schwarz's criterion with squares in this unit (1: in that of the noise), less a constant common to all fits of
+    /// the same readings, of which there are so many; smaller is better.
     pub fn schwarz(&self, unit: f64, readings: usize) -> f64 {
         schwarz(robust_square(&self.evaluation.residuals, unit), self.parameters.len(), readings)
     }
@@ -53,7 +54,8 @@ impl Fit {
     }
 }
 
-/// Sum of squares in this unit (1: in that of the noise), residuals beyond [`TAIL`] of its root counted with their logarithm.
+/// Sum of squares in this unit (1: in that of the noise), residuals beyond [`TAIL`] of its root counted with their
+/// logarithm.
 pub fn robust_square(residuals: &DVector<f64>, unit: f64) -> f64 {
     robust_chi2(residuals, TAIL * unit.sqrt()) / unit
 }
@@ -68,17 +70,18 @@ pub fn typical_of(residuals: &DVector<f64>) -> f64 {
     crate::statistics::spread(residuals.iter().copied(), 0.0).max(1.0)
 }
 
-/// Schwarz's criterion of two hypotheses closer than this: the data do not decide between them. Odds of twenty to one where
-/// both were as likely before (Kass and Raftery 1995).
+/// Schwarz's criterion of two hypotheses closer than this: the data do not decide between them. Odds of twenty to one
+/// where both were as likely before (Kass and Raftery 1995).
 pub const MARGIN: f64 = 6.0;
 
-/// Schwarz's criterion of so many parameters and a sum of squares over so many readings, less a constant: smaller is better.
+/// Schwarz's criterion of so many parameters and a sum of squares over so many readings, less a constant: smaller is
+/// better.
 pub fn schwarz(square: f64, parameters: usize, readings: usize) -> f64 {
     square + parameters as f64 * (readings as f64).ln()
 }
 
-/// Residual whose square is the loss, r^2 up to the threshold t and t^2 (1 + 2 ln(r/t)) beyond it (both and their slopes meet
-/// there), and its derivative by the residual.
+/// Residual whose square is the loss, r^2 up to the threshold t and t^2 (1 + 2 ln(r/t)) beyond it (both and their
+/// slopes meet there), and its derivative by the residual.
 fn soften(r: f64, threshold: f64) -> (f64, f64) {
     let size = r.abs();
     if size <= threshold {
@@ -121,8 +124,8 @@ pub fn minimise(problem: &mut Problem<'_>, start: &[f64], settings: &Settings) -
     Fit { parameters, values, evaluation, objective, evaluations: problem.evaluations - before, termination }
 }
 
-/// Coordinates of the bounds at which parameters stay, since the sum of squares falls beyond (an active set): a step along a
-/// coordinate that turns back there would lead uphill, and be made shorter for all.
+/// Coordinates of the bounds at which parameters stay, since the sum of squares falls beyond (an active set): a step
+/// along a coordinate that turns back there would lead uphill, and be made shorter for all.
 fn held(problem: &mut Problem<'_>, parameters: &[Parameter], start: &[f64], threshold: f64) -> Vec<Option<f64>> {
     let edges: Vec<Option<(f64, f64)>> = parameters.iter().zip(start).map(|(p, &x)| p.edge(x)).collect();
     if edges.iter().all(Option::is_none) {

@@ -1,5 +1,5 @@
-//! Least squares on measured steady states: parameters within bounds, residuals on the solver's derivatives, few outliers
-//! tolerated. What is fitted and why is decided by [`crate::compare`] and [`crate::discover`].
+//! Least squares on measured steady states: parameters within bounds, residuals on the solver's derivatives, few
+//! outliers tolerated. What is fitted and why is decided by [`crate::compare`] and [`crate::discover`].
 
 mod dense;
 mod least_squares;

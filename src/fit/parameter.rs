@@ -17,7 +17,8 @@ const RIG_DAMPING_FACTOR: f64 = 10.0;
 const UNKNOWN_FACTOR: f64 = 1e3;
 /// A fit may leave the range that the catalogue searches by this factor.
 const BEYOND: f64 = 3.0;
-/// Part of the largest magnitude that counts as zero where a range starts at zero; of the smallest, where either sign is physical.
+/// Part of the largest magnitude that counts as zero where a range starts at zero; of the smallest, where either sign
+/// is physical.
 const SMALLEST: f64 = 1e-4;
 
 /// Sine of the coordinate at which a fit starts whose value is at a bound, where the coordinate has no slope.
@@ -25,10 +26,10 @@ const INSIDE: f64 = 0.999;
 /// Coordinate of the middle of the bounds.
 const ORIGIN: f64 = 1.0;
 
-/// A parameter of a fit. The fit moves a coordinate u without bounds; the value is `t = middle + half sin(u - 1)` between
-/// the bounds (so that the middle is at u = 1 and the first trust region, which is relative to u, is none of zero size),
-/// `t` being the value or, for magnitudes, its logarithm. An angle has no bounds: `t = middle + half (u - 1)`, and the values are
-/// those of one turn.
+/// A parameter of a fit. The fit moves a coordinate u without bounds; the value is `t = middle + half sin(u - 1)`
+/// between the bounds (so that the middle is at u = 1 and the first trust region, which is relative to u, is none of
+/// zero size), `t` being the value or, for magnitudes, its logarithm. An angle has no bounds: `t = middle + half (u -
+/// 1)`, and the values are those of one turn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
     /// Key as in `[fit] free`, e.g. `contact.stiffness`, `effect.grosch.h`.
@@ -190,8 +191,8 @@ impl Parameter {
         inside.asin() + ORIGIN
     }
 
-    /// Of a value nearer to a bound than a fit starts that begins there: the side on the natural scale, -1 or 1, and the coordinate of the
-    /// bound.
+    /// Of a value nearer to a bound than a fit starts that begins there: the side on the natural scale, -1 or 1, and
+    /// the coordinate of the bound.
     pub fn edge(&self, value: f64) -> Option<(f64, f64)> {
         let sine = (self.scale(value) - self.middle()) / self.half();
         let side = sine.signum();
@@ -246,8 +247,8 @@ impl Parameter {
         t < self.bounds.0 + margin || t > self.bounds.1 - margin
     }
 
-    /// Change of the value by a factor (magnitudes) or an addition, on which curvature is smallest: derivative of the value
-    /// by that scale.
+    /// Change of the value by a factor (magnitudes) or an addition, on which curvature is smallest: derivative of the
+    /// value by that scale.
     pub fn natural_slope(&self, value: f64) -> f64 {
         if self.logarithmic { value + self.beside } else { 1.0 }
     }
@@ -257,7 +258,8 @@ impl Parameter {
         if self.is_periodic() { (end - value).abs() > PI * (1.0 - 1e-9) } else { self.at_bound(end) }
     }
 
-    /// Length of the longest step of that sign from the value on its natural scale: to the bound, half a turn of an angle.
+    /// Length of the longest step of that sign from the value on its natural scale: to the bound, half a turn of an
+    /// angle.
     pub fn room(&self, value: f64, direction: f64) -> f64 {
         if self.is_periodic() {
             return PI;

@@ -18,8 +18,8 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering::Relaxed};
 /// average: to have no steady state must not be a bargain.
 pub const TROUBLED: f64 = 6.0;
 
-/// A model without a steady state at more than this share of the points explains none of them: there a residual counts as
-/// this many standard deviations at least.
+/// A model without a steady state at more than this share of the points explains none of them: there a residual counts
+/// as this many standard deviations at least.
 const LOST: (f64, f64) = (0.25, 1e3);
 /// The share where the model is a continuum of sliders, which takes long to find none, and is only looked at.
 const LOST_COSTLY: f64 = 0.05;
@@ -39,12 +39,12 @@ pub struct Prediction {
     pub phase: f64,
     /// Whether it is a steady state.
     pub status: Status,
-    /// Readings (amplitude, phase) of the other stable states there: between folds the state nearest to the measured one is
-    /// compared with it.
+    /// Readings (amplitude, phase) of the other stable states there: between folds the state nearest to the measured
+    /// one is compared with it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub others: Vec<(f64, f64)>,
-    /// Whether the branch of states that the reading is nearest to ends short of it: the amplitude is then as far from the reading
-    /// as that end is in amplitude and drive.
+    /// Whether the branch of states that the reading is nearest to ends short of it: the amplitude is then as far from
+    /// the reading as that end is in amplitude and drive.
     #[serde(skip)]
     pub beyond: bool,
 }
@@ -74,9 +74,9 @@ impl Evaluation {
     }
 }
 
-/// A model, the points it is compared with, and the parameters that may move. An evaluation does not depend on those before
-/// it, nor on the number of threads: where a model has more than one steady state it is always the same that is found. Only
-/// a continuum of sliders starts from its last states.
+/// A model, the points it is compared with, and the parameters that may move. An evaluation does not depend on those
+/// before it, nor on the number of threads: where a model has more than one steady state it is always the same that is
+/// found. Only a continuum of sliders starts from its last states.
 #[derive(Clone)]
 pub struct Problem<'a> {
     model: Model,
@@ -115,8 +115,8 @@ impl<'a> Problem<'a> {
         Self { model: self.model(values), parameters, evaluations: 0, solved: 0, ..self.clone() }
     }
 
-    /// Another model at the same points, nothing to move, for a look at its residuals alone: one without a steady state at many
-    /// points is given up before all are solved.
+    /// Another model at the same points, nothing to move, for a look at its residuals alone: one without a steady state
+    /// at many points is given up before all are solved.
     pub fn of(&self, model: Model) -> Self {
         Self { model, parameters: Vec::new(), gives_up: true, evaluations: 0, solved: 0, ..self.clone() }
     }
@@ -198,8 +198,8 @@ impl<'a> Problem<'a> {
         Evaluation { residuals, jacobian, predictions: solved.into_iter().map(|(p, _)| p).collect(), lost }
     }
 
-    /// The steady states of a model at all points, with their derivatives by the parameters of these indices, and at how many of those that
-    /// were solved there is none; one that may be given up is once these are more than allowed.
+    /// The steady states of a model at all points, with their derivatives by the parameters of these indices, and at
+    /// how many of those that were solved there is none; one that may be given up is once these are more than allowed.
     fn states(&mut self, model: &Model, indices: &[usize], allowed: f64) -> (Vec<Solved>, usize) {
         let (tolerance, gives_up, points) = (self.tolerance, self.gives_up, &self.points);
         let troubled = AtomicUsize::new(0);
@@ -238,7 +238,8 @@ impl<'a> Problem<'a> {
             let mut wanted = vec![false; points.len()];
             wave.iter().flatten().for_each(|&index| wanted[index] = true);
             let work: Vec<(usize, &mut Warm)> = self.warm.iter_mut().enumerate().filter(|(i, _)| wanted[*i]).collect();
-            // One after the other where the first may tell enough of all, so that as many are solved on any number of threads.
+            // One after the other where the first may tell enough of all, so that as many are solved on any number of
+            // threads.
             let found: Vec<(usize, Solved)> = if gives_up {
                 work.into_iter().map(solve).collect()
             } else {
@@ -259,8 +260,9 @@ impl<'a> Problem<'a> {
 
 impl Problem<'_> {
     /// An evaluation of a continuum of sliders: its derivatives by the parameters of the effect that makes it one are
-    /// differences, those by all others are of the single slider that it becomes where that effect vanishes. They lead a
-    /// fit to its minimum; what it is worth there is told by the residuals. Of bristles that remember all are differences.
+    /// differences, those by all others are of the single slider that it becomes where that effect vanishes. They lead
+    /// a fit to its minimum; what it is worth there is told by the residuals. Of bristles that remember all are
+    /// differences.
     fn differences(&mut self, values: &[f64]) -> Evaluation {
         let mut evaluation = self.evaluate(values, false);
         let mut single = self.clone();
@@ -304,9 +306,10 @@ impl Problem<'_> {
     }
 }
 
-/// Steady states of a single slider that one of a model is expected to cost, as measured; what was integrated is counted by its
-/// steps. A steady state is 0.03 ms, of a joint or a stop 0.1 ms, where dry friction
-/// may stop the body as much, under a damping without a bounded slope 0.1 to 0.3 ms, beside a joint 0.8 ms; of elements that share the contact 0.06 to
+/// Steady states of a single slider that one of a model is expected to cost, as measured; what was integrated is
+/// counted by its steps. A steady state is 0.03 ms, of a joint or a stop 0.1 ms, where dry friction may stop the body
+/// as much, under a damping without a bounded slope 0.1 to 0.3 ms, beside a joint 0.8 ms; of elements that share the
+/// contact 0.06 to
 /// 0.5 ms where they meet no other law, and 10 to 30 ms beside one.
 pub fn cost(model: &Model) -> u64 {
     if model.has_sliders() {
@@ -330,8 +333,8 @@ pub fn is_lost<'p>(predictions: impl IntoIterator<Item = &'p Prediction>) -> boo
     troubled as f64 > LOST.0 * all as f64
 }
 
-/// Residuals of all points; those without a steady state are as bad as the others are on average, and the worst of a model that is
-/// lost.
+/// Residuals of all points; those without a steady state are as bad as the others are on average, and the worst of a
+/// model that is lost.
 pub fn read_all<'p, I: Iterator<Item = (&'p Point, &'p Prediction)>>(
     pairs: impl Fn() -> I,
     lost: bool,
@@ -351,7 +354,8 @@ pub fn read_all<'p, I: Iterator<Item = (&'p Point, &'p Prediction)>>(
     pairs().map(of).collect()
 }
 
-/// Residuals of a point of a model that is lost: as of a motion of no size and of the opposite phase, and many times the noise.
+/// Residuals of a point of a model that is lost: as of a motion of no size and of the opposite phase, and many times
+/// the noise.
 fn unread(point: &Point) -> (f64, Option<f64>) {
     let phase = point.phase.zip(point.phase_sd).map(|(_, sd)| LOST.1.max(std::f64::consts::PI / sd));
     (LOST.1.max(point.amplitude / point.amplitude_sd), phase)

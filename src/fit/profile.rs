@@ -67,8 +67,8 @@ pub struct Correlation {
     pub value: f64,
 }
 
-/// Covariance of the estimates on their natural scales (logarithms of magnitudes) in units of the noise; directions that
-/// the data do not see have huge variance.
+/// Covariance of the estimates on their natural scales (logarithms of magnitudes) in units of the noise; directions
+/// that the data do not see have huge variance.
 fn covariance(fit: &Fit) -> DMatrix<f64> {
     let n = fit.parameters.len();
     if n == 0 {
@@ -94,8 +94,8 @@ fn covariance(fit: &Fit) -> DMatrix<f64> {
     inverse
 }
 
-/// Intervals (95 %) from the curvature at the optimum, on the natural scales and within the bounds of the search: cheap, and
-/// exact where the model is linear in the parameters.
+/// Intervals (95 %) from the curvature at the optimum, on the natural scales and within the bounds of the search:
+/// cheap, and exact where the model is linear in the parameters.
 pub fn approximate_intervals(fit: &Fit, noise: f64) -> Vec<Interval> {
     let covariance = covariance(fit);
     let of = |(i, (p, &value)): (usize, (&Parameter, &f64))| {
@@ -141,10 +141,10 @@ pub struct Profiles {
     pub solved: u64,
 }
 
-/// Profile-likelihood intervals (95 %) of all parameters of a fit. `noise` is the factor by which the standard deviations of the
-/// data are to be multiplied, given a fit; `problem` moves the parameters of the fit. All ends are looked for in step, so that
-/// what is done does not depend on the number of threads; once as many steady states as are `allowed` were solved, those not found
-/// yet are put where the curvature of the sum of squares has them.
+/// Profile-likelihood intervals (95 %) of all parameters of a fit. `noise` is the factor by which the standard
+/// deviations of the data are to be multiplied, given a fit; `problem` moves the parameters of the fit. All ends are
+/// looked for in step, so that what is done does not depend on the number of threads; once as many steady states as are
+/// `allowed` were solved, those not found yet are put where the curvature of the sum of squares has them.
 pub fn profiled(
     fit: &Fit,
     noise: impl Fn(&Fit) -> f64,
@@ -184,8 +184,8 @@ pub fn profiled(
             }
         }
         solved += in_step(&mut sides, allowed.saturating_sub(solved));
-        // A profile runs along a valley where others may have lost it: what one has found to be as good as the ends lies in the
-        // intervals of all.
+        // A profile runs along a valley where others may have lost it: what one has found to be as good as the ends
+        // lies in the intervals of all.
         let inside: Vec<Refit> = sides.iter().flat_map(|side| side.inside.iter().cloned()).collect();
         sides.iter_mut().for_each(|side| side.resume(&inside));
         solved += in_step(&mut sides, allowed.saturating_sub(solved));
@@ -405,7 +405,8 @@ impl<'p, 'a> Side<'p, 'a> {
         self.tie = Some(tie);
     }
 
-    /// The step at which the rise is expected to reach its goal: it goes nearly as a power of the step, at first as its square.
+    /// The step at which the rise is expected to reach its goal: it goes nearly as a power of the step, at first as its
+    /// square.
     fn next(&self, step: f64, rise: f64) -> f64 {
         let (near, goal) = (self.near, self.of.goal);
         let power = match self.outside {

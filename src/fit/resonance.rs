@@ -1,8 +1,9 @@
-//! A linear resonance estimated from readings alone: where a calibration of a rig starts, however far off its stated values.
+//! A linear resonance estimated from readings alone: where a calibration of a rig starts, however far off its stated
+//! values.
 //!
-//! Drive over motion is the dynamic stiffness K - M w^2 + i w C up to the gains of the instruments. Against d = w^2/wc^2 - 1 it
-//! is nearly a straight line in the complex plane (the inverse of the resonance circle), and its squared magnitude a parabola;
-//! both are linear least squares, each reading weighted by its size.
+//! Drive over motion is the dynamic stiffness K - M w^2 + i w C up to the gains of the instruments. Against d =
+//! w^2/wc^2 - 1 it is nearly a straight line in the complex plane (the inverse of the resonance circle), and its
+//! squared magnitude a parabola; both are linear least squares, each reading weighted by its size.
 
 mod floor;
 
@@ -38,8 +39,17 @@ pub struct Resonance {
     pub spanned: bool,
 }
 
-/// The resonance of one series of readings that are the motion differentiated `order` times; `None` where they tell none. Where it lies
-/// beyond the readings, or a parabola tells as much of them, one is looked for beside something constant that is read with it.
+impl Resonance {
+    /// Whether it has no peak that could be told from anything that falls: its width is that of the range that is
+    /// looked for.
+    pub fn is_overdamped(&self) -> bool {
+        self.quality <= QUALITY.0
+    }
+}
+
+/// The resonance of one series of readings that are the motion differentiated `order` times; `None` where they tell
+/// none. Where it lies beyond the readings, or a parabola tells as much of them, one is looked for beside something
+/// constant that is read with it.
 pub fn resonance(points: &[&Point], order: u8) -> Option<Resonance> {
     let usable: Vec<&Point> =
         points.iter().copied().filter(|p| p.amplitude > 0.0 && p.drive > 0.0 && p.frequency > 0.0).collect();
@@ -172,8 +182,8 @@ pub fn of_all(points: &[Point], order: u8) -> Option<Resonance> {
     })
 }
 
-/// The model with those of its numbers that are `free` to move where the resonance of the readings puts them; `None` for the
-/// paper's kind of rig, whose contact makes most of its resonance, and where no resonance is seen.
+/// The model with those of its numbers that are `free` to move where the resonance of the readings puts them; `None`
+/// for the paper's kind of rig, whose contact makes most of its resonance, and where no resonance is seen.
 pub fn started(model: &Model, free: &[String], points: &[Point]) -> Option<Model> {
     let Rig::Oscillator(_) = model.rig else { return None };
     let seen = of_all(points, model.signals.reading.order)?;
@@ -217,7 +227,8 @@ pub fn started(model: &Model, free: &[String], points: &[Point]) -> Option<Model
     Some(model)
 }
 
-/// The natural frequency \[Hz\] of a rig by itself that lies outside the readings, though these show a resonance among them, and where that is.
+/// The natural frequency \[Hz\] of a rig by itself that lies outside the readings, though these show a resonance among
+/// them, and where that is.
 pub fn left_readings(model: &Model, points: &[Point]) -> Option<(f64, f64)> {
     let Rig::Oscillator(rig) = &model.rig else { return None };
     let own = (rig.stiffness() / rig.mass).sqrt() / TAU;
@@ -246,9 +257,10 @@ fn put(rig: &mut Oscillator, free: &[String], frequency: f64, quality: f64) {
     }
 }
 
-/// The model with as much stiffness and damping taken from those of its numbers that are `free` as its readings resonate higher and
-/// broader than others do, both at the same places: what was added to it replaces a part of the rig. Of the paper's kind of rig
-/// that is a contact in series with a support. `None` where no resonance is seen, and where there is not as much stiffness.
+/// The model with as much stiffness and damping taken from those of its numbers that are `free` as its readings
+/// resonate higher and broader than others do, both at the same places: what was added to it replaces a part of the
+/// rig. Of the paper's kind of rig that is a contact in series with a support. `None` where no resonance is seen, and
+/// where there is not as much stiffness.
 pub fn kept(model: &Model, free: &[String], without: &[Point], with: &[Point]) -> Option<Model> {
     let mut model = model.clone();
     let order = model.signals.reading.order;
@@ -264,8 +276,8 @@ pub fn kept(model: &Model, free: &[String], without: &[Point], with: &[Point]) -
     Some(model)
 }
 
-/// The model with a contact that is stiffer by what its support gives way, where its stiffness is `free`: both in series are as stiff
-/// as the contact was, and, where its damping is free, of the same loss.
+/// The model with a contact that is stiffer by what its support gives way, where its stiffness is `free`: both in
+/// series are as stiff as the contact was, and, where its damping is free, of the same loss.
 fn stiffer_in_series(mut model: Model, free: &[String]) -> Option<Model> {
     let is_free = |key: &str| free.iter().any(|k| k == key);
     let support = model.effects.iter().rev().find_map(|(effect, p)| {

@@ -6,8 +6,8 @@ use super::spline::Basis;
 use super::variable::Variable;
 use nalgebra::{DMatrix, DVector};
 
-/// Near a fold the amplitude that a curve of the amplitude leads to moves without bound: by more than so many times its direct
-/// change it counts as that.
+/// Near a fold the amplitude that a curve of the amplitude leads to moves without bound: by more than so many times its
+/// direct change it counts as that.
 const NEAR_FOLD: f64 = 0.1;
 /// Longest change of a logarithm of an amplitude in one step.
 const LONGEST: f64 = 0.5;
@@ -56,8 +56,8 @@ pub struct State {
 /// What residuals are of.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Measure {
-    /// The dynamic stiffness that a reading asks for, drive over motion, relative to itself, at the motion that was measured: linear in
-    /// k and c, so that curves far from the truth find their way.
+    /// The dynamic stiffness that a reading asks for, drive over motion, relative to itself, at the motion that was
+    /// measured: linear in k and c, so that curves far from the truth find their way.
     Stiffness,
     /// The logarithm of the reading, at the motion that the model is led to.
     Reading,
@@ -108,8 +108,9 @@ impl<'a> Class<'a> {
         State { unknowns: DVector::zeros(self.unknowns), motion: motion.to_vec() }
     }
 
-    /// Which nuisance parameters do what nothing before them does: constants and curves first. With a mass and a gain both free, or
-    /// a gain beside a curve of the frequency, the scale of everything could go to zero, which has no penalty.
+    /// Which nuisance parameters do what nothing before them does: constants and curves first. With a mass and a gain
+    /// both free, or a gain beside a curve of the frequency, the scale of everything could go to zero, which has no
+    /// penalty.
     fn independent(&self, motion: &[f64]) -> Vec<bool> {
         let seen = self.see(&self.nothing(motion), Measure::Reading);
         let mut basis: Vec<DVector<f64>> = Vec::new();
@@ -190,8 +191,8 @@ impl<'a> Class<'a> {
         self.readings.solve(which, &self.natural(state), &force)
     }
 
-    /// Where a response leads: with a curve of the amplitude the motion is one that leads to itself, found by Newton's step.
-    /// Changes of ln amplitude, phase and ln motion by that step, and the factor of every change of the motion.
+    /// Where a response leads: with a curve of the amplitude the motion is one that leads to itself, found by Newton's
+    /// step. Changes of ln amplitude, phase and ln motion by that step, and the factor of every change of the motion.
     pub(super) fn led(&self, state: &State, index: usize, response: &Response) -> ([f64; 2], f64, f64) {
         if !self.axes.iter().any(|axis| axis.variable == Variable::Amplitude) {
             return ([0.0; 2], state.motion[index], 1.0);
@@ -274,8 +275,8 @@ impl<'a> Class<'a> {
     }
 }
 
-/// Turns the residuals of a reading in the logarithm of its motion, d, with their derivatives, into those of the dynamic stiffness,
-/// 1 - exp(-d); `first` is the row of the amplitude, that of the phase follows where there is one.
+/// Turns the residuals of a reading in the logarithm of its motion, d, with their derivatives, into those of the
+/// dynamic stiffness, 1 - exp(-d); `first` is the row of the amplitude, that of the phase follows where there is one.
 fn in_stiffness(seen: &mut Seen, first: usize, sds: &[Option<f64>]) {
     let sd = |part: usize| sds.get(part).copied().flatten().unwrap_or(1.0);
     let has_phase = sds.len() > 1;

@@ -1,4 +1,5 @@
-//! The fit of one class: curves of its variables, and beside them what a constant can do, by Gauss-Newton steps with damping.
+//! The fit of one class: curves of its variables, and beside them what a constant can do, by Gauss-Newton steps with
+//! damping.
 
 use super::class::{Axis, Class, Measure, Residual, Seen, State};
 use super::linear::{inverse, robust, solved, typical};
@@ -18,8 +19,9 @@ const ROUNDS: usize = 3;
 const STEPS: usize = 12;
 /// ... until one lowers the sum of squares by less than this share.
 const DONE: f64 = 1e-4;
-/// Damping of the first step, a share of what the readings know of each unknown: next to none, since other penalties ask for long
-/// steps, but along what the readings hardly know (a slope of k over the frequency, and the mass) none leads far away.
+/// Damping of the first step, a share of what the readings know of each unknown: next to none, since other penalties
+/// ask for long steps, but along what the readings hardly know (a slope of k over the frequency, and the mass) none
+/// leads far away.
 const LEAST: f64 = 1e-4;
 
 /// A finished fit.
@@ -268,8 +270,9 @@ impl Class<'_> {
         &fitted.motion
     }
 
-    /// Residuals that are left where k and c at the readings are those that a law of free strength gives instead of the curves, at
-    /// the motion of the fit: what a constant can do beside it is done. The strength has the sign that is wanted of it, or any.
+    /// Residuals that are left where k and c at the readings are those that a law of free strength gives instead of the
+    /// curves, at the motion of the fit: what a constant can do beside it is done. The strength has the sign that is
+    /// wanted of it, or any.
     pub fn left_by(&self, fitted: &Fitted, law: &[[f64; 2]], signed: bool) -> Option<Vec<Residual>> {
         let seen = &fitted.asked;
         let nuisance = self.constants();

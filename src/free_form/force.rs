@@ -1,4 +1,5 @@
-//! The free force itself: a stiffness and a damping that a fit gives every reading, evaluated by the same solvers as any effect.
+//! The free force itself: a stiffness and a damping that a fit gives every reading, evaluated by the same solvers as
+//! any effect.
 
 use crate::dual::Dual;
 use crate::effects::{Effect, Group, ParameterInfo, Zero};

@@ -16,8 +16,8 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Probability below which a claim is made, for all variables together.
 const SIGNIFICANCE: f64 = 1e-3;
-/// A residual of the leading class beyond so many times their typical size is that of a reading that stands out, which says
-/// nothing of any class.
+/// A residual of the leading class beyond so many times their typical size is that of a reading that stands out, which
+/// says nothing of any class.
 const OUTLYING: f64 = 5.0;
 /// Most of a misfit is more than this share of it.
 pub const MOST: f64 = 50.0;
@@ -180,8 +180,9 @@ fn decided<'a>(c: &Comparison, readings: &Readings<'a>, tried: Vec<Tried<'a>>, w
     let tied = |i: usize| {
         let fitted = &judged.tried[i].fitted;
         let better = &judged.tried[best].fitted;
-        // What leaves nothing but noise is not ruled out, even where another follows the noise better. Nor, where the better one leaves
-        // structure too, what leaves less than twice as much: that may be another cause, which one of them happens to follow.
+        // What leaves nothing but noise is not ruled out, even where another follows the noise better. Nor, where the
+        // better one leaves structure too, what leaves less than twice as much: that may be another cause, which one of
+        // them happens to follow.
         let more = 100.0 * square(&better.residuals, used) < MOST * square(&fitted.residuals, used);
         let excluded = is_worse(readings, used, fitted, better)
             && structured(c, readings, fitted)
@@ -192,8 +193,9 @@ fn decided<'a>(c: &Comparison, readings: &Readings<'a>, tried: Vec<Tried<'a>>, w
     judged
 }
 
-/// Whether one fit leaves more than another by more than chance: the ratio of the variances that they leave, as the likelihood of
-/// so many readings as are independent of their neighbours in the better one. Fewer unknowns are no advantage.
+/// Whether one fit leaves more than another by more than chance: the ratio of the variances that they leave, as the
+/// likelihood of so many readings as are independent of their neighbours in the better one. Fewer unknowns are no
+/// advantage.
 fn is_worse(readings: &Readings<'_>, used: &[bool], one: &Fitted, better: &Fitted) -> bool {
     let count: usize = readings.points.iter().map(|p| 1 + usize::from(p.phase.is_some())).sum();
     let variance = |fitted: &Fitted| square(&fitted.residuals, used) / (count as f64 - fitted.freedom).max(1.0);
@@ -202,7 +204,8 @@ fn is_worse(readings: &Readings<'_>, used: &[bool], one: &Fitted, better: &Fitte
     independent * (variance(one) / variance(better)).ln() > -2.0 * SIGNIFICANCE.ln()
 }
 
-/// Whether a class leaves less than a constant by more than its curves would by chance, with as many readings as are independent.
+/// Whether a class leaves less than a constant by more than its curves would by chance, with as many readings as are
+/// independent.
 fn is_significant(readings: &Readings<'_>, judged: &Judged<'_>, base: usize, one: usize) -> bool {
     let (base, fitted) = (&judged.tried[base].fitted, &judged.tried[one].fitted);
     let count: usize = readings.points.iter().map(|p| 1 + usize::from(p.phase.is_some())).sum();
@@ -214,8 +217,8 @@ fn is_significant(readings: &Readings<'_>, judged: &Judged<'_>, base: usize, one
     chance < SIGNIFICANCE / judged.tried.len() as f64
 }
 
-/// By how much the variance of a sum over readings is larger than if neighbours along series were independent: their correlations
-/// added up over the distances, as far as they are positive (Geyer 1992).
+/// By how much the variance of a sum over readings is larger than if neighbours along series were independent: their
+/// correlations added up over the distances, as far as they are positive (Geyer 1992).
 fn inflation(readings: &Readings<'_>, values: &[f64]) -> f64 {
     let energy: f64 = values.iter().map(|value| value * value).sum();
     let together = |distance: usize| {
@@ -227,8 +230,9 @@ fn inflation(readings: &Readings<'_>, values: &[f64]) -> f64 {
     1.0 + 2.0 * positive.sum::<f64>()
 }
 
-/// Whether a variable comes back at other readings often enough that k and c of it could be contradicted: every reading tells one
-/// number of the two, or both where it has a phase; every series passes a frequency once and an amplitude twice.
+/// Whether a variable comes back at other readings often enough that k and c of it could be contradicted: every reading
+/// tells one number of the two, or both where it has a phase; every series passes a frequency once and an amplitude
+/// twice.
 fn told_twice(variable: Variable, readings: &Readings<'_>) -> bool {
     let phases = readings.points.iter().filter(|p| p.phase.is_some()).count();
     let each = if 2 * phases > readings.points.len() { 2 } else { 1 };
@@ -241,8 +245,8 @@ fn told_twice(variable: Variable, readings: &Readings<'_>) -> bool {
     }
 }
 
-/// k and c that the readings ask for beside those of the model, in units of the readings, and their weights: from the dynamic
-/// stiffness of the contact, or of the missing force, less that of the model.
+/// k and c that the readings ask for beside those of the model, in units of the readings, and their weights: from the
+/// dynamic stiffness of the contact, or of the missing force, less that of the model.
 fn asked(c: &Comparison, readings: &Readings<'_>) -> Vec<Option<([f64; 2], [f64; 2])>> {
     let square = |p: &crate::measurement::Point| {
         let arm = Lumps::new(&c.model, &crate::fit::operation(p)).arm.value;
@@ -293,7 +297,8 @@ fn notes(c: &Comparison, readings: &Readings<'_>, judged: &Judged<'_>) -> Vec<St
     if (1..judged.tried.len()).any(|index| drifts(index) && open(index)) {
         notes.push("repeating the first series at the end of the test would tell drift from everything else".into());
     }
-    // A force of a third of the first harmonic at three times the frequency, above the resonance: a share of the motion.
+    // A force of a third of the first harmonic at three times the frequency, above the resonance: a share of the
+    // motion.
     let share = |(index, point): (usize, &&crate::measurement::Point)| {
         let lumps = Lumps::new(&c.model, &crate::fit::operation(point));
         let motion = leading.class.motion(&leading.fitted)[index];

@@ -11,7 +11,8 @@ pub fn typical(residuals: &DVector<f64>) -> f64 {
     spread(residuals.iter().copied(), 0.0).max(1.0)
 }
 
-/// Sum of squares with residuals beyond a threshold counted with their logarithm, and the weights that residuals have in it.
+/// Sum of squares with residuals beyond a threshold counted with their logarithm, and the weights that residuals have
+/// in it.
 pub fn robust(residuals: &DVector<f64>, threshold: f64) -> (f64, DVector<f64>) {
     let weights = residuals.map(|r| (threshold / r.abs()).powi(2).min(1.0));
     let loss = |r: &f64| {

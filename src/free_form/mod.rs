@@ -1,13 +1,13 @@
 //! Beyond the catalogue: on which variable what is missing depends, before any law is named.
 //!
-//! Let the force that is missing beside the calibrated model have any first harmonic dF = \[k(v) + i w c(v)\] x with k and c smooth
-//! curves of one variable v: the amplitude, the frequency, the speed of the roller, the load, the level of the drive, or a value
-//! of their own for every series (drift). The misfit that a class leaves is the least that any law of that class can leave, as far
-//! as one harmonic goes. What recalibration can do, a constant k and c, the gain and the free parameters, is refitted beside every
-//! curve, so that a constant explains nothing.
+//! Let the force that is missing beside the calibrated model have any first harmonic dF = \[k(v) + i w c(v)\] x with k
+//! and c smooth curves of one variable v: the amplitude, the frequency, the speed of the roller, the load, the level of
+//! the drive, or a value of their own for every series (drift). The misfit that a class leaves is the least that any
+//! law of that class can leave, as far as one harmonic goes. What recalibration can do, a constant k and c, the gain
+//! and the free parameters, is refitted beside every curve, so that a constant explains nothing.
 //!
-//! An amplitude is that of the motion that the model itself is led to, not the measured one: a curve of the measured amplitude
-//! would repeat its noise, and could follow any readings of one series.
+//! An amplitude is that of the motion that the model itself is led to, not the measured one: a curve of the measured
+//! amplitude would repeat its noise, and could follow any readings of one series.
 
 mod class;
 mod fit;
@@ -122,8 +122,8 @@ impl FreeForm {
     }
 }
 
-/// The free form beside a discovery: where that leaves something unexplained, or where it is `wanted` whatever it found. It stands
-/// on the calibrated base, not on what helps.
+/// The free form beside a discovery: where that leaves something unexplained, or where it is `wanted` whatever it
+/// found. It stands on the calibrated base, not on what helps.
 pub fn beside(discovery: &Discovery, wanted: bool) -> Option<FreeForm> {
     (wanted || discovery.verdict == Verdict::Unexplained).then(|| analyse(&discovery.steps[0].comparison))
 }
@@ -164,8 +164,9 @@ pub fn analyse(c: &Comparison) -> FreeForm {
     found
 }
 
-/// What a missing force leaves whose stiffness and damping are any smooth functions of the amplitude of the motion: residuals of
-/// amplitudes and phases in standard deviations, and the number of unknowns; `None` where there is no such force of the model.
+/// What a missing force leaves whose stiffness and damping are any smooth functions of the amplitude of the motion:
+/// residuals of amplitudes and phases in standard deviations, and the number of unknowns; `None` where there is no such
+/// force of the model.
 pub fn left_by_amplitude(c: &Comparison) -> Option<(DVector<f64>, usize)> {
     let readings = Readings::of(c);
     if !readings.solvable() || readings.points.is_empty() {

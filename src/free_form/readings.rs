@@ -13,8 +13,8 @@ use crate::statistics::wrap;
 use nalgebra::Complex;
 use rayon::prelude::*;
 
-/// Points at most of a rig whose steady states have to be searched for; of a linear one, which has them in closed form, many times
-/// as many.
+/// Points at most of a rig whose steady states have to be searched for; of a linear one, which has them in closed form,
+/// many times as many.
 const MOST: (usize, usize) = (600, 4_000);
 
 /// Numbers of the rig's own stiffness and damping among the parameters of a model: a constant k and c do the same.
@@ -28,7 +28,8 @@ pub struct Readings<'a> {
     pub points: Vec<&'a Point>,
     /// As that.
     pub numbers: Vec<usize>,
-    /// What is refitted beside every curve and a constant k and c: the other free parameters and the gain of the reading.
+    /// What is refitted beside every curve and a constant k and c: the other free parameters and the gain of the
+    /// reading.
     pub nuisance: Vec<Parameter>,
     /// Their calibrated values.
     pub calibrated: Vec<f64>,
@@ -38,8 +39,8 @@ pub struct Readings<'a> {
     pub rig: [f64; 2],
 }
 
-/// The model at one reading: in the logarithm of the amplitude, the phase \[rad\] and the logarithm of the motion; each with its
-/// derivatives by k, c and the natural scale of the nuisance parameters.
+/// The model at one reading: in the logarithm of the amplitude, the phase \[rad\] and the logarithm of the motion; each
+/// with its derivatives by k, c and the natural scale of the nuisance parameters.
 #[derive(Clone)]
 pub struct Response {
     /// ln of the reading's amplitude.
@@ -88,7 +89,8 @@ impl<'a> Readings<'a> {
             && (!self.model.has_contact || self.model.contact.formulation == crate::scenario::Formulation::Series)
     }
 
-    /// ln of the measured amplitude of the coordinate's motion; of a motion in space without a phase that of the reading.
+    /// ln of the measured amplitude of the coordinate's motion; of a motion in space without a phase that of the
+    /// reading.
     pub fn measured_motion(&self) -> Vec<f64> {
         let of = |p: &&Point| {
             let lumps = Lumps::new(&self.model, &operation(p));
@@ -98,7 +100,8 @@ impl<'a> Readings<'a> {
         self.points.iter().map(of).collect()
     }
 
-    /// The model at these readings, those of the numbers `which`, with a stiffness and damping in [`Self::units`] for each.
+    /// The model at these readings, those of the numbers `which`, with a stiffness and damping in [`Self::units`] for
+    /// each.
     pub fn solve(&self, which: &[usize], values: &[f64], force: &[[f64; 2]]) -> Vec<Option<Response>> {
         let mut model = self.model.clone();
         for (p, value) in self.nuisance.iter().zip(values) {
@@ -146,8 +149,8 @@ impl<'a> Readings<'a> {
         response.by.iter().flatten().all(|d| d.is_finite()).then_some(response)
     }
 
-    /// Residuals of amplitude and, where measured, phase in standard deviations: of small ones those of a comparison. Where the
-    /// model has no steady state they are as large as those count.
+    /// Residuals of amplitude and, where measured, phase in standard deviations: of small ones those of a comparison.
+    /// Where the model has no steady state they are as large as those count.
     pub fn residuals(&self, index: usize, predicted: Option<(f64, f64)>) -> (f64, Option<f64>) {
         let point = self.points[index];
         let Some((amplitude, phase)) = predicted else { return (TROUBLED, point.phase.map(|_| TROUBLED)) };

@@ -103,8 +103,8 @@ impl<'a> Law<'a> {
         self.readings.points.iter().zip(&self.motion).map(at).collect()
     }
 
-    /// What the effect leaves at a place of its ranges (0 to 1 each), its strength being free; those held, which come last, have
-    /// no place.
+    /// What the effect leaves at a place of its ranges (0 to 1 each), its strength being free; those held, which come
+    /// last, have no place.
     fn shape(&self, place: &[f64]) -> Option<Shape> {
         let infos = self.effect.parameters();
         let value = |(number, info): (usize, &crate::effects::ParameterInfo)| {

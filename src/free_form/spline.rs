@@ -1,5 +1,5 @@
-//! Smooth curves of one variable: cubic B-splines (de Boor 1978) with a penalty on second differences (Eilers and Marx 1996),
-//! or a value for each series.
+//! Smooth curves of one variable: cubic B-splines (de Boor 1978) with a penalty on second differences (Eilers and Marx
+//! 1996), or a value for each series.
 
 use nalgebra::DMatrix;
 
@@ -23,7 +23,8 @@ enum Kind {
 }
 
 impl Basis {
-    /// Splines over the range of places, as many as their number of different values bears; `None` where they do not differ.
+    /// Splines over the range of places, as many as their number of different values bears; `None` where they do not
+    /// differ.
     pub fn spline(places: &[f64]) -> Option<Self> {
         let mut sorted = places.to_vec();
         sorted.sort_by(f64::total_cmp);

@@ -71,7 +71,8 @@ impl Variable {
         }
     }
 
-    /// Values at all points; of the amplitude none, which a motion has only when it is solved. `None` where it does not vary.
+    /// Values at all points; of the amplitude none, which a motion has only when it is solved. `None` where it does not
+    /// vary.
     pub fn values(self, points: &[&Point], series: &[Series]) -> Option<Vec<f64>> {
         let levels = levels(series);
         let of = |p: &&Point| match self {
@@ -86,8 +87,8 @@ impl Variable {
         (self == Self::Amplitude || values.iter().any(|value| *value != values[0])).then_some(values)
     }
 
-    /// Where values lie on the scale on which curves are smooth: logarithms, beside a zero those of what is added to the
-    /// smallest other value; the number of a series as it is.
+    /// Where values lie on the scale on which curves are smooth: logarithms, beside a zero those of what is added to
+    /// the smallest other value; the number of a series as it is.
     pub fn places(self, values: &[f64]) -> Vec<f64> {
         if self == Self::Drift {
             return values.to_vec();

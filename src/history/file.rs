@@ -17,8 +17,8 @@ const LONGEST: u64 = 1 << 20;
 const BEGINNING: &str = "{\"schema\":\"stickslip.history/";
 const HELP: &str = "give --history another folder";
 
-/// The latest records of a file; none where there is no file yet. A last line that an interrupted writer left unfinished is
-/// passed over.
+/// The latest records of a file; none where there is no file yet. A last line that an interrupted writer left
+/// unfinished is passed over.
 ///
 /// # Errors
 /// [`Error::Input`] naming the first line that is not a record; [`Error::Io`] where the operating system refuses.

@@ -70,7 +70,8 @@ pub struct Record {
     pub errors: BTreeMap<String, f64>,
     /// Peak frequencies \[Hz\] by scenario and curve.
     pub peaks: BTreeMap<String, f64>,
-    /// Wall times \[s\] of the parts that take time; empty where times are left out, or where a part came from the cache.
+    /// Wall times \[s\] of the parts that take time; empty where times are left out, or where a part came from the
+    /// cache.
     pub seconds: BTreeMap<String, f64>,
 }
 

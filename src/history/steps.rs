@@ -1,10 +1,11 @@
-//! Steps of a series: binary segmentation of the series under a running median of three, with a penalty of Schwarz's kind.
+//! Steps of a series: binary segmentation of the series under a running median of three, with a penalty of Schwarz's
+//! kind.
 //!
-//! A piece is cut where two constant levels leave the least sum of squares, if that is less than the sum about one level by
-//! more than three times ln n in units of the variance of the scatter: one for the second level, one for the place, one for
-//! good measure. The scatter is estimated from the differences of successive values, by their median, so that steps are no
-//! part of it; the caller says how large it is at least. Pieces have two values or more, so a step shows from its second
-//! run on, and a single run that stands out is none.
+//! A piece is cut where two constant levels leave the least sum of squares, if that is less than the sum about one
+//! level by more than three times ln n in units of the variance of the scatter: one for the second level, one for the
+//! place, one for good measure. The scatter is estimated from the differences of successive values, by their median, so
+//! that steps are no part of it; the caller says how large it is at least. Pieces have two values or more, so a step
+//! shows from its second run on, and a single run that stands out is none.
 
 use crate::statistics::median;
 
@@ -24,8 +25,8 @@ pub struct Step {
     pub after: f64,
 }
 
-/// The steps of a series whose values scatter by `scatter` of their level at least, in order; values that are not numbers
-/// are passed over.
+/// The steps of a series whose values scatter by `scatter` of their level at least, in order; values that are not
+/// numbers are passed over.
 pub fn steps(values: &[f64], scatter: f64) -> Vec<Step> {
     let (places, known): (Vec<usize>, Vec<f64>) =
         values.iter().copied().enumerate().filter(|(_, value)| value.is_finite()).unzip();
@@ -58,8 +59,8 @@ fn running_median(values: &[f64]) -> Vec<f64> {
     (0..n).map(at).collect()
 }
 
-/// Cuts a piece that begins at `start` of the whole where that takes more than `least` from its sum of squares, and what
-/// comes of it.
+/// Cuts a piece that begins at `start` of the whole where that takes more than `least` from its sum of squares, and
+/// what comes of it.
 fn segment(values: &[f64], least: f64, start: usize, cuts: &mut Vec<usize>) {
     let n = values.len();
     if n < 2 * LEAST {

@@ -1,4 +1,5 @@
-//! Which column of a table is which: by its header, by the scenario's mapping, or from the scenario where it is one value.
+//! Which column of a table is which: by its header, by the scenario's mapping, or from the scenario where it is one
+//! value.
 
 use super::frame::{DRIVES, Frame};
 use super::header::{self, Meaning};
@@ -100,8 +101,8 @@ fn is_recording(
     !mapped && !(0..sheet.header.cells.len()).any(frequency) && samples::refuse(sheet, complaints)
 }
 
-/// Whether a drive that nothing states may be taken as one setting: the rig may be driven by a voltage, and none of the columns that
-/// are left and hold numbers looks like its drive.
+/// Whether a drive that nothing states may be taken as one setting: the rig may be driven by a voltage, and none of the
+/// columns that are left and hold numbers looks like its drive.
 fn is_held(sheet: &Sheet, frame: &Frame<'_>, sweep: Option<&Sweep>, filled: &[usize]) -> bool {
     let wanted = Wanted { possible: DRIVES, natural: None, share: false, per_drive: false };
     let may_be = |index: &usize| {

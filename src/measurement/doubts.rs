@@ -7,13 +7,13 @@ use crate::statistics::wrap;
 /// Points of a curve whose phases tell which way they turn, at least, and by how much they turn, at least \[rad\].
 const TURNING: (usize, f64) = (6, 0.5);
 
-/// An amplitude this many times above or below both its neighbours along a curve is doubted, and by more than so many standard
-/// deviations, ...
+/// An amplitude this many times above or below both its neighbours along a curve is doubted, and by more than so many
+/// standard deviations, ...
 const OFF: (f64, f64) = (5.0, 10.0);
 /// ... where these are so near in frequency, relatively, that a resonance of a damped arm is wider, ...
 const NEAR: f64 = 0.05;
-/// ... and where the curve does not rise, or fall, towards it on both sides as towards a sharp resonance: by this factor from
-/// the neighbours' neighbours to the neighbours.
+/// ... and where the curve does not rise, or fall, towards it on both sides as towards a sharp resonance: by this
+/// factor from the neighbours' neighbours to the neighbours.
 const TOWARDS: f64 = 1.5;
 /// Fewest readings of a curve that may have been taken without a signal: a notch is narrower.
 const DEAD: usize = 5;
@@ -86,7 +86,8 @@ pub(super) fn counts_lags(points: &[Point]) -> bool {
     turn(points).is_some_and(|turn| turn > TURNING.1)
 }
 
-/// Rows of the smallest amplitudes of a curve, fewer than half, where the gap to the others is wider than these spread, as a ratio.
+/// Rows of the smallest amplitudes of a curve, fewer than half, where the gap to the others is wider than these spread,
+/// as a ratio.
 fn dead(curve: &[Point]) -> Vec<usize> {
     let mut curve: Vec<(f64, usize)> = curve.iter().map(|p| ((p.amplitude / p.drive).ln(), p.row)).collect();
     curve.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -100,7 +101,8 @@ fn dead(curve: &[Point]) -> Vec<usize> {
     rows
 }
 
-/// Rows of amplitudes far off both their neighbours in frequency; those at the ends of a curve, which have one, are not judged.
+/// Rows of amplitudes far off both their neighbours in frequency; those at the ends of a curve, which have one, are not
+/// judged.
 fn off(points: &[Point]) -> Vec<usize> {
     let mut rows = Vec::new();
     for curve in points.chunk_by(same_curve) {
@@ -138,8 +140,8 @@ fn same_curve(a: &Point, b: &Point) -> bool {
     (a.series, a.load, a.speed) == (b.series, b.load, b.speed)
 }
 
-/// How far the phases of a curve turn from its lowest to its highest frequency, the median over the curves \[rad\]; `None`
-/// without a curve that tells.
+/// How far the phases of a curve turn from its lowest to its highest frequency, the median over the curves \[rad\];
+/// `None` without a curve that tells.
 fn turn(points: &[Point]) -> Option<f64> {
     let mut turns = Vec::new();
     for curve in points.chunk_by(same_curve) {

@@ -1,5 +1,5 @@
-//! Noise that does not grow with the reading: what an amplifier adds, told from what is in proportion by the scatter of small readings
-//! beside that of large ones.
+//! Noise that does not grow with the reading: what an amplifier adds, told from what is in proportion by the scatter of
+//! small readings beside that of large ones.
 
 /// Fewest windows of a group, and most groups.
 const GROUP: usize = 20;
@@ -28,8 +28,8 @@ pub(super) fn groups(mut readings: Vec<f64>) -> Vec<((f64, f64), f64)> {
     (0..count).map(|number| ((at(2 * number), at(2 * number + 2)), at(2 * number + 1))).collect()
 }
 
-/// Standard deviations in proportion to the reading and apart from it, where the variances v = s^2 + (c/reading)^2 are likelier so than
-/// all the same, by more than a second parameter costs.
+/// Standard deviations in proportion to the reading and apart from it, where the variances v = s^2 + (c/reading)^2 are
+/// likelier so than all the same, by more than a second parameter costs.
 pub(super) fn parts(groups: &[Group]) -> Option<(f64, f64)> {
     if groups.len() < 2 {
         return None;
@@ -55,7 +55,8 @@ pub(super) fn parts(groups: &[Group]) -> Option<(f64, f64)> {
     };
     let all: Vec<(f64, (f64, f64))> = (0..=number).map(of).collect();
     let likelihood = all.iter().map(|(_, (_, likelihood))| *likelihood).fold(f64::INFINITY, f64::min);
-    // The largest share within a standard deviation: small readings hide it, and the largest ones would count too much without.
+    // The largest share within a standard deviation: small readings hide it, and the largest ones would count too much
+    // without.
     let (ratio, (size, _)) = *all.iter().find(|(_, (_, own))| *own <= likelihood + 1.0)?;
     (likelihood + freedom.ln() + MARGIN < alone).then(|| (size.sqrt(), size.sqrt() * ratio))
 }

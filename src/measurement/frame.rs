@@ -1,5 +1,5 @@
-//! What a scenario's rig makes of a table: which quantities may be its drive and its reading, and whether it needs a contact's
-//! load and speed. A table that is read without a scenario may hold any of them.
+//! What a scenario's rig makes of a table: which quantities may be its drive and its reading, and whether it needs a
+//! contact's load and speed. A table that is read without a scenario may hold any of them.
 
 use super::names::{AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LOAD, MEAN, PHASE, SPEED};
 use crate::scenario::parameters::MEASURED;

@@ -175,8 +175,8 @@ fn possible(key: &str, column: usize) -> &'static [&'static str] {
     }
 }
 
-/// The unit of a header that the scenario maps to a column: its bracket, what its name says, or nothing and thus SI. A unit
-/// of another dimension is never taken for anything else.
+/// The unit of a header that the scenario maps to a column: its bracket, what its name says, or nothing and thus SI. A
+/// unit of another dimension is never taken for anything else.
 pub(crate) fn mapped(header: &str, key: &str, column: usize, frame: &Frame<'_>) -> Result<(Unit, bool), String> {
     let (name, bracket) = split(header);
     let wanted = wanted(key, column, frame);

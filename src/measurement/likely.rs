@@ -4,8 +4,8 @@ use super::frame::{DRIVES, READINGS};
 use super::names::{AMPLITUDE, DRIVE, FREQUENCY, PHASE};
 use super::unit::{Unit, Wanted, suffix};
 
-/// Beginnings of words of a column that is none of the four: statistics, harmonics, swings that are no amplitudes, a lag whose sign
-/// is another, the sampling.
+/// Beginnings of words of a column that is none of the four: statistics, harmonics, swings that are no amplitudes, a
+/// lag whose sign is another, the sampling.
 const OTHER: &[&str] = &[
     "sd", "std", "stdev", "error", "unc", "unsich", "sigma", "mean", "mittel", "harmon", "lag", "sampl", "abtast",
     "noise", "ruido", "rausch", "fehler", "pp", "p2p", "pk", "peak", "rms", "eff", "bandw", "temp", "sensit", "calib",
@@ -38,8 +38,8 @@ const READS: &[&str] = &[
     "angle", "winkel", "tip", "motion", "laser", "vibrom", "sensor", "magnit",
 ];
 
-/// The column that words and unit of a header speak for, and the unit; none where no unit is stated, or too little said.
-/// `name` is in lower case with its words joined by underscores, `bracket` the unit beside it.
+/// The column that words and unit of a header speak for, and the unit; none where no unit is stated, or too little
+/// said. `name` is in lower case with its words joined by underscores, `bracket` the unit beside it.
 pub(crate) fn likely(name: &str, bracket: Option<&str>) -> Option<(usize, Unit)> {
     let words: Vec<&str> = name.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).collect();
     // A number within a word, as in `phase2`, is of another channel or of a harmonic.

@@ -5,10 +5,11 @@ use crate::statistics::median;
 
 /// A response at half power is this much below its peak, as a logarithm.
 const HALF: f64 = 0.5 * std::f64::consts::LN_2;
-/// Between two modes the response falls below this share of the lower peak: what either adds to the peak of the other is of the
-/// order of what both add there. Nearer ones are one system of two modes, no two of one.
+/// Between two modes the response falls below this share of the lower peak: what either adds to the peak of the other
+/// is of the order of what both add there. Nearer ones are one system of two modes, no two of one.
 const APART: f64 = 0.1;
-/// Fewest readings on the upper half of its flanks that tell a peak from a reading that is far off, or from two branches in turn.
+/// Fewest readings on the upper half of its flanks that tell a peak from a reading that is far off, or from two
+/// branches in turn.
 const FEWEST: usize = 3;
 /// Fewest readings on which a mode can be fitted.
 const ENOUGH: usize = 12;
@@ -18,13 +19,15 @@ const ENOUGH: usize = 12;
 pub struct Mode {
     /// Of its peak \[Hz\].
     pub frequency: f64,
-    /// Where it alone makes most of the response: down to the geometric mean of its peak and the valleys beside it \[Hz\].
+    /// Where it alone makes most of the response: down to the geometric mean of its peak and the valleys beside it
+    /// \[Hz\].
     pub band: (f64, f64),
     /// Largest response per drive.
     peak: f64,
 }
 
-/// The resonances that most series show whose readings reach them, the strongest first; nothing where fewer than two are seen.
+/// The resonances that most series show whose readings reach them, the strongest first; nothing where fewer than two
+/// are seen.
 pub fn modes(table: &Table) -> Vec<Mode> {
     let of = |index: usize| {
         let mut own: Vec<&Point> = table.points.iter().filter(|p| p.series == index).collect();
@@ -83,8 +86,8 @@ fn of_series(points: &[&Point]) -> Vec<Mode> {
         peaks.push(high);
     }
     valleys.push(if rising { y.len() - 1 } else { low });
-    // At an end of the band the flank of a peak may be cut short, down to half power. A sharp one may have a single reading above
-    // that, but has flanks on the way to the higher valley.
+    // At an end of the band the flank of a peak may be cut short, down to half power. A sharp one may have a single
+    // reading above that, but has flanks on the way to the higher valley.
     let has_flanks = |&(number, &peak): &(usize, &usize)| {
         let valleys = [valleys[number], valleys[number + 1]].map(|valley| y[valley]);
         let higher = 0.5 * (y[peak] + valleys[0].max(valleys[1]));

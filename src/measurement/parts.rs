@@ -1,5 +1,5 @@
-//! Readings as two parts, as lock-in amplifiers and analysers of frequency response functions tell them: what is in phase with the
-//! drive and what is 90° ahead of it; in two columns, or in one of complex numbers.
+//! Readings as two parts, as lock-in amplifiers and analysers of frequency response functions tell them: what is in
+//! phase with the drive and what is 90° ahead of it; in two columns, or in one of complex numbers.
 
 use super::frame::{Frame, READINGS};
 use super::header::split;

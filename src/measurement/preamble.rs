@@ -1,5 +1,5 @@
-//! What instruments write before the numbers: settings, titles, a header behind a remark sign; and cells that blanks part. The text is
-//! changed in place, byte for byte, so that every place in it stays what it was.
+//! What instruments write before the numbers: settings, titles, a header behind a remark sign; and cells that blanks
+//! part. The text is changed in place, byte for byte, so that every place in it stays what it was.
 
 use super::sheet::MAX_COLUMNS;
 use super::unit::units_of;
@@ -64,8 +64,8 @@ fn cells(line: &str, separator: u8) -> Vec<String> {
     cells
 }
 
-/// Makes header and numbers of a text the first that stands in it; tells what was done, in words. A text that is such a table already, and
-/// one in which no header is seen, are left as they are.
+/// Makes header and numbers of a text the first that stands in it; tells what was done, in words. A text that is such a
+/// table already, and one in which no header is seen, are left as they are.
 pub(super) fn bare(text: &mut String) -> Vec<String> {
     let mut told: Vec<String> = closed(text).into_iter().collect();
     told.extend(opened(text));
@@ -191,7 +191,8 @@ fn header_line(line: &str, separator: u8) -> String {
     line
 }
 
-/// A line with a tab at the end of every run of so many blanks or more, but for those at its ends and before a unit in brackets.
+/// A line with a tab at the end of every run of so many blanks or more, but for those at its ends and before a unit in
+/// brackets.
 fn parted(line: &str, blanks: usize) -> String {
     let mut bytes = line.as_bytes().to_vec();
     let (from, to) = (line.len() - line.trim_start().len(), line.trim_end().len());

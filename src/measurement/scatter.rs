@@ -1,11 +1,12 @@
 //! Noise from the data themselves: what is left of curves when everything smooth is removed.
 //!
 //! Windows of k+1 neighbouring frequencies are combined with divided-difference weights, which remove every polynomial
-//! of degree below k; what remains is noise of known weight. Near a resonance neither the logarithm of the amplitude nor
-//! the phase is nearly a polynomial, but the dynamic stiffness u0/(A exp(i phi)) is: of a linear oscillator it is one of
-//! degree 2, and its squared magnitude one of degree 4. So all of these are tried in orders 2 to 5. Whatever is not
-//! smooth enough for one of them makes that one too large, never too small; the answer is the middle of those that are
-//! not distinguishable from the smallest. Each scale is robust, so a jump, an outlier or one steep stretch does not matter.
+//! of degree below k; what remains is noise of known weight. Near a resonance neither the logarithm of the amplitude
+//! nor the phase is nearly a polynomial, but the dynamic stiffness u0/(A exp(i phi)) is: of a linear oscillator it is
+//! one of degree 2, and its squared magnitude one of degree 4. So all of these are tried in orders 2 to 5. Whatever is
+//! not smooth enough for one of them makes that one too large, never too small; the answer is the middle of those that
+//! are not distinguishable from the smallest. Each scale is robust, so a jump, an outlier or one steep stretch does not
+//! matter.
 
 use std::f64::consts::PI;
 
@@ -31,8 +32,8 @@ pub struct Spread {
     pub degrees_of_freedom: usize,
     /// Order of the differences that were decisive.
     pub order: usize,
-    /// The part in proportion to the reading, and the one that is the same at any reading, as that of an amplifier is \[times the unit of
-    /// the reading\], where the readings tell these apart.
+    /// The part in proportion to the reading, and the one that is the same at any reading, as that of an amplifier is
+    /// \[times the unit of the reading\], where the readings tell these apart.
     pub parts: Option<(f64, f64)>,
 }
 
@@ -72,8 +73,8 @@ struct Sample {
 }
 
 /// Estimates the noise of single readings from the scatter of points about smooth curves of amplitude and phase against
-/// frequency, one curve per series, and per load and speed in it. Where the drive differs from row to row, the amplitude per
-/// drive is what is smooth. `None` where no curve has six points.
+/// frequency, one curve per series, and per load and speed in it. Where the drive differs from row to row, the
+/// amplitude per drive is what is smooth. `None` where no curve has six points.
 pub fn scatter(points: &[Point]) -> Scatter {
     let curves = curves(points);
     if curves.iter().all(|curve| curve.len() < MIN_CURVE) {

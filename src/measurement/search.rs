@@ -161,7 +161,8 @@ impl Search<'_, '_> {
                 {
                     said.likely[column].push(Candidate { index, unit, stated: true });
                 }
-                // Of a drive or a reading without a unit nothing is known but that it goes with the force or the motion.
+                // Of a drive or a reading without a unit nothing is known but that it goes with the force or the
+                // motion.
                 Meaning::NoUnit(column @ (DRIVE | AMPLITUDE)) if self.frame.is_free() && !self.told[column] => {
                     let unit = self.of_numbers(index, column, Unit::of("V"), false);
                     said.unstated[column].push(Candidate { index, unit, stated: false });
@@ -218,8 +219,8 @@ impl Search<'_, '_> {
         }
     }
 
-    /// The unit of a column that states none by its numbers: of phases degrees where one is more than two turns of the circle in radians,
-    /// of readings a level where most are negative, as no amplitude is.
+    /// The unit of a column that states none by its numbers: of phases degrees where one is more than two turns of the
+    /// circle in radians, of readings a level where most are negative, as no amplitude is.
     fn of_numbers(&self, index: usize, column: usize, unit: Unit, stated: bool) -> Unit {
         let most = MEASURED[PHASE].maximum;
         match column {
@@ -248,7 +249,8 @@ impl Search<'_, '_> {
         }
     }
 
-    /// Columns without a use that are not zero throughout, their plain names and their units where they have one that a reading may have.
+    /// Columns without a use that are not zero throughout, their plain names and their units where they have one that a
+    /// reading may have.
     fn unnamed(&self) -> Vec<(usize, String, Unit)> {
         let wanted = Wanted { possible: READINGS, natural: None, share: false, per_drive: false };
         let of = |index: usize| {
@@ -306,7 +308,8 @@ impl Search<'_, '_> {
         }
     }
 
-    /// The drive by its unit alone: one voltage beside a reading that is none, unless it follows that as the signal of its sensor.
+    /// The drive by its unit alone: one voltage beside a reading that is none, unless it follows that as the signal of
+    /// its sensor.
     fn find_drive(&mut self) {
         let Some(Slot::Cells(reading, read)) = &self.slots[AMPLITUDE] else { return };
         let driven = self.slots[DRIVE].is_some() || self.told[DRIVE];
@@ -325,8 +328,8 @@ impl Search<'_, '_> {
         }
     }
 
-    /// Drive and reading where none has a unit: the one that has its name, of two columns the reading by what the other is; without a
-    /// scenario that says what they are.
+    /// Drive and reading where none has a unit: the one that has its name, of two columns the reading by what the other
+    /// is; without a scenario that says what they are.
     fn find_without_unit(&mut self, mut named: [Vec<Candidate>; NUMBERS]) {
         if !self.frame.is_free() {
             return;
@@ -453,8 +456,8 @@ impl Search<'_, '_> {
         }
     }
 
-    /// Of several drives or readings, where there is no scenario to say which: the drive that is most often one, the reading that
-    /// stands first; volts come last.
+    /// Of several drives or readings, where there is no scenario to say which: the drive that is most often one, the
+    /// reading that stands first; volts come last.
     fn keep_likeliest(&mut self, column: usize, candidates: &mut Vec<Candidate>) {
         if candidates.len() < 2 || !matches!(column, DRIVE | AMPLITUDE) {
             return;
@@ -524,7 +527,8 @@ impl Search<'_, '_> {
         }
     }
 
-    /// Where the header stands that is mapped to a key; none where there is none, or the column or the header is mapped already.
+    /// Where the header stands that is mapped to a key; none where there is none, or the column or the header is mapped
+    /// already.
     fn mapped_index(&mut self, key: &str, wanted: &str, column: usize) -> Option<usize> {
         let sheet = self.sheet;
         let headers = &sheet.header.cells;

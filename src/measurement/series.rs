@@ -26,7 +26,8 @@ pub struct Series {
 }
 
 impl super::Table {
-    /// The scenario with what the table says of drive and reading; effects that have numbers of each series have those of its series.
+    /// The scenario with what the table says of drive and reading; effects that have numbers of each series have those
+    /// of its series.
     pub fn applied_to(&self, scenario: &Scenario) -> Scenario {
         let mut scenario = Scenario { signals: self.signals, ..scenario.clone() };
         for setting in &mut scenario.effects {
@@ -39,7 +40,8 @@ impl super::Table {
     }
 }
 
-/// Series of points in canonical order that share load, speed and drive exactly; says in every point to which it belongs.
+/// Series of points in canonical order that share load, speed and drive exactly; says in every point to which it
+/// belongs.
 pub fn by_condition(points: &mut [Point]) -> Vec<Series> {
     let mut all: Vec<Series> = Vec::new();
     for point in points {
@@ -67,12 +69,13 @@ const JUMP: f64 = 8.0;
 /// Share of the steps of the frequency that go one way in a sweep.
 const ONE_WAY: f64 = 0.8;
 
-/// Finds the sweeps that the readings belong to, which stand in the order of the file, and numbers them by load, speed and
-/// drive. `arm` tells the paper's rig, whose drive is set: rows that share it are one sweep whatever their order.
+/// Finds the sweeps that the readings belong to, which stand in the order of the file, and numbers them by load, speed
+/// and drive. `arm` tells the paper's rig, whose drive is set: rows that share it are one sweep whatever their order.
 ///
 /// What the table says of series and directions comes first. Else rows that share load, speed and drive belong together
-/// where most rows do so in groups. Else the drive was measured: rows at one load and speed that follow each other are one
-/// sweep as long as the frequency goes one way and the drive keeps its level; a drive that sinks at a resonance does.
+/// where most rows do so in groups. Else the drive was measured: rows at one load and speed that follow each other are
+/// one sweep as long as the frequency goes one way and the drive keeps its level; a drive that sinks at a resonance
+/// does.
 pub(super) fn group(list: &mut [Reading], arm: bool) -> Vec<Series> {
     let named = list.iter().any(|reading| !reading.name.is_empty());
     let all: Vec<usize> = (0..list.len()).collect();
@@ -115,7 +118,8 @@ pub(super) fn group(list: &mut [Reading], arm: bool) -> Vec<Series> {
     series.into_iter().map(|(series, _)| series).collect()
 }
 
-/// How many sweeps the rows are, each of enough of them to be told, and whether each agrees with the one before, as those of one drive do.
+/// How many sweeps the rows are, each of enough of them to be told, and whether each agrees with the one before, as
+/// those of one drive do.
 pub(super) fn sweeps(list: &[Reading]) -> (usize, bool) {
     let rows: Vec<usize> = (0..list.len()).collect();
     let passes = passes(list, &rows);
@@ -126,8 +130,8 @@ pub(super) fn sweeps(list: &[Reading]) -> (usize, bool) {
     (told.len(), agree)
 }
 
-/// Whether a sweep is as large as another where the two meet, or one goes on where the other ends: within what they scatter about one
-/// another, or by less than another level of the drive would make it.
+/// Whether a sweep is as large as another where the two meet, or one goes on where the other ends: within what they
+/// scatter about one another, or by less than another level of the drive would make it.
 fn is_of_its_drive(list: &[Reading], sweep: &[usize], other: &[usize]) -> bool {
     let mut along: Vec<(f64, f64)> =
         sweep.iter().map(|row| (list[*row].frequency, list[*row].amplitude.ln())).collect();
@@ -248,7 +252,8 @@ fn is_interleaved(list: &[Reading], rows: &[usize], levels: usize) -> bool {
     runs > 3 * levels
 }
 
-/// Whether rows at several levels are one sweep in which the drive was read with few digits, or was another at single readings.
+/// Whether rows at several levels are one sweep in which the drive was read with few digits, or was another at single
+/// readings.
 fn is_one_sweep(list: &[Reading], rows: &[usize], levels: &[Vec<usize>]) -> bool {
     let count = levels.len();
     let wavers = || {
@@ -309,7 +314,8 @@ fn passes(list: &[Reading], rows: &[usize]) -> Vec<Vec<usize>> {
     let steps = (1..rows.len()).map(|at| (frequency(at) - frequency(at - 1)).abs());
     let typical = median(steps.filter(|step| *step > 0.0));
     let usual = median((1..rows.len()).map(|at| change(at).abs()));
-    // Another level changes the drive and not what it does; at a resonance, and where the response is held, both change.
+    // Another level changes the drive and not what it does; at a resonance, and where the response is held, both
+    // change.
     let jumps = |at: usize| {
         let response = (list[rows[at]].amplitude / list[rows[at - 1]].amplitude).ln() - change(at);
         change(at).abs() > LEVEL.max(JUMP * usual) && response.abs() < 0.5 * change(at).abs()

@@ -9,8 +9,8 @@ use crate::scenario::diagnostic::{MAX_TOLD, Place, Problems};
 use crate::scenario::source::Source;
 use crate::statistics::{median, spread};
 
-/// Rows and columns of the largest sheet of the usual spreadsheets. More in a file is another kind of file, and a sheet of
-/// a few bytes cannot ask for more memory than one that is full.
+/// Rows and columns of the largest sheet of the usual spreadsheets. More in a file is another kind of file, and a sheet
+/// of a few bytes cannot ask for more memory than one that is full.
 pub(crate) const MAX_ROWS: usize = 1 << 20;
 pub(crate) const MAX_COLUMNS: usize = 1 << 14;
 
@@ -93,8 +93,8 @@ impl Sheet {
         change(self.numbers(index))
     }
 
-    /// Whether a column changes more than its ratio to another, which it then follows, as the signal of a sensor does; levels that were set do
-    /// not.
+    /// Whether a column changes more than its ratio to another, which it then follows, as the signal of a sensor does;
+    /// levels that were set do not.
     pub fn follows(&self, index: usize, other: usize) -> bool {
         let (own, of): (Vec<f64>, Vec<f64>) = (self.numbers(index).collect(), self.numbers(other).collect());
         let mut levels = own.clone();
@@ -270,9 +270,9 @@ impl<'a> Complaints<'a> {
 
     /// Counts one more where enough are told; says whether they are.
     ///
-    /// Not `let full = self.list.len() == MAX_TOLD; self.untold += usize::from(full); full`: where that is inlined before a
-    /// branch, rustc 1.95 adds a number that it never sets (its pass `SimplifyComparisonIntegral`), with `-O` and without
-    /// overflow checks. `tests/measurement/hostile.rs` counts.
+    /// Not `let full = self.list.len() == MAX_TOLD; self.untold += usize::from(full); full`: where that is inlined
+    /// before a branch, rustc 1.95 adds a number that it never sets (its pass `SimplifyComparisonIntegral`), with `-O`
+    /// and without overflow checks. `tests/measurement/hostile.rs` counts.
     pub fn leaves_out(&mut self) -> bool {
         if self.list.len() < MAX_TOLD {
             return false;
@@ -286,8 +286,8 @@ impl<'a> Complaints<'a> {
         self.note(None, 0, place, [title, label, help]);
     }
 
-    /// One more in a row, of a column and a kind: the first of those is told, and how many follow. `words` are title, label
-    /// and help.
+    /// One more in a row, of a column and a kind: the first of those is told, and how many follow. `words` are title,
+    /// label and help.
     pub fn add_row(&mut self, cause: (usize, &'static str), line: usize, place: &Place, words: [&str; 3]) {
         if !self.again(cause, line) {
             self.note(Some(cause), line, place, words);

@@ -27,7 +27,8 @@ pub struct Survey {
     pub table: Table,
     /// Its columns in the order of the file; none of a universal file.
     pub columns: Vec<Column>,
-    /// Keys and headers that a scenario needs under `[measurement] columns`, as several columns could serve and one was chosen.
+    /// Keys and headers that a scenario needs under `[measurement] columns`, as several columns could serve and one was
+    /// chosen.
     pub mapping: Vec<(String, String)>,
     /// Which function of a universal file it is, counted from 1, where there are several.
     pub record: Option<usize>,
@@ -39,8 +40,8 @@ impl Survey {
         self.columns.iter().any(|column| column.key == Some(key))
     }
 
-    /// The coordinate of an oscillator that is driven and read so; none where the drive is of a displacement and the reading of
-    /// an angle, as of the paper's rig, or the other way round.
+    /// The coordinate of an oscillator that is driven and read so; none where the drive is of a displacement and the
+    /// reading of an angle, as of the paper's rig, or the other way round.
     pub fn coordinate(&self) -> Option<Coordinate> {
         let of = |unit: &str| match unit {
             "V" => None,

@@ -4,8 +4,8 @@ use super::frame::{DRIVES, kind};
 use super::swings::Swing;
 use crate::units::{self, UnitError};
 
-/// Symbols that are read in whatever case they are written, unless two differ in nothing else; in small letters the first of
-/// them is meant: nobody writes a mega so, and nobody measures a modulus in millipascals.
+/// Symbols that are read in whatever case they are written, unless two differ in nothing else; in small letters the
+/// first of them is meant: nobody writes a mega so, and nobody measures a modulus in millipascals.
 const SYMBOLS: &[&str] = &[
     "m", "mm", "um", "nm", "cm", "km", "s", "ms", "min", "N", "mN", "uN", "nN", "kN", "MN", "Hz", "kHz", "rad", "mrad",
     "urad", "nrad", "deg", "V", "mV", "uV", "kV", "Pa", "kPa", "MPa", "mPa", "GPa",
@@ -257,7 +257,8 @@ fn level(text: &str) -> Option<&str> {
     Some(rest.strip_prefix('(').and_then(|inner| inner.strip_suffix(')')).unwrap_or(rest))
 }
 
-/// Both sides of a quotient of units, of `m/s^2/N` those of the last stroke; none of a speed or the like, which is one unit.
+/// Both sides of a quotient of units, of `m/s^2/N` those of the last stroke; none of a speed or the like, which is one
+/// unit.
 fn quotient(text: &str) -> Option<(&str, &str)> {
     let bare = |side: &'_ str| -> std::ops::Range<usize> {
         let inner = side.trim();
@@ -280,8 +281,8 @@ pub(crate) fn gravity(text: &str) -> Option<&'static str> {
     }
 }
 
-/// The prefix of an electrical unit that is neither of a motion nor of a force, and of a signal that goes with one as a voltage does: a
-/// current, an impedance, an admittance.
+/// The prefix of an electrical unit that is neither of a motion nor of a force, and of a signal that goes with one as a
+/// voltage does: a current, an impedance, an admittance.
 pub(crate) fn electrical(text: &str) -> Option<&'static str> {
     const UNITS: [&str; 8] = ["A", "S", "Ohm", "ohm", "Ohms", "ohms", "Ω", "\u{2126}"];
     let prefix = UNITS.iter().find_map(|unit| text.strip_suffix(unit))?;

@@ -1,8 +1,8 @@
 //! Universal files (UFF, UNV): frequency response functions of dataset 58, as text or in its binary form.
 //!
-//! The function is response over reference with the sign exp(+i omega t): its magnitude times the amplitude of the drive is the
-//! amplitude of the reading, its argument the phase. Drive, load and speed come from the scenario's `[sweep]`; of an oscillator
-//! whose drive is not stated it is one.
+//! The function is response over reference with the sign exp(+i omega t): its magnitude times the amplitude of the
+//! drive is the amplitude of the reading, its argument the phase. Drive, load and speed come from the scenario's
+//! `[sweep]`; of an oscillator whose drive is not stated it is one.
 
 mod binary;
 mod dataset;
@@ -33,8 +33,8 @@ pub(crate) fn source(path: &Path, bytes: &[u8]) -> Result<Source> {
     file::text(path, &written, &mut Vec::new())
 }
 
-/// The number of the function that a file of several is looked at for: the first where response and reference are the same
-/// place in the same direction, else the first.
+/// The number of the function that a file of several is looked at for: the first where response and reference are the
+/// same place in the same direction, else the first.
 pub(crate) fn record(source: &Source) -> Result<Option<usize>> {
     let found = dataset::functions(source)?;
     let functions: Vec<&Dataset> = found.iter().filter(|set| set.is_response()).collect();
@@ -79,8 +79,8 @@ pub(crate) fn readings(
     Ok(Readings { list, signals, columns, choices, drive_assumed: false, amplitude_stated: false, phase_stated: false })
 }
 
-/// Speed, load and drive of a function as the scenario has them: 0 for what a rig without a contact does not need, a drive of 1 unless it is
-/// `driven` by a stated one.
+/// Speed, load and drive of a function as the scenario has them: 0 for what a rig without a contact does not need, a
+/// drive of 1 unless it is `driven` by a stated one.
 fn conditions(
     set: &Dataset,
     frame: &Frame<'_>,

@@ -1,8 +1,9 @@
 //! Sheets of Excel and OpenDocument workbooks (.xlsx, .xlsm, .ods).
 //!
-//! A sheet is written out as text with tabs, one line per row, and read like every other table. A workbook may be damaged, or
-//! made to take all memory: its parts are unpacked up to the size of a table of text, cells are read one by one, in order and
-//! within the dimensions of a sheet, and what they are written out to is no longer than a table of text either.
+//! A sheet is written out as text with tabs, one line per row, and read like every other table. A workbook may be
+//! damaged, or made to take all memory: its parts are unpacked up to the size of a table of text, cells are read one by
+//! one, in order and within the dimensions of a sheet, and what they are written out to is no longer than a table of
+//! text either.
 
 mod archive;
 mod grid;

@@ -48,8 +48,8 @@ impl Alone {
         self.laws.is_empty() && self.lumps.joint.is_none() && self.lumps.dry_friction.is_none()
     }
 
-    /// Gradients of what the derivatives of a solution are known by: M, C, K, the drive (real, imaginary), the three numbers
-    /// of the joint and dry friction.
+    /// Gradients of what the derivatives of a solution are known by: M, C, K, the drive (real, imaginary), the three
+    /// numbers of the joint and dry friction.
     pub fn gradients(&self) -> [Dual; 9] {
         let Lumps { inertia, damping, stiffness, torque_re, torque_im, ref joint, ref dry_friction, .. } = self.lumps;
         let none = Dual::constant(0.0);

@@ -1,7 +1,8 @@
 //! The equations of one operating point as a solver sees them.
 //!
-//! States: th and th' relative to the motion without contact; y and y' of the roller's support; the heating T; the stretch
-//! x of the bristles; the force q of the viscoelastic branch; the interface state psi (those present, in that order).
+//! States: th and th' relative to the motion without contact; y and y' of the roller's support; the heating T; the
+//! stretch x of the bristles; the force q of the viscoelastic branch; the interface state psi (those present, in that
+//! order).
 
 mod columns;
 mod hybrid;
@@ -270,7 +271,8 @@ impl Problem {
         self.at.x
     }
 
-    /// mu at the slip rate `s` in the direction of slip with its slopes by s, psi and T: (mu, mu_s, mu_psi, mu_T, 1/(1+T)).
+    /// mu at the slip rate `s` in the direction of slip with its slopes by s, psi and T: (mu, mu_s, mu_psi, mu_T,
+    /// 1/(1+T)).
     fn friction(&self, s: f64, psi: f64, heat: f64) -> (f64, f64, f64, f64, f64) {
         let (mut mu, mut mu_s, mut mu_psi) = (self.mu, 0.0, 0.0);
         let inside = s.max(0.0);
@@ -282,8 +284,8 @@ impl Problem {
                 mu_psi += law.d_second;
             }
         }
-        // Hardly a motion cools the interface below its surroundings. A search may look there: by the tangent, since beyond
-        // T = -1 friction would drive the contact.
+        // Hardly a motion cools the interface below its surroundings. A search may look there: by the tangent, since
+        // beyond T = -1 friction would drive the contact.
         let factor = if heat > 0.0 { 1.0 / (1.0 + heat) } else { 1.0 - heat };
         let slope = if heat > 0.0 { -factor * factor } else { -1.0 };
         (mu * factor, mu_s * factor, mu_psi * factor, mu * slope, factor)

@@ -4,8 +4,8 @@
 //! below the stretch xi xm is p(xi) = 1 - (1 - xi)^(n-1); an element at xi carries at most n xi mu N per unit share.
 //! Each element stands for a cell of p and takes the mean of xi over it, so that stiffness and largest force are exact.
 
-/// Stretch of a bristle at rest that would be stretched by `free` and whose slider holds it up to `most`; none where a law of
-/// friction that falls below zero leaves it nothing to hold with.
+/// Stretch of a bristle at rest that would be stretched by `free` and whose slider holds it up to `most`; none where a
+/// law of friction that falls below zero leaves it nothing to hold with.
 pub fn held(free: f64, most: f64) -> f64 {
     free.abs().min(most.max(0.0)).copysign(free)
 }

@@ -55,8 +55,8 @@ pub struct Lumps {
     pub amplitude_gain: Dual,
     /// Reading minus true phase \[rad\].
     pub phase_offset: Dual,
-    /// Motion of the base, complex, which a reading of the motion in space adds to the coordinate \[rad, m\], and that of the
-    /// modes outside the band.
+    /// Motion of the base, complex, which a reading of the motion in space adds to the coordinate \[rad, m\], and that
+    /// of the modes outside the band.
     pub read_beside: Option<Box<(Dual, Dual)>>,
     /// Slip elements from the body to ground: stiffness, force at full slip, exponent.
     pub joint: Option<Box<[Dual; 3]>>,
@@ -214,8 +214,8 @@ impl Lumps {
         divide((T::of(&self.torque_re), T::of(&self.torque_im)), (re, im))
     }
 
-    /// Complex amplitude \[rad\] of the arm with the bristles stuck to a roller at rest (case II, with a compliant support,
-    /// a viscoelastic branch and a spring-pot where there are any).
+    /// Complex amplitude \[rad\] of the arm with the bristles stuck to a roller at rest (case II, with a compliant
+    /// support, a viscoelastic branch and a spring-pot where there are any).
     pub fn stuck_response<T: Scalar>(&self) -> (T, T) {
         let w = self.omega;
         let mut z = (T::of(&self.contact_stiffness), T::of(&self.contact_damping) * w);

@@ -1,7 +1,7 @@
 //! Rig, contact and effects assembled into the equations of one operating point; no numerics.
 //!
-//! The arm is described relative to its motion without contact, th = Im(Ad e^{iwt}) + z0, so that a constant contact force
-//! (full slip) leaves the limiting case III exact and the drive never has to be integrated.
+//! The arm is described relative to its motion without contact, th = Im(Ad e^{iwt}) + z0, so that a constant contact
+//! force (full slip) leaves the limiting case III exact and the drive never has to be integrated.
 
 pub mod alone;
 pub mod contact;
@@ -86,8 +86,9 @@ impl Model {
         registered.chain(self.candidates.iter().copied())
     }
 
-    /// Whether the sign of the one parameter of effect number `index` leaves no trace in what is read: without a contact and beside odd
-    /// laws, the body moves the other way round with the other sign, and its fundamental is the same.
+    /// Whether the sign of the one parameter of effect number `index` leaves no trace in what is read: without a
+    /// contact and beside odd laws, the body moves the other way round with the other sign, and its fundamental is the
+    /// same.
     pub fn hides_sign(&self, index: usize) -> bool {
         let mut others = self.effects.iter().enumerate().filter(|(other, _)| *other != index);
         let Some((effect, [_])) = self.effects.get(index).map(|(effect, p)| (*effect, &p[..])) else { return false };
@@ -99,7 +100,8 @@ impl Model {
             && others.all(|(_, (effect, _))| effect.torque_is_odd())
     }
 
-    /// Whether only the solver of sliders can carry an effect: the contact is a continuum of them, or its bristles remember.
+    /// Whether only the solver of sliders can carry an effect: the contact is a continuum of them, or its bristles
+    /// remember.
     pub fn has_sliders(&self) -> bool {
         self.effects.iter().any(|(effect, p)| slides(*effect, p))
     }
@@ -142,8 +144,8 @@ impl Model {
         self.effects.iter().any(|(effect, p)| effect.torque_is_steep(p))
     }
 
-    /// The parameter number `index`: rig, contact, instrument, operating point ([`crate::parameter`] states where each begins), then
-    /// the effects; or None where there is none of that number.
+    /// The parameter number `index`: rig, contact, instrument, operating point ([`crate::parameter`] states where each
+    /// begins), then the effects; or None where there is none of that number.
     pub fn parameter<'a>(&'a mut self, at: &'a mut Operation, index: usize) -> Option<&'a mut f64> {
         use crate::parameter::{FIRST_CONTACT_PARAMETER as CONTACT, FIRST_EFFECT_PARAMETER as EFFECT};
         let (contact, instrument) = (&mut self.contact, &mut self.instrument);
@@ -166,7 +168,8 @@ impl Model {
         })
     }
 
-    /// Keys of the parameters of rig, contact and instrument, as in `[fit] free`, with their index and what is known of them.
+    /// Keys of the parameters of rig, contact and instrument, as in `[fit] free`, with their index and what is known of
+    /// them.
     pub fn base_parameters(&self) -> Vec<(String, usize, &'static ParameterInfo)> {
         let keyed = |table: &str, first: usize, at: usize, info: &'static ParameterInfo| {
             (format!("{table}.{}", info.key), first + at, info)

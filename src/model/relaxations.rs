@@ -1,7 +1,7 @@
 //! A power of the frequency as a sum of relaxations, for an integration in time.
 //!
-//! K (i w/w0)^a = K sin(pi a)/pi int (r/w0)^a i w/(i w + r) d ln r, summed at equal steps of ln r; the slower rest as a spring and one
-//! relaxation, the faster one as a dashpot and one relaxation, with the same first three moments.
+//! K (i w/w0)^a = K sin(pi a)/pi int (r/w0)^a i w/(i w + r) d ln r, summed at equal steps of ln r; the slower rest as a
+//! spring and one relaxation, the faster one as a dashpot and one relaxation, with the same first three moments.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -25,8 +25,8 @@ pub struct Relaxations {
 }
 
 impl Relaxations {
-    /// Those of the stiffness K i^a at the angular frequency `omega` (in phase, in quadrature; 0 < a < 1). Within 1e-5 at its first
-    /// ten multiples, 1e-3 up to the fiftieth.
+    /// Those of the stiffness K i^a at the angular frequency `omega` (in phase, in quadrature; 0 < a < 1). Within 1e-5
+    /// at its first ten multiples, 1e-3 up to the fiftieth.
     pub fn new((re, im): (f64, f64), omega: f64) -> Self {
         let order = im.atan2(re) / FRAC_PI_2;
         let scale = re.hypot(im) * (PI * order).sin() / PI * STEP;

@@ -9,7 +9,8 @@ use crate::statistics::median;
 const UNDAMPED: f64 = 1e9;
 
 impl Model {
-    /// The model with the scales that it has at these operating points and amplitudes of the reading, its rig and contact being as stated.
+    /// The model with the scales that it has at these operating points and amplitudes of the reading, its rig and
+    /// contact being as stated.
     pub fn scaled_at(mut self, points: &[(Operation, f64)]) -> Self {
         self.scales = self.scales(points);
         self

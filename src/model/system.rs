@@ -151,11 +151,11 @@ pub trait HybridSystem {
     /// before), or without one the branch that a cycle started in full motion would be on. Several branches can be
     /// consistent with the same states, so that a periodic motion has to end on the one on which it started.
     fn enter(&self, forcing: &Forcing, z: &[f64], last: Option<(Mode, f64)>) -> (Mode, f64);
-    /// Whether a contact in these states, over a roller at rest, would hold the stuck motion for ever: it strengthens as it
-    /// rests, and is strong enough already.
+    /// Whether a contact in these states, over a roller at rest, would hold the stuck motion for ever: it strengthens
+    /// as it rests, and is strong enough already.
     fn locks(&self, z: &[f64]) -> bool;
-    /// Over a roller at rest: the state that is the age of a contact that strengthens without bound as it rests, if age is all
-    /// that its strength at rest depends on.
+    /// Over a roller at rest: the state that is the age of a contact that strengthens without bound as it rests, if age
+    /// is all that its strength at rest depends on.
     fn age_at_rest(&self) -> Option<usize>;
     /// A first guess of the periodic state at time 0.
     fn initial_state(&self) -> [f64; MAX_STATES];
@@ -234,7 +234,8 @@ pub trait SliderSystem {
     fn forcing(&self, t: f64) -> Forcing;
     /// Arm, relative to its motion without contact.
     fn arm(&self) -> Linear;
-    /// Acceleration of the arm by the contact force and by torques: (per force, torque acceleration at angle and speed).
+    /// Acceleration of the arm by the contact force and by torques: (per force, torque acceleration at angle and
+    /// speed).
     fn arm_load(&self, forcing: &Forcing, angle: f64, velocity: f64) -> (f64, f64);
     /// The support, and its acceleration per contact force, where there is one.
     fn support(&self) -> Option<(Linear, f64)>;
@@ -244,8 +245,8 @@ pub trait SliderSystem {
     fn bristles(&self) -> [f64; 3];
     /// Stiffness and rate of the viscoelastic branches beside them.
     fn branches(&self) -> &[(f64, f64)];
-    /// Their force that depends on the history of their stretch, as [`crate::effects::Effect::hysteresis`]: where it stands when
-    /// the stretch has moved by `by`, and its slope; none where there is none.
+    /// Their force that depends on the history of their stretch, as [`crate::effects::Effect::hysteresis`]: where it
+    /// stands when the stretch has moved by `by`, and its slope; none where there is none.
     fn hysteresis(&self, from: Branch, by: f64) -> Option<(Branch, f64)>;
     /// (gain, rate) of the heating T' = gain F s - rate T; zero where there is none.
     fn heating(&self) -> (f64, f64);

@@ -1,14 +1,14 @@
-//! Blocks of neighbouring rows: laws are judged at blocks that were left out of their fit, and uncertainties come from what
-//! leaving out a block changes. Neighbours of a master curve are of one sweep and not independent; single rows left out
-//! would tell an error that is too small.
+//! Blocks of neighbouring rows: laws are judged at blocks that were left out of their fit, and uncertainties come from
+//! what leaving out a block changes. Neighbours of a master curve are of one sweep and not independent; single rows
+//! left out would tell an error that is too small.
 
 use super::Moduli;
 use super::law::{Fitted, Law};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Rows of a block at least, blocks per decade at most (a relaxation's loss peak is 1.1 decades wide at half its height), and
-/// blocks at least and at most as far as there are rows.
+/// Rows of a block at least, blocks per decade at most (a relaxation's loss peak is 1.1 decades wide at half its
+/// height), and blocks at least and at most as far as there are rows.
 const ROWS: usize = 3;
 const PER_DECADE: f64 = 4.0;
 const BLOCKS: (usize, usize) = (5, 100);
@@ -56,7 +56,8 @@ pub fn held_out(law: &Law, moduli: &Moduli) -> Score {
     Score { mean, standard_error: (variance / errors.len() as f64).sqrt() }
 }
 
-/// Half the widths of the 95 % intervals of what `read` takes from a fit: the delete-a-block jackknife, with Student's t.
+/// Half the widths of the 95 % intervals of what `read` takes from a fit: the delete-a-block jackknife, with Student's
+/// t.
 pub fn half_widths(law: &Law, moduli: &Moduli, read: impl Fn(&Fitted) -> Vec<f64>) -> Vec<f64> {
     use statrs::distribution::{ContinuousCDF as _, StudentsT};
     let refits: Vec<Vec<f64>> = refits(law, moduli, &blocks(moduli)).iter().map(read).collect();

@@ -1,5 +1,5 @@
-//! The contact of a scenario that comes nearest to a series: springs, a dashpot and the one Maxwell branch that it has room
-//! for (`effects/combine.rs`).
+//! The contact of a scenario that comes nearest to a series: springs, a dashpot and the one Maxwell branch that it has
+//! room for (`effects/combine.rs`).
 
 use super::law::{golden, relaxation};
 use super::nnls::nnls;
@@ -36,7 +36,8 @@ pub struct Branch {
 }
 
 impl Branch {
-    /// The nearest to the series of an analysis over a band \[Hz\]; an error says where the table determines nothing of it.
+    /// The nearest to the series of an analysis over a band \[Hz\]; an error says where the table determines nothing of
+    /// it.
     pub fn nearest(analysis: &Analysis, (low, high): (f64, f64)) -> Result<Self, String> {
         let known = analysis.moduli.band();
         let known = (known.0 / TAU, known.1 / TAU);

@@ -1,4 +1,5 @@
-//! The laws of a linear viscoelastic solid whose amounts are zero or more: series of relaxations, spring-pot, constant moduli.
+//! The laws of a linear viscoelastic solid whose amounts are zero or more: series of relaxations, spring-pot, constant
+//! moduli.
 
 use super::nnls::nnls;
 use super::{Kind, Moduli, Point};
@@ -6,14 +7,16 @@ use nalgebra::{Complex, DMatrix, DVector};
 use statrs::function::gamma::gamma;
 use std::f64::consts::FRAC_PI_2;
 
-/// Exponents between which that of a spring-pot lies, how many are tried, and steps of the golden section beside the best.
+/// Exponents between which that of a spring-pot lies, how many are tried, and steps of the golden section beside the
+/// best.
 const EXPONENTS: (f64, f64, usize) = (0.01, 0.99, 50);
 const STEPS: usize = 40;
 
 /// What is fitted.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Law {
-    /// An elastic part and relaxations with these times \[s\] (generalised Maxwell; of a compliance, generalised Kelvin).
+    /// An elastic part and relaxations with these times \[s\] (generalised Maxwell; of a compliance, generalised
+    /// Kelvin).
     Series(Vec<f64>),
     /// An elastic part and a fractional element of any exponent.
     SpringPot,
@@ -150,8 +153,8 @@ pub(super) fn relaxation(kind: Kind, x: f64, tau: f64) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    /// A standard linear solid has its compliance in closed form: J_0 = 1/(E_0 + E_1), J_1 = 1/E_0 - J_0, its time longer by
-    /// (E_0 + E_1)/E_0.
+    /// A standard linear solid has its compliance in closed form: J_0 = 1/(E_0 + E_1), J_1 = 1/E_0 - J_0, its time
+    /// longer by (E_0 + E_1)/E_0.
     #[test]
     fn the_modulus_of_a_compliance_is_that_of_the_same_solid() {
         let (e0, e1, tau) = (2.0, 3.0, 0.1);

@@ -1,10 +1,10 @@
-//! Measured moduli of a material as a series of relaxations: storage and loss modulus against frequency, or a relaxation
-//! modulus or creep compliance against time, fitted by a generalised Maxwell model (of a compliance: Kelvin) with positive
-//! moduli and by a spring-pot, E0 + c (iw)^a.
+//! Measured moduli of a material as a series of relaxations: storage and loss modulus against frequency, or a
+//! relaxation modulus or creep compliance against time, fitted by a generalised Maxwell model (of a compliance: Kelvin)
+//! with positive moduli and by a spring-pot, E0 + c (iw)^a.
 //!
-//! `read` reads the table, `law` has the models and `nnls` their fit, `blocks` judges them at blocks of rows that were left
-//! out, `remarks` says what the data cannot tell, `branch` finds the one branch of a contact that comes nearest to a series.
-//! `docs/prony.md` has method and limits. Scales come from the data: no number here carries a unit.
+//! `read` reads the table, `law` has the models and `nnls` their fit, `blocks` judges them at blocks of rows that were
+//! left out, `remarks` says what the data cannot tell, `branch` finds the one branch of a contact that comes nearest to
+//! a series. `docs/prony.md` has method and limits. Scales come from the data: no number here carries a unit.
 
 mod blocks;
 mod branch;
@@ -227,8 +227,8 @@ impl Analysis {
     }
 }
 
-/// The fewest terms that are within a standard error of the best (Breiman et al., Classification and Regression Trees, 1984),
-/// or that leave nothing but rounding.
+/// The fewest terms that are within a standard error of the best (Breiman et al., Classification and Regression Trees,
+/// 1984), or that leave nothing but rounding.
 fn chosen(scores: &[Score]) -> usize {
     let limit = reach(scores);
     scores.iter().position(|score| score.mean <= limit).unwrap_or(0)

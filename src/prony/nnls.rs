@@ -1,5 +1,5 @@
-//! Least squares with numbers that may not be negative: the active set of Lawson and Hanson, Solving Least Squares Problems
-//! (1974), chapter 23, on the triangle of the matrix.
+//! Least squares with numbers that may not be negative: the active set of Lawson and Hanson, Solving Least Squares
+//! Problems (1974), chapter 23, on the triangle of the matrix.
 
 use nalgebra::{DMatrix, DVector};
 

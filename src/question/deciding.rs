@@ -9,8 +9,8 @@ use crate::sweep::Condition;
 
 /// Hypotheses that are told apart, at most.
 pub const MOST: usize = 4;
-/// Multiples of the speed, the load and the drive of the question at which a reading is tried. They are assumed: what the
-/// rig allows is not known.
+/// Multiples of the speed, the load and the drive of the question at which a reading is tried. They are assumed: what
+/// the rig allows is not known.
 const SPEEDS: [f64; 7] = [0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0];
 const LOADS: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
 const DRIVES: [f64; 3] = [1.0 / 3.0, 2.0 / 3.0, 1.0];

@@ -1,5 +1,5 @@
-//! Which effects of the catalogue can make the curve of a sweep look like one of the model itself at another speed, and how
-//! far their parameters have to be strained for it.
+//! Which effects of the catalogue can make the curve of a sweep look like one of the model itself at another speed, and
+//! how far their parameters have to be strained for it.
 //!
 //! Everything here is simulated, the curve to be resembled too. What comes out are hypotheses that a measurement could
 //! decide between; none is a finding.
@@ -35,8 +35,8 @@ const OTHERWISE: [f64; 3] = [0.5, 0.75, 1.25];
 pub struct Setting {
     /// Its parameters in SI, in the order of the registry.
     pub values: Vec<f64>,
-    /// Largest distance of one of them from the middle of its range in the catalogue (logarithms): 0 there, 1 at the edge,
-    /// more outside.
+    /// Largest distance of one of them from the middle of its range in the catalogue (logarithms): 0 there, 1 at the
+    /// edge, more outside.
     pub strain: f64,
     /// The curve at the condition of the sweep.
     pub curve: Curve,
@@ -103,8 +103,8 @@ pub struct Answer {
     pub static_contact: Vec<f64>,
     /// The peak of full slip.
     pub slip_peak: Peak,
-    /// Root mean square of the relative differences of full slip, which is what the model gives without any effect at high
-    /// speeds, from the curve to be resembled \[-\].
+    /// Root mean square of the relative differences of full slip, which is what the model gives without any effect at
+    /// high speeds, from the curve to be resembled \[-\].
     pub rms_of_full_slip: f64,
     /// The features of the curve to be resembled itself.
     pub described: Features,

@@ -1,11 +1,12 @@
-//! The parameters of one effect at which its curve comes closest, and the least strained ones at which it is still alike.
+//! The parameters of one effect at which its curve comes closest, and the least strained ones at which it is still
+//! alike.
 //!
-//! Closest: samples over the ranges of the catalogue, the best of them followed by least squares on the solver's derivatives,
-//! within three times those ranges. Least squares does not know of peaks and ends: from there a compass search (steps along
-//! one parameter at a time, halved where none helps) goes to the nearest setting with all features, and on to the closest
-//! such. Least strained: the same compass search within boxes about the middle of all ranges (logarithms), the smallest box
-//! with a setting that has all features by bisection. A compass search may miss what lies beyond a valley, so that a strain
-//! is an upper bound.
+//! Closest: samples over the ranges of the catalogue, the best of them followed by least squares on the solver's
+//! derivatives, within three times those ranges. Least squares does not know of peaks and ends: from there a compass
+//! search (steps along one parameter at a time, halved where none helps) goes to the nearest setting with all features,
+//! and on to the closest such. Least strained: the same compass search within boxes about the middle of all ranges
+//! (logarithms), the smallest box with a setting that has all features by bisection. A compass search may miss what
+//! lies beyond a valley, so that a strain is an upper bound.
 
 use super::features::Judge;
 use super::{Hypothesis, Setting};
@@ -180,8 +181,8 @@ impl<'a> Search<'a> {
         best.map(|(_, start)| start)
     }
 
-    /// What the effect gives at these values. Searches by several judges and within several bounds pass through the same ones;
-    /// only what a continuum of sliders gives depends on what was solved before.
+    /// What the effect gives at these values. Searches by several judges and within several bounds pass through the
+    /// same ones; only what a continuum of sliders gives depends on what was solved before.
     fn response(&self, problem: &mut Problem<'_>, values: &[f64]) -> Response {
         let key: Vec<u64> = values.iter().map(|value| value.to_bits()).collect();
         if let Some(known) = self.known.borrow().get(&key).filter(|_| !self.model.has_sliders()) {

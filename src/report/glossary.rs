@@ -3,8 +3,8 @@
 use super::view::{EquationView, SymbolView};
 use minijinja::HtmlEscape;
 
-/// Symbol and meaning of the parameter that a key such as `rig.stiffness` or `effect.cubic-stiffness.K_3` names; nothing where it is
-/// a formula's.
+/// Symbol and meaning of the parameter that a key such as `rig.stiffness` or `effect.cubic-stiffness.K_3` names;
+/// nothing where it is a formula's.
 pub fn parameter(key: &str) -> String {
     let of_effect = || {
         let (effect, own) = key.strip_prefix("effect.")?.rsplit_once('.')?;

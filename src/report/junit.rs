@@ -17,8 +17,8 @@ struct Case {
     outcome: Outcome,
 }
 
-/// The report for programs that show test results. A claim that cannot be decided counts as skipped, and so does a table of
-/// measurements that the model misses where no gate says whether that matters.
+/// The report for programs that show test results. A claim that cannot be decided counts as skipped, and so does a
+/// table of measurements that the model misses where no gate says whether that matters.
 pub fn junit(view: &ReportView) -> String {
     let suites: [(&str, Vec<Case>); 4] = [
         ("gates", view.gates.iter().map(gate).collect()),

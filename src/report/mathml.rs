@@ -1,8 +1,8 @@
 //! Equations of the catalogue, written in plain characters, as MathML.
 //!
-//! One letter is one symbol, but for the pairs of [`PAIRS`]; letters and digits below the line belong to the symbol before
-//! them, primes and raised ones too; words of three letters are text; `a b/c d` divides the product before the stroke by the
-//! one factor after it.
+//! One letter is one symbol, but for the pairs of [`PAIRS`]; letters and digits below the line belong to the symbol
+//! before them, primes and raised ones too; words of three letters are text; `a b/c d` divides the product before the
+//! stroke by the one factor after it.
 
 use minijinja::HtmlEscape;
 

@@ -1,4 +1,5 @@
-//! What a section says of a rig that is not the paper's: what drives it and what is read of it, its equations, their symbols.
+//! What a section says of a rig that is not the paper's: what drives it and what is read of it, its equations, their
+//! symbols.
 
 use super::glossary::of_everything;
 use super::view::{EquationView, RigView, SignalView, SignalsView, SymbolView};

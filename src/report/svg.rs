@@ -34,8 +34,9 @@ const REFERENCES: &[&str] = &["aria-labelledby", "aria-describedby"];
 
 /// The `<svg>` element with every id and every reference to one prefixed, ready to stand in an HTML page beside others.
 ///
-/// Declaration, document type and comments are dropped, and roles, for the page states what a drawing is. `None` where the text is no SVG or holds anything that could run or
-/// load something: unknown elements, event handlers, links that lead out of the drawing.
+/// Declaration, document type and comments are dropped, and roles, for the page states what a drawing is. `None` where
+/// the text is no SVG or holds anything that could run or load something: unknown elements, event handlers, links that
+/// lead out of the drawing.
 pub fn inline(svg: &str, prefix: &str) -> Option<String> {
     let start = svg.find("<svg")?;
     let end = svg.rfind("</svg>")? + "</svg>".len();

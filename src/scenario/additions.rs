@@ -13,8 +13,8 @@ use super::written::{Entry, Node, Value};
 use crate::effects::{Effect, ParameterInfo, compatible, fits_rig, in_paper_formulation};
 use crate::parameter::Coordinate;
 
-/// The list `[[effect]]`, each from the catalogue or a formula and none twice, for a rig with that coordinate and with a contact or without;
-/// `None` where the table of either is not sound.
+/// The list `[[effect]]`, each from the catalogue or a formula and none twice, for a rig with that coordinate and with
+/// a contact or without; `None` where the table of either is not sound.
 pub(crate) fn effects(
     reader: &mut Reader<'_>,
     node: Option<&Node>,
@@ -218,8 +218,8 @@ pub(crate) fn free(
     reader.names("free", node, &known, "a parameter of this scenario")
 }
 
-/// Keys of all parameters that a calibration may move: of the rig, the contact where there is one, the instrument, and of
-/// `effects`. A table that is not sound has those of the paper's rig.
+/// Keys of all parameters that a calibration may move: of the rig, the contact where there is one, the instrument, and
+/// of `effects`. A table that is not sound has those of the paper's rig.
 fn parameter_keys(of: (Option<&Rig>, bool, Option<&Instrument>), effects: &[EffectSetting]) -> Vec<String> {
     let (rig, contact, instrument) = of;
     let rig: Vec<&str> = rig.map_or_else(

@@ -57,8 +57,8 @@ impl Sweep {
 
 /// Reads `[sweep]`.
 ///
-/// Without a contact there is neither speed nor load. `contact` is `None` where its table is not sound; `drive` is the unit of
-/// what drives the rig.
+/// Without a contact there is neither speed nor load. `contact` is `None` where its table is not sound; `drive` is the
+/// unit of what drives the rig.
 pub(crate) fn sweep(
     reader: &mut Reader<'_>,
     table: &Table<'_>,

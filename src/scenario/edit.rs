@@ -137,7 +137,8 @@ impl Editable {
         self.insert(splice, table, &lines);
     }
 
-    /// Puts keys (with their values and what is to be said of them) into a table, in the style in which that is written.
+    /// Puts keys (with their values and what is to be said of them) into a table, in the style in which that is
+    /// written.
     fn insert(&self, splice: &mut Splice<'_>, table: &str, new: &[(String, String, Option<String>)]) {
         if new.is_empty() {
             return;

@@ -11,8 +11,8 @@ use crate::units;
 /// Keys of the table that are no numbers.
 const WORDS: [&str; 3] = ["verdict", "effects", "claims"];
 
-/// The table, or nothing asked for; `None` where it is not sound. `readings` are the units of what may be read of the rig: which
-/// of them is, the measured table says. `effects` are the names of what a discovery may find.
+/// The table, or nothing asked for; `None` where it is not sound. `readings` are the units of what may be read of the
+/// rig: which of them is, the measured table says. `effects` are the names of what a discovery may find.
 pub(crate) fn gate(
     reader: &mut Reader<'_>,
     entries: &[Entry],

@@ -23,8 +23,8 @@ pub struct Estimate {
     pub low: Option<f64>,
     /// Upper end of the 95 % interval, where the data give one.
     pub high: Option<f64>,
-    /// A unit of the last digit that shows in the predictions, given the values of the other parameters: where estimates
-    /// are tied together, it is smaller than their intervals. Infinite where nothing shows.
+    /// A unit of the last digit that shows in the predictions, given the values of the other parameters: where
+    /// estimates are tied together, it is smaller than their intervals. Infinite where nothing shows.
     pub detectable_change: f64,
     /// Whether the data contradict the model that it was fitted with.
     pub contradicted: bool,

@@ -3,7 +3,8 @@
 //! `source` reads a file with suspicion, `written` parses it into a tree whose every key knows its place, `extends`
 //! lays a file over the files that it builds on, `reader` and `axes` turn values into numbers and note problems,
 //! `validate` assembles the scenario, `additions` being its effects, measurements and fit, `formula` an effect of the
-//! user's own, `gate` what has to hold, `question` what it asks of the catalogue. [`parameters`] states every key, unit and range once.
+//! user's own, `gate` what has to hold, `question` what it asks of the catalogue. [`parameters`] states every key, unit
+//! and range once.
 
 mod additions;
 mod axes;

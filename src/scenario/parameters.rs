@@ -1,4 +1,5 @@
-//! Every base parameter stated once: key, symbol, unit, physical range, meaning. Parser, documentation and reports follow it.
+//! Every base parameter stated once: key, symbol, unit, physical range, meaning. Parser, documentation and reports
+//! follow it.
 
 use crate::parameter::{ANY, Coordinate, Measure, POSITIVE, ParameterInfo, ZERO_OR_MORE};
 use std::sync::LazyLock;
@@ -126,7 +127,8 @@ pub const DRIVE_SENSITIVITY: &[ParameterInfo] = &[
     info(("drive_sensitivity", "", "V s^2/rad"), POSITIVE, "voltage read per drive"),
 ];
 
-/// Sensitivity of a reading in volts, in place of `amplitude_gain`; by the order of the reading, displacement before angle.
+/// Sensitivity of a reading in volts, in place of `amplitude_gain`; by the order of the reading, displacement before
+/// angle.
 pub const SENSITIVITY: &[ParameterInfo] = &[
     info(("sensitivity", "", "V/m"), POSITIVE, "voltage read per motion"),
     info(("sensitivity", "", "V s/m"), POSITIVE, "voltage read per motion"),
@@ -154,8 +156,8 @@ pub fn base_keys() -> &'static [String] {
     &KEYS
 }
 
-/// The parameter of a rig, contact or instrument that a key such as `rig.stiffness` names; of any rig that has it, since units differ
-/// only.
+/// The parameter of a rig, contact or instrument that a key such as `rig.stiffness` names; of any rig that has it,
+/// since units differ only.
 pub fn of_key(key: &str) -> Option<&'static ParameterInfo> {
     let (table, own) = key.split_once('.')?;
     let lists: &[&'static [ParameterInfo]] = match table {
@@ -213,7 +215,8 @@ pub const COLUMNS: &[&str] = &[
     "phase_lag",
 ];
 
-/// What the columns of numbers hold, in the same order; units without prefix, those of drive and reading as of the paper's rig.
+/// What the columns of numbers hold, in the same order; units without prefix, those of drive and reading as of the
+/// paper's rig.
 pub const MEASURED: &[ParameterInfo] = &[
     SWEEP[1],
     SWEEP[2],

@@ -138,7 +138,8 @@ fn mode(reader: &mut Reader<'_>, table: &Table<'_>, entries: &[Entry]) -> Option
     })
 }
 
-/// The number of a rig that is stated under one of some keys, and under which of them; the inner option tells whether it is there.
+/// The number of a rig that is stated under one of some keys, and under which of them; the inner option tells whether
+/// it is there.
 fn stated(
     reader: &mut Reader<'_>,
     table: &Table<'_>,
@@ -246,8 +247,8 @@ pub(crate) fn instrument(reader: &mut Reader<'_>, entries: &[Entry], rig: Option
     })
 }
 
-/// A sensitivity in one of several units that are `possible` with the rig, in place of a `gain`; a bare number is in the first
-/// of them.
+/// A sensitivity in one of several units that are `possible` with the rig, in place of a `gain`; a bare number is in
+/// the first of them.
 fn sensitivity(
     reader: &mut Reader<'_>,
     table: &Table<'_>,

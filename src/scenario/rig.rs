@@ -16,7 +16,8 @@ pub enum Rig {
     Oscillator(Oscillator),
 }
 
-/// A rigid arm on a torsional spring, pinched by two springs of which an actuator drives one (paper Eqs. 1-8), SI units.
+/// A rigid arm on a torsional spring, pinched by two springs of which an actuator drives one (paper Eqs. 1-8), SI
+/// units.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct TorsionalArm {
     /// J, inertia of the arm about the torsional axis \[kg m^2\].
@@ -63,8 +64,8 @@ pub struct Oscillator {
     pub spring_damping: f64,
     /// q, motion at the contact per unit of the coordinate \[-, m/rad\].
     pub contact_factor: f64,
-    /// Gamma, modal participation of the base's motion times the mode's shape where it is read: 1 of a mass on a spring, 1.57 at the tip of
-    /// a clamped beam (Erturk and Inman 2008).
+    /// Gamma, modal participation of the base's motion times the mode's shape where it is read: 1 of a mass on a
+    /// spring, 1.57 at the tip of a clamped beam (Erturk and Inman 2008).
     pub participation: f64,
 }
 
@@ -209,7 +210,8 @@ impl Signals {
     /// Those of the paper's rig: displacement of the actuator, angle of the arm.
     pub const ARM: Self = Self { drive: Signal::DRIVE_DISPLACEMENT, reading: Signal::ANGLE };
 
-    /// Whether these are those of the paper's rig, which no other has: an actuator's displacement turns nothing but its arm.
+    /// Whether these are those of the paper's rig, which no other has: an actuator's displacement turns nothing but its
+    /// arm.
     pub fn of_arm(&self) -> bool {
         *self == Self::ARM
     }

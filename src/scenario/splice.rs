@@ -33,8 +33,8 @@ impl<'a> Splice<'a> {
         self.edits.push((range, with.into()));
     }
 
-    /// Says something of the value called `name` in the comment at the end of the line on which it ends. Nothing said of
-    /// any value takes away what was said before.
+    /// Says something of the value called `name` in the comment at the end of the line on which it ends. Nothing said
+    /// of any value takes away what was said before.
     pub fn note(&mut self, end: usize, name: &str, said: Option<&str>) {
         let (from, notes) = self.notes.entry(self.line_end(end)).or_insert((end, Vec::new()));
         *from = end.max(*from);
@@ -82,8 +82,8 @@ impl<'a> Splice<'a> {
         self.edits.push((start..end, String::new()));
     }
 
-    /// Puts elements at the end of a list: `list` is its range, `items` those of its elements. Elements that stand on lines
-    /// of their own get such lines, with their comments (if any).
+    /// Puts elements at the end of a list: `list` is its range, `items` those of its elements. Elements that stand on
+    /// lines of their own get such lines, with their comments (if any).
     pub fn push(&mut self, list: &Range<usize>, items: &[Range<usize>], new: &[String]) {
         let Some(last) = items.last() else {
             self.edits.push((list.start + 1..list.start + 1, new.join(", ")));

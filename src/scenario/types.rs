@@ -107,7 +107,8 @@ impl EffectSetting {
         self.effect.name()
     }
 
-    /// Whether it is a formula that is stated without strength: nothing of the model, but something that a search may find.
+    /// Whether it is a formula that is stated without strength: nothing of the model, but something that a search may
+    /// find.
     pub fn is_candidate(&self, free: &[String]) -> bool {
         let vanishes = self.effect.formula().is_some_and(|formula| formula.vanishes(&self.parameters));
         vanishes && !self.effect.keys().iter().any(|key| free.contains(key))
@@ -178,7 +179,8 @@ impl Gate {
     }
 }
 
-/// A question to the catalogue: which effects make the curve of the sweep look like one of the model itself at another speed?
+/// A question to the catalogue: which effects make the curve of the sweep look like one of the model itself at another
+/// speed?
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Question {
     /// V of the model's own curve that is to be resembled \[m/s\].
@@ -201,7 +203,8 @@ pub struct Scenario {
     pub title: String,
     /// What the scenario is about, one or two sentences; may be empty.
     pub description: String,
-    /// Where the numbers come from: "published number", "independent computation", "synthetic, hidden effect if any", "measured"; may be empty.
+    /// Where the numbers come from: "published number", "independent computation", "synthetic, hidden effect if any",
+    /// "measured"; may be empty.
     pub provenance: String,
     /// Where the numbers come from that stand in a file that this one extends, by their keys, e.g. `rig.inertia`.
     #[serde(skip)]

@@ -21,7 +21,8 @@ pub struct Oscillator {
 }
 
 impl Oscillator {
-    /// alpha \[rad\] and phi \[rad\] in (-pi, pi] at the frequency `f` \[Hz\]; the arctangent of Eq. 10 read with two arguments.
+    /// alpha \[rad\] and phi \[rad\] in (-pi, pi] at the frequency `f` \[Hz\]; the arctangent of Eq. 10 read with two
+    /// arguments.
     pub fn response(&self, f: f64) -> (f64, f64) {
         let w = TAU * f;
         let gamma = self.lever * self.spring_stiffness.hypot(self.spring_damping * w);
@@ -30,8 +31,8 @@ impl Oscillator {
         (gamma / re.hypot(im), wrap(phi0 - im.atan2(re)))
     }
 
-    /// Frequency \[Hz\] and height of the largest value of alpha times w^`power` in `from..to` \[Hz\], by golden section
-    /// around the largest point of a fine grid.
+    /// Frequency \[Hz\] and height of the largest value of alpha times w^`power` in `from..to` \[Hz\], by golden
+    /// section around the largest point of a fine grid.
     pub fn peak(&self, from: f64, to: f64, power: i32) -> (f64, f64) {
         let value = |f: f64| self.response(f).0 * (TAU * f).powi(power);
         let grid = |i: usize| from + (to - from) * i as f64 / 400.0;

@@ -1,9 +1,10 @@
 //! Harmonic balance: periodic states that stay in one mode all through the cycle, as Fourier series.
 //!
 //! The laws are evaluated at some instants and the rates transformed (alternating frequency and time). The instants are
-//! equidistant; where a slope has a kink they are the points of Gauss between the kinks of the motion. What is not constant of
-//! the Jacobian is left to iteration: (ikw - A) dZ_k = F_k - ikw Z_k with A the mean over the cycle. Where that does not
-//! contract, the series does not fall off or the mode would end, there is no answer, and shooting finds one.
+//! equidistant; where a slope has a kink they are the points of Gauss between the kinks of the motion. What is not
+//! constant of the Jacobian is left to iteration: (ikw - A) dZ_k = F_k - ikw Z_k with A the mean over the cycle. Where
+//! that does not contract, the series does not fall off or the mode would end, there is no answer, and shooting finds
+//! one.
 
 // Indices run over several matrices at once here.
 #![allow(clippy::needless_range_loop)]
@@ -37,8 +38,8 @@ const FOLLOWED: f64 = 1e-3;
 const CONTRACTION: f64 = 0.6;
 /// Share of the range of the margins by which the lowest may be too low while the search is under way.
 const NEARLY: f64 = 0.15;
-/// Largest of the last two harmonics of a state, relative to its scale: aliasing of a series that falls off geometrically
-/// goes with the square, and so does what higher harmonics would do to the fundamental.
+/// Largest of the last two harmonics of a state, relative to its scale: aliasing of a series that falls off
+/// geometrically goes with the square, and so does what higher harmonics would do to the fundamental.
 const TAIL: f64 = 5e-4;
 const KINKED_TAIL: f64 = 1.5e-4;
 /// Largest mean rate of a state of rest, relative to its scale and the frequency.
@@ -287,8 +288,8 @@ impl<const N: usize> Balancing<'_, N> {
         None
     }
 
-    /// Corrects every harmonic by what its balance lacks; the largest correction, relative to the scales of the states. `None`
-    /// where a contact at rest drifts.
+    /// Corrects every harmonic by what its balance lacks; the largest correction, relative to the scales of the states.
+    /// `None` where a contact at rest drifts.
     fn correct_series(&mut self, change: &mut Series<N>) -> Option<f64> {
         let mut size = 0.0f64;
         for k in 0..=self.harmonics {
@@ -317,7 +318,8 @@ impl<const N: usize> Balancing<'_, N> {
         Some(size)
     }
 
-    /// Moves the states at the instants as their series change, and the algebraic unknown with them; its largest change.
+    /// Moves the states at the instants as their series change, and the algebraic unknown with them; its largest
+    /// change.
     fn move_samples(&mut self, change: &Series<N>) -> f64 {
         let mut size = 0.0f64;
         for j in 0..self.samples.len() {

@@ -16,8 +16,8 @@ impl Adjoints {
         Self(Box::new(ParameterColumns { f: [[0.0; MAX_STATES]; MAX_COLUMNS], g: [0.0; MAX_COLUMNS] }))
     }
 
-    /// Carries the adjoint of the states from the end of a step to its start and adds to `out`, per column, the derivative
-    /// of the fundamental by way of the step. False where the Jacobian is singular.
+    /// Carries the adjoint of the states from the end of a step to its start and adds to `out`, per column, the
+    /// derivative of the fundamental by way of the step. False where the Jacobian is singular.
     pub fn step(
         &mut self,
         system: &dyn HybridSystem,

@@ -104,8 +104,8 @@ impl<'a> Integrator<'a> {
         self.flows[index].1.as_deref()
     }
 
-    /// Integrates one period from `start`, on the branch that continues `entry` ([`HybridSystem::enter`]). Errors say where
-    /// and why in words.
+    /// Integrates one period from `start`, on the branch that continues `entry` ([`HybridSystem::enter`]). Errors say
+    /// where and why in words.
     pub fn cycle(&mut self, start: &State, entry: Option<(Mode, f64)>) -> Result<Cycle, String> {
         let mut parts = Vec::new();
         let cycle = self.integrate(start, entry, None, &mut parts)?;
@@ -123,7 +123,8 @@ impl<'a> Integrator<'a> {
         self.integrate(start, entry, Some(recorder), &mut Vec::new()).map(|_| ())
     }
 
-    /// The cycle from `start` with all its parts: the last one, if it began there or as close as serves for derivatives.
+    /// The cycle from `start` with all its parts: the last one, if it began there or as close as serves for
+    /// derivatives.
     fn orbit(&mut self, start: &State, entry: (Mode, f64)) -> Result<Orbit, String> {
         let (n, scales, near) = (self.system.states(), self.system.scales(), SAME_ORBIT * self.tolerance.slack());
         let begins = |(begin, ..): &Orbit| (0..n).all(|i| (begin[i] - start[i]).abs() <= near * scales[i]);
@@ -135,7 +136,8 @@ impl<'a> Integrator<'a> {
     }
 
     /// Derivatives of the fundamental by the parameter columns on a periodic orbit, by the adjoint method. `defect`
-    /// gives, of the cycle, the Jacobian of the defect of periodicity and the states that keep the value they are given.
+    /// gives, of the cycle, the Jacobian of the defect of periodicity and the states that keep the value they are
+    /// given.
     pub fn columns(
         &mut self,
         start: &State,
@@ -146,7 +148,8 @@ impl<'a> Integrator<'a> {
         let system = self.system;
         let (n, scales) = (system.states(), system.scales());
         let (jacobian, open) = defect(&cycle);
-        // Adjoint at the end: -l jacobian = derivative by the start. An open state keeps its value: nothing comes of it.
+        // Adjoint at the end: -l jacobian = derivative by the start. An open state keeps its value: nothing comes of
+        // it.
         let transposed: Matrix =
             std::array::from_fn(|i| std::array::from_fn(|j| -jacobian[j][i] * scales[i] / scales[j]));
         let by_start = |part: fn((f64, f64)) -> f64| -> State {

@@ -1,5 +1,5 @@
-//! The balance of the first harmonic of a single mode: forces as a stiffness and a damping that depend on the amplitude, and all
-//! amplitudes at which these are in balance.
+//! The balance of the first harmonic of a single mode: forces as a stiffness and a damping that depend on the
+//! amplitude, and all amplitudes at which these are in balance.
 //!
 //! A law that is not the same to both sides shifts the mean and adds a second harmonic; both are taken along.
 
@@ -18,7 +18,8 @@ const DECADES: usize = 6;
 const REFINEMENTS: usize = 30;
 const ROOT: f64 = 1e-6;
 const RESONANT: f64 = 1e-7;
-/// Largest amplitude over that of a linear resonance: up to here the end of a branch is seen that a larger drive would reach.
+/// Largest amplitude over that of a linear resonance: up to here the end of a branch is seen that a larger drive would
+/// reach.
 const BEYOND: f64 = 2.0;
 /// A damping ratio that stands for none.
 const UNDAMPED: f64 = 1e-9;
@@ -40,16 +41,17 @@ pub struct Nearly {
 /// Amplitudes near which a stable state, or the end of a branch of them, is looked for.
 pub fn nearly(mode: &dyn SingleMode) -> Nearly {
     let [.., stiffness] = mode.linear();
-    // Of three the middle one is unstable, as is every other one between folds. Beyond where the restoring force ends there is
-    // no oscillation.
+    // Of three the middle one is unstable, as is every other one between folds. Beyond where the restoring force ends
+    // there is no oscillation.
     let (roots, mut ends) = first_harmonic_roots(mode);
     let oscillates = |amplitude: &f64| stiffness + describing(mode, *amplitude).0 > 0.0;
     ends.retain(oscillates);
     Nearly { states: roots.into_iter().step_by(2).filter(oscillates).collect(), ends }
 }
 
-/// How the end of a branch near this amplitude moves: derivatives of the logarithm of its amplitude and of its phase \[rad\], in one harmonic. By
-/// M, C, K, the drive (real, imaginary), the joint's numbers (left out: zero) and dry friction, then by the parameters of the laws.
+/// How the end of a branch near this amplitude moves: derivatives of the logarithm of its amplitude and of its phase
+/// \[rad\], in one harmonic. By M, C, K, the drive (real, imaginary), the joint's numbers (left out: zero) and dry
+/// friction, then by the parameters of the laws.
 pub(super) fn end_by_numbers(mode: &dyn SingleMode, amplitude: f64) -> Vec<(f64, f64)> {
     let ([mass, damping, stiffness], omega, (re, im)) = (mode.linear(), mode.omega(), mode.drive());
     let at = |log: f64| amplitude * log.exp();
@@ -103,8 +105,8 @@ fn describing_by_laws(mode: &dyn SingleMode, amplitude: f64) -> Vec<[f64; 2]> {
     std::iter::zip(&sums[0], &sums[1]).map(|(k, c)| [*k, *c]).collect()
 }
 
-/// Mean, and cosine and sine of the second harmonic, with which a law that is not the same to both sides lets the body swing
-/// as X sin(wt).
+/// Mean, and cosine and sine of the second harmonic, with which a law that is not the same to both sides lets the body
+/// swing as X sin(wt).
 pub(super) fn companions(mode: &dyn SingleMode, amplitude: f64) -> [f64; 3] {
     let mut with = [0.0; 3];
     if is_odd(mode, amplitude) {
@@ -156,7 +158,8 @@ static GRID_PHASES: LazyLock<[[(f64, f64); GRID_INSTANTS]; 2]> = LazyLock::new(|
     [0.0, 0.25].map(|from| std::array::from_fn(|j| (TAU * (from + (j as f64 + 0.5) / GRID_INSTANTS as f64)).sin_cos()))
 });
 
-/// Stiffness and quadrature of the forces over X sin(wt) with its companions: the dynamic stiffness without the linear mode.
+/// Stiffness and quadrature of the forces over X sin(wt) with its companions: the dynamic stiffness without the linear
+/// mode.
 pub fn describing(mode: &dyn SingleMode, amplitude: f64) -> (f64, f64) {
     let (omega, n) = (mode.omega(), GRID_INSTANTS);
     let [instants, from_top] = &*GRID_PHASES;
@@ -181,14 +184,15 @@ pub fn describing(mode: &dyn SingleMode, amplitude: f64) -> (f64, f64) {
     (k, c)
 }
 
-/// Amplitudes at which the first harmonic is in balance, in ascending order, and those at which it comes nearest to it between
-/// two places farther from it.
+/// Amplitudes at which the first harmonic is in balance, in ascending order, and those at which it comes nearest to it
+/// between two places farther from it.
 fn first_harmonic_roots(mode: &dyn SingleMode) -> (Vec<f64>, Vec<f64>) {
     let ([mass, damping, stiffness], omega, (re, im)) = (mode.linear(), mode.omega(), mode.drive());
     let drive = re.hypot(im);
     let static_part = stiffness - mass * omega * omega;
     let resistance = (damping * omega).max(UNDAMPED * omega * (mass * stiffness).sqrt());
-    // Nothing moves more than a mode in resonance that only the linear damping holds; beyond, to see what more drive would reach.
+    // Nothing moves more than a mode in resonance that only the linear damping holds; beyond, to see what more drive
+    // would reach.
     let mut most = BEYOND * drive / resistance;
     let detuning = |log: f64| static_part + describing(mode, log.exp()).0;
     let both = |log: f64| {
@@ -246,7 +250,8 @@ fn sign_changes(grid: &[(f64, f64)], excess: impl Fn(f64) -> f64) -> impl Iterat
     changes.map(move |((a, fa), (b, fb))| regula_falsi(&excess, [a, b], [fa, fb], (ROOT, 0.0), REFINEMENTS))
 }
 
-/// The place between the outer two at which the excess, of one sign at all three, comes nearest to zero (golden section).
+/// The place between the outer two at which the excess, of one sign at all three, comes nearest to zero (golden
+/// section).
 fn nearest_to_zero(excess: &impl Fn(f64) -> f64, sign: f64, [a, _, c]: [f64; 3], best: (f64, f64)) -> (f64, f64) {
     let golden = 0.5 * (5f64.sqrt() - 1.0);
     let (mut low, mut high, mut best) = (a, c, best);

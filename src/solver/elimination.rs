@@ -17,8 +17,8 @@ const KEPT: usize = 12;
 const PARTS: usize = 3;
 type Parts = [f64; PARTS];
 
-/// The spectral decomposition A = sum lambda P of the coefficients of the method, by which the equations of the three stages
-/// fall apart: (1 - h A x M)^-1 = sum P x (1 - h lambda M)^-1 (Hairer and Wanner, Solving ODEs II, IV.8).
+/// The spectral decomposition A = sum lambda P of the coefficients of the method, by which the equations of the three
+/// stages fall apart: (1 - h A x M)^-1 = sum P x (1 - h lambda M)^-1 (Hairer and Wanner, Solving ODEs II, IV.8).
 struct Spectrum {
     real: f64,
     pair: Complex<f64>,
@@ -100,8 +100,8 @@ impl Unknowns {
     }
 }
 
-/// The affine rates of a mode: dz'/dz, dz'/ds and the parts of 1, sin wt, cos wt; rows that are not affine are zero. Where
-/// the constraint is affine, too, it has taken the algebraic unknown out of them.
+/// The affine rates of a mode: dz'/dz, dz'/ds and the parts of 1, sin wt, cos wt; rows that are not affine are zero.
+/// Where the constraint is affine, too, it has taken the algebraic unknown out of them.
 struct Rates {
     mode: Mode,
     unknowns: Unknowns,
@@ -181,8 +181,8 @@ impl Eliminations {
         &self.kept[self.current]
     }
 
-    /// Makes the one of a mode and a size of step the current one; false where it does not exist. One that is not `lasting`
-    /// takes the place of the last such.
+    /// Makes the one of a mode and a size of step the current one; false where it does not exist. One that is not
+    /// `lasting` takes the place of the last such.
     pub fn fit(&mut self, system: &dyn HybridSystem, mode: Mode, h: f64, lasting: bool) -> bool {
         self.clock += 1;
         let known = self.kept.iter().position(|kept| kept.size == h && kept.mode == mode);
@@ -309,7 +309,8 @@ impl Elimination {
         }
     }
 
-    /// Solves the transposed equations of the affine rows, in units of the scales, for two right sides: `b[stage][state]`.
+    /// Solves the transposed equations of the affine rows, in units of the scales, for two right sides:
+    /// `b[stage][state]`.
     pub fn solve_transposed(&self, n: usize, b: &mut [[[f64; 2]; MAX_STATES]; 3]) {
         let mut out = [[[0.0; 2]; MAX_STATES]; 3];
         for i in 0..3 {

@@ -4,12 +4,12 @@ use super::dense::{Matrix, identity};
 use super::radau::{C, State, Stepper};
 use crate::model::system::{Forcing, HybridSystem, MAX_STATES, Mode};
 
-/// Largest deviation of the event function from its polynomial over a step, relative to its own size: with more, a crossing
-/// could not be told from a wiggle of the polynomial.
+/// Largest deviation of the event function from its polynomial over a step, relative to its own size: with more, a
+/// crossing could not be told from a wiggle of the polynomial.
 pub const EVENT_ROUGHNESS: f64 = 0.03;
 
-/// Event values at the end of a step that count as zero there, at the default tolerance: the states depend on the time of an
-/// event in second order.
+/// Event values at the end of a step that count as zero there, at the default tolerance: the states depend on the time
+/// of an event in second order.
 pub const LOCATED: f64 = 1e-8;
 /// The largest at any tolerance: a mode may begin as far below zero.
 pub const LOOSEST_LOCATED: f64 = 0.5e-6;
@@ -17,8 +17,8 @@ pub const LOOSEST_LOCATED: f64 = 0.5e-6;
 const NEAR_EVENT: f64 = 0.05;
 /// Event values below this count as crossed.
 const CROSSED: f64 = -1e-11;
-/// Largest event value below zero at which a mode may begin: the change to it was located to rounding, and what is little for
-/// the slip rate is more for the force on a stiff contact.
+/// Largest event value below zero at which a mode may begin: the change to it was located to rounding, and what is
+/// little for the slip rate is more for the force on a stiff contact.
 const BEGUN: f64 = -1e-6;
 /// Shortest share of a step in which a mode that has just begun is seen to rise.
 const BRIEF: f64 = 1e-6;
@@ -26,7 +26,8 @@ const BRIEF: f64 = 1e-6;
 const ROUNDING: f64 = 1e-13;
 /// Steps tried to find the end of a mode, ...
 const TRIALS: usize = 80;
-/// ... and from which of them on every other one halves what is left: where friction has a kink no polynomial leads there.
+/// ... and from which of them on every other one halves what is left: where friction has a kink no polynomial leads
+/// there.
 const SMOOTH_TRIALS: usize = 8;
 /// Fractions of a step at which the interpolated event function is looked at.
 const LOOKS: [f64; 12] = [0.02, 0.05, 0.1, C[0], 0.25, 0.35, 0.45, 0.55, C[1], 0.75, 0.88, 1.0];
@@ -71,13 +72,14 @@ impl Jump {
     }
 }
 
-/// Value below which the event function has fallen through zero: a mode that begins a rounding below zero has not ended.
+/// Value below which the event function has fallen through zero: a mode that begins a rounding below zero has not
+/// ended.
 fn floor(start: f64) -> f64 {
     CROSSED + start.clamp(BEGUN, 0.0)
 }
 
-/// Where the interpolated event function is looked at. A mode that begins at zero and has risen by the first stage has not
-/// ended before it: where it rises ever faster the cubic undershoots there.
+/// Where the interpolated event function is looked at. A mode that begins at zero and has risen by the first stage has
+/// not ended before it: where it rises ever faster the cubic undershoots there.
 fn looks(start: f64, e: [f64; 3]) -> &'static [f64] {
     if start.abs() < -BEGUN && e[0] > 0.0 { &LOOKS[3..] } else { &LOOKS }
 }
@@ -164,8 +166,8 @@ impl Start<'_> {
         Err(self.lost())
     }
 
-    /// Whether the event function has fallen through zero by one of the stages. One that begins a rounding below zero has to
-    /// rise first.
+    /// Whether the event function has fallen through zero by one of the stages. One that begins a rounding below zero
+    /// has to rise first.
     fn ended(&self, e: [f64; 3]) -> bool {
         let mut risen = self.event > 0.0;
         for e in e {
@@ -181,11 +183,12 @@ impl Start<'_> {
         format!("an event at {:.4} of the cycle could not be located", self.time / self.system.period())
     }
 
-    /// Shortens a step just taken, over which the event function crosses zero, to the place where it does, within `located`.
+    /// Shortens a step just taken, over which the event function crosses zero, to the place where it does, within
+    /// `located`.
     pub fn shorten(&self, stepper: &mut Stepper, full: f64, mut e: [f64; 3], located: f64) -> Result<Shorter, String> {
         let mut size = full;
-        // A mode that has just begun may end long before the first stage: the force of a stiff contact turns from one limit to
-        // the other. Shorter steps see the event function rise, or find that it does not.
+        // A mode that has just begun may end long before the first stage: the force of a stiff contact turns from one
+        // limit to the other. Shorter steps see the event function rise, or find that it does not.
         while self.event < located && e.iter().all(|&e| e < located) && size > BRIEF * full {
             size *= 0.25;
             e = self.step(stepper, size)?;
@@ -214,8 +217,8 @@ impl Start<'_> {
             if e[2].abs() < located || changed < ROUNDING * self.system.period() {
                 return Ok(Shorter { size, ended: true });
             }
-            // Close to the end it is found by the slope there, whichever side it lies on. The slope between two ends serves
-            // also where friction has a kink at rest.
+            // Close to the end it is found by the slope there, whichever side it lies on. The slope between two ends
+            // serves also where friction has a kink at rest.
             let slope = match before {
                 Some((size_before, end)) => (e[2] - end) / (size - size_before) * size,
                 None => end_slope(self.event, e),
@@ -234,8 +237,8 @@ impl Start<'_> {
     }
 }
 
-/// A place before `high`, where the function is negative, at which it is positive: it begins at zero, give or take a rounding,
-/// and the root there is not where it falls. Zero where it does not rise.
+/// A place before `high`, where the function is negative, at which it is positive: it begins at zero, give or take a
+/// rounding, and the root there is not where it falls. Zero where it does not rise.
 pub(super) fn rising(high: f64, value: impl Fn(f64) -> f64) -> f64 {
     (1..50).map(|k| high * 0.5f64.powi(k)).find(|&at| value(at) > 0.0).unwrap_or(0.0)
 }

@@ -1,9 +1,9 @@
 //! The exact flow of a mode whose equations are affine: z' = M z + m + (terms in sin wt and cos wt).
 //!
 //! With the particular solution p(t) = ps sin wt + pc cos wt the rest y = z - p obeys y' = M y + m, whose maps over a
-//! step and its halves are computed once. The margins of the mode are sampled once a step, with their slopes; an end of the
-//! mode is located on the power series of y. Of a whole stretch only the exponential is formed; the fundamental follows
-//! from the states at its ends, since (iw - M) int y e^{-iwt} dt = -[y e^{-iwt}] + m int e^{-iwt} dt.
+//! step and its halves are computed once. The margins of the mode are sampled once a step, with their slopes; an end of
+//! the mode is located on the power series of y. Of a whole stretch only the exponential is formed; the fundamental
+//! follows from the states at its ends, since (iw - M) int y e^{-iwt} dt = -[y e^{-iwt}] + m int e^{-iwt} dt.
 
 // Indices run over several matrices at once here.
 #![allow(clippy::needless_range_loop)]

@@ -1,11 +1,12 @@
-//! Whether a contact over a roller at rest heals until it rests for ever, or slips on at an age that slip keeps in balance.
+//! Whether a contact over a roller at rest heals until it rests for ever, or slips on at an age that slip keeps in
+//! balance.
 //!
-//! The age psi changes little in a cycle, the other states settle in few. Followed in time the contact thus heals for tens
-//! or hundreds of cycles. Here the age is an unknown that is held while Newton's method settles the others; what is left
-//! is a drift D(psi) of the age per cycle and its slope. The slip of a cycle falls about as the logarithm of the age, so
-//! that D = T - psi S(psi)/D_c is convex: it has a zero, where the contact slips for ever, or a lowest value above zero.
-//! Newton's method for D = 0 from ages below does not pass a zero of a convex function; where it comes to ages at which the
-//! drift is positive and grows, there is none, and the contact rests in the end.
+//! The age psi changes little in a cycle, the other states settle in few. Followed in time the contact thus heals for
+//! tens or hundreds of cycles. Here the age is an unknown that is held while Newton's method settles the others; what
+//! is left is a drift D(psi) of the age per cycle and its slope. The slip of a cycle falls about as the logarithm of
+//! the age, so that D = T - psi S(psi)/D_c is convex: it has a zero, where the contact slips for ever, or a lowest
+//! value above zero. Newton's method for D = 0 from ages below does not pass a zero of a convex function; where it
+//! comes to ages at which the drift is positive and grows, there is none, and the contact rests in the end.
 
 use super::cycle::Integrator;
 use super::dense::{self, Matrix};
@@ -78,8 +79,8 @@ impl Held {
     }
 }
 
-/// Follows the age from `start` on and adds the cycles that takes to `cycles`; `None` where the contact does not heal, or a
-/// cycle cannot be followed.
+/// Follows the age from `start` on and adds the cycles that takes to `cycles`; `None` where the contact does not heal,
+/// or a cycle cannot be followed.
 pub fn heal(integrator: &mut Integrator, start: &State, cycles: &mut usize) -> Option<Healed> {
     let system = integrator.system();
     let age = system.age_at_rest()?;

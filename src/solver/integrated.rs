@@ -1,4 +1,5 @@
-//! The observables of a point by plain time integration: the cross-check of the periodic solver, and the maker of test data.
+//! The observables of a point by plain time integration: the cross-check of the periodic solver, and the maker of test
+//! data.
 
 use super::time::{Plan, integrate};
 use crate::model::alone::Alone;
@@ -21,8 +22,8 @@ pub struct Integrated {
     pub periodic: bool,
 }
 
-/// Integrates the model at an operating point from rest, and reads the fundamental. Shares only the statement of the laws with
-/// the periodic solver.
+/// Integrates the model at an operating point from rest, and reads the fundamental. Shares only the statement of the
+/// laws with the periodic solver.
 pub fn integrated(model: &Model, at: &Operation, plan: &Plan) -> Integrated {
     if at.load == 0.0 {
         return alone(&Alone::new(model, at), plan);
@@ -47,7 +48,8 @@ const COARSE: usize = 400;
 /// Most steps of one integration, and those of a mode with a joint, whose steps take longer.
 const MOST_STEPS: [f64; 2] = [1e7, 8e5];
 
-/// The plan for a model at an operating point: one without a contact rings long, and needs fewer steps a cycle for that.
+/// The plan for a model at an operating point: one without a contact rings long, and needs fewer steps a cycle for
+/// that.
 pub fn plan_for(model: &Model, at: &Operation, plan: &Plan) -> Plan {
     if model.has_contact {
         return *plan;
@@ -86,7 +88,8 @@ fn sliders(n: f64) -> Vec<Slider> {
     (0..ELEMENTS).map(element).collect()
 }
 
-/// A mode without a contact, by the classical Runge-Kutta method, the joint as sliders that each keep where they came to rest.
+/// A mode without a contact, by the classical Runge-Kutta method, the joint as sliders that each keep where they came
+/// to rest.
 fn alone(mode: &Alone, plan: &Plan) -> Integrated {
     let [mass, damping, stiffness] = mode.linear();
     let ((re, im), omega) = (mode.drive(), mode.omega());

@@ -22,7 +22,8 @@ const COARSE_ROUGHNESS: f64 = 10.0;
 const COARSE_LOCATED: f64 = 100.0;
 /// Most changes of mode in one period.
 const MAX_EVENTS: usize = 1000;
-/// States this many times their first guess, and a thousand times as many times their scale, are on their way to infinity.
+/// States this many times their first guess, and a thousand times as many times their scale, are on their way to
+/// infinity.
 const UNBOUNDED: f64 = 1e3;
 /// How many times more steps a kink asks for.
 const KINKED: f64 = 4.0 / 3.0;

@@ -1,6 +1,6 @@
-//! The force of parallel slip elements (Iwan 1966) over a periodic motion, by Masing's rules: a branch from a reversal is
-//! twice the curve of first loading, halved in both directions; a branch that passes an earlier reversal goes on where the
-//! loop that it closes was left.
+//! The force of parallel slip elements (Iwan 1966) over a periodic motion, by Masing's rules: a branch from a reversal
+//! is twice the curve of first loading, halved in both directions; a branch that passes an earlier reversal goes on
+//! where the loop that it closes was left.
 
 /// Force of first loading f(u) = F [1 - (1 - u/x_m)^n], x_m = n F/k, odd in u, with its slopes by u, k, F and n.
 #[derive(Debug, Clone, Copy)]
@@ -54,7 +54,8 @@ pub(super) struct Corner {
     by_parameters: [f64; 3],
 }
 
-/// The force at one instant; its derivative by the unknowns is that of the corner and `stiffness` times the motion since.
+/// The force at one instant; its derivative by the unknowns is that of the corner and `stiffness` times the motion
+/// since.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Pull {
     /// The force.

@@ -40,7 +40,8 @@ impl Default for Lu {
 }
 
 impl Lu {
-    /// The matrix to be filled before [`Lu::factorise`], column by column; only the leading `order` columns and rows count.
+    /// The matrix to be filled before [`Lu::factorise`], column by column; only the leading `order` columns and rows
+    /// count.
     pub fn columns(&mut self, order: usize) -> &mut [[f64; MAX_ORDER]; MAX_ORDER] {
         self.order = order;
         &mut self.columns

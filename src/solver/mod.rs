@@ -106,11 +106,11 @@ pub struct SteadyState {
     pub force_minimum: f64,
     /// Largest tangential force over the cycle \[N\].
     pub force_maximum: f64,
-    /// Cycles followed to reach the state (sum over Newton iterations for shooting, those of a prediction included; 0 for
-    /// closed forms; evaluations of the laws over a cycle for harmonic balance).
+    /// Cycles followed to reach the state (sum over Newton iterations for shooting, those of a prediction included; 0
+    /// for closed forms; evaluations of the laws over a cycle for harmonic balance).
     pub cycles: usize,
-    /// Relative change of the state over a cycle from the start that was found \[-\]: of the last cycle, or as estimated
-    /// where a Newton step followed it that leaves next to nothing.
+    /// Relative change of the state over a cycle from the start that was found \[-\]: of the last cycle, or as
+    /// estimated where a Newton step followed it that leaves next to nothing.
     pub periodicity_error: f64,
     /// Whether it is a steady state.
     pub status: Status,

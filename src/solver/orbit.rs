@@ -11,7 +11,8 @@ use crate::model::system::{HybridSystem, Mode};
 use crate::model::{Model, Operation};
 use crate::scenario::Formulation;
 
-/// Several operating points of the published formulation by the published procedure, faster than one by one and the same.
+/// Several operating points of the published formulation by the published procedure, faster than one by one and the
+/// same.
 pub fn solve_paper(model: &Model, at: &[Operation], steps: usize) -> Vec<SteadyState> {
     let lumps: Vec<Lumps> = at.iter().map(|at| Lumps::new(model, at)).collect();
     let contacts: Vec<PaperContact> = lumps.iter().map(paper_contact).collect();

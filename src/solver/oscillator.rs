@@ -1,9 +1,9 @@
-//! Periodic states of a single mode without a contact: every stable one, by harmonic balance with alternating frequency and
-//! time.
+//! Periodic states of a single mode without a contact: every stable one, by harmonic balance with alternating frequency
+//! and time.
 //!
-//! The balance of the first harmonic alone is one equation for the amplitude, all roots of which are found on a grid; so both
-//! stable states between the folds of a resonance are found at any frequency, whatever was solved before. Newton's method on
-//! all harmonics starts from them. Unknowns are the mean and the cosine and sine of every harmonic.
+//! The balance of the first harmonic alone is one equation for the amplitude, all roots of which are found on a grid;
+//! so both stable states between the folds of a resonance are found at any frequency, whatever was solved before.
+//! Newton's method on all harmonics starts from them. Unknowns are the mean and the cosine and sine of every harmonic.
 
 pub mod fold;
 
@@ -19,11 +19,12 @@ use std::rc::Rc;
 
 /// Highest harmonics that are tried in turn; all odd.
 const HARMONICS: [usize; 4] = [5, 11, 21, 41];
-/// Instants per harmonic, and under a force whose slope jumps, as that of a joint: at the default accuracy, and at least.
+/// Instants per harmonic, and under a force whose slope jumps, as that of a joint: at the default accuracy, and at
+/// least.
 const INSTANTS: usize = 6;
 const INSTANTS_AT_CORNERS: (usize, usize) = (512, 64);
-/// Largest of the last harmonics over the first at which a series is long enough: what is left out acts on the first harmonic
-/// by its square.
+/// Largest of the last harmonics over the first at which a series is long enough: what is left out acts on the first
+/// harmonic by its square.
 const TAIL: f64 = 5e-5;
 /// The same below which the longest series is accepted.
 const LONGEST_TAIL: f64 = 1e-2;
@@ -90,8 +91,8 @@ impl Periodic {
         }
     }
 
-    /// Derivatives of (real, imaginary) part of the amplitude by M, C, K, drive (real, imaginary), the joint's numbers and dry
-    /// friction, of which it has none.
+    /// Derivatives of (real, imaginary) part of the amplitude by M, C, K, drive (real, imaginary), the joint's numbers
+    /// and dry friction, of which it has none.
     fn derivatives(&self, omega: f64) -> [(f64, f64); 9] {
         let first = self.first();
         let part = |which: usize| {
@@ -141,8 +142,8 @@ pub struct Found {
     pub by_law: Vec<(f64, f64)>,
 }
 
-/// All stable periodic states, the smallest amplitude first; without any, the unstable ones. And amplitudes near which a branch
-/// of states may end at another drive ([`fold::end`]).
+/// All stable periodic states, the smallest amplitude first; without any, the unstable ones. And amplitudes near which
+/// a branch of states may end at another drive ([`fold::end`]).
 pub fn states(mode: &dyn SingleMode, tolerance: &Tolerance) -> (Vec<Periodic>, Vec<f64>) {
     let mut found: Vec<Periodic> = Vec::new();
     let mut near = nearly(mode);
@@ -175,7 +176,8 @@ pub fn states(mode: &dyn SingleMode, tolerance: &Tolerance) -> (Vec<Periodic>, V
     (found, near.ends)
 }
 
-/// The basis functions at many instants of one period: cosine and sine of the harmonics, the mean first where there is one.
+/// The basis functions at many instants of one period: cosine and sine of the harmonics, the mean first where there is
+/// one.
 struct Laid {
     /// Harmonics of the unknowns: each twice, the mean once.
     harmonics: Vec<usize>,
@@ -183,7 +185,8 @@ struct Laid {
     basis: DMatrix<f64>,
     slopes: DMatrix<f64>,
     instants: usize,
-    /// Instants on which forces are projected: half of them where the second half of a period is the negative of the first.
+    /// Instants on which forces are projected: half of them where the second half of a period is the negative of the
+    /// first.
     projected: usize,
 }
 
@@ -254,8 +257,8 @@ struct Balance {
     motion: Vec<[f64; 4]>,
 }
 
-/// A motion of this amplitude as one harmonic sees it: whether its even harmonics vanish, its series, and the factor to the drive
-/// that holds it.
+/// A motion of this amplitude as one harmonic sees it: whether its even harmonics vanish, its series, and the factor to
+/// the drive that holds it.
 fn one_harmonic(mode: &dyn SingleMode, amplitude: f64) -> (bool, Vec<f64>, f64) {
     let ([mass, damping, stiffness], omega, (re, im)) = (mode.linear(), mode.omega(), mode.drive());
     let (k, c) = describing(mode, amplitude);
@@ -504,8 +507,8 @@ fn projected(
     Periodic { harmonics, series, steps, left, multiplier, adjoints, by_joint, by_law }
 }
 
-/// Largest modulus of the Floquet multipliers: a disturbance M y'' + (C + c) y' + (K + k) y = 0 over one period, by the exact
-/// flow between instants.
+/// Largest modulus of the Floquet multipliers: a disturbance M y'' + (C + c) y' + (K + k) y = 0 over one period, by the
+/// exact flow between instants.
 fn multiplier(mode: &dyn SingleMode, motion: &[[f64; 4]], instants: usize) -> f64 {
     let [mass, damping, stiffness] = mode.linear();
     let h = TAU / mode.omega() / instants as f64;

@@ -46,9 +46,9 @@ struct Sums {
     stuck: usize,
 }
 
-/// Integrates up to [`LANES`] points with `steps` Euler steps a cycle each, until the fundamental of each is steady or it is
-/// said that it is not. What becomes of one does not depend on the others. Calls back with (angle, velocity, force) of the
-/// first at every step of its last cycle.
+/// Integrates up to [`LANES`] points with `steps` Euler steps a cycle each, until the fundamental of each is steady or
+/// it is said that it is not. What becomes of one does not depend on the others. Calls back with (angle, velocity,
+/// force) of the first at every step of its last cycle.
 pub fn solve(contacts: &[PaperContact], steps: usize, keep: impl FnMut(f64, f64, f64)) -> Vec<SteadyState> {
     assert!(contacts.len() <= LANES, "more points than lanes");
     match contacts.len() {
@@ -70,7 +70,8 @@ fn lockstep<const L: usize>(
     let of = |f: &dyn Fn(&PaperContact) -> f64| -> [f64; L] { std::array::from_fn(|l| f(&lane(l))) };
     let dt = of(&|c| TAU / c.omega / steps as f64);
     let turn: Vec<(f64, f64)> = (0..steps).map(|i| (TAU * i as f64 / steps as f64).sin_cos()).collect();
-    // Accelerations per torque in phase and ahead, per force, velocity and angle; rates of force per speed and acceleration.
+    // Accelerations per torque in phase and ahead, per force, velocity and angle; rates of force per speed and
+    // acceleration.
     let (ahead, behind) = (of(&|c| c.torque.0 / c.inertia), of(&|c| c.torque.1 / c.inertia));
     let (by_force, by_velocity) = (of(&|c| c.arm / c.inertia), of(&|c| c.damping / c.inertia));
     let by_angle = of(&|c| c.stiffness / c.inertia);

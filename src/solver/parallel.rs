@@ -25,8 +25,8 @@ pub struct Found {
     pub multiplier: f64,
 }
 
-/// Cycles that a slider by itself over a turning roller is left to itself, at first and after a Newton step that led astray: until its
-/// bristles have slipped and turned back as they will.
+/// Cycles that a slider by itself over a turning roller is left to itself, at first and after a Newton step that led
+/// astray: until its bristles have slipped and turned back as they will.
 const SETTLING: usize = 6;
 /// Factor by which the change over a cycle grows where a step led astray.
 const ASTRAY: f64 = 3.0;
@@ -69,8 +69,8 @@ pub struct Memory {
     slopes: [DMatrix<f64>; 2],
 }
 
-/// Finds the periodic state, from that of a neighbouring problem where there is one; adds the cycles that it integrates. Errors say
-/// why in words.
+/// Finds the periodic state, from that of a neighbouring problem where there is one; adds the cycles that it
+/// integrates. Errors say why in words.
 pub fn solve(
     system: &dyn SliderSystem,
     demand: &Demand,
@@ -293,8 +293,8 @@ impl<'a> Search<'a> {
         self.at = self.place(shared, cycle);
     }
 
-    /// The step that undoes the change over a cycle. A slider by itself is left where it is along what a cycle does not change: the
-    /// memory of a stroke that is small.
+    /// The step that undoes the change over a cycle. A slider by itself is left where it is along what a cycle does not
+    /// change: the memory of a stroke that is small.
     fn newton(&self, slope: &DMatrix<f64>, residual: &DVector<f64>) -> Option<DVector<f64>> {
         if self.system.elements().len() > 1 || slope.iter().any(|d| !d.is_finite()) {
             return slope.clone().lu().solve(&-residual);

@@ -1,9 +1,10 @@
 //! A start close to a periodic orbit of affine modes: Newton's method from event to event.
 //!
 //! A few cycles of long steps show which modes follow one another. Unknown are then the states at the start and the
-//! times of the events; the flows between them are exponentials. Since the rates of the states are continuous at an event, the
-//! states at the end of the cycle depend on the times of the events in second order only, and the equations fall apart:
-//! first the start, then the times. Nothing is looked at between the events; the cycle that follows the prediction does that.
+//! times of the events; the flows between them are exponentials. Since the rates of the states are continuous at an
+//! event, the states at the end of the cycle depend on the times of the events in second order only, and the equations
+//! fall apart: first the start, then the times. Nothing is looked at between the events; the cycle that follows the
+//! prediction does that.
 
 // Indices run over several matrices at once here.
 #![allow(clippy::needless_range_loop)]
@@ -151,8 +152,8 @@ impl Integrator<'_> {
         (None, MAX_ROUNDS)
     }
 
-    /// The start that was found. Where an event has moved across the ends of the cycle, the states found belong to the mode
-    /// beyond it: they are taken back to the event and on from there in the mode that holds at time 0.
+    /// The start that was found. Where an event has moved across the ends of the cycle, the states found belong to the
+    /// mode beyond it: they are taken back to the event and on from there in the mode that holds at time 0.
     fn start(&self, start: State, slip: f64, pieces: &[Piece]) -> Option<Start> {
         let period = self.system().period();
         let [first, .., before, last] = pieces else { return Some((start, (pieces[0].mode, slip))) };

@@ -1,14 +1,14 @@
 //! One step of the three-stage Radau IIA collocation method (order 5; Hairer and Wanner, Solving ODEs II, IV.5) for a
 //! system with one algebraic unknown, and its tangent.
 //!
-//! What of the rates is affine ([`crate::model::system::Affine`]) is eliminated beforehand: with the unknowns U at the stages - the algebraic
-//! unknown s and the rates r of the rows that are not affine - the states at the stages are
+//! What of the rates is affine ([`crate::model::system::Affine`]) is eliminated beforehand: with the unknowns U at the
+//! stages - the algebraic unknown s and the rates r of the rows that are not affine - the states at the stages are
 //!
 //!   Z = E z + K (1, sin wt, cos wt) + H U,
 //!
-//! with matrices that depend on the mode and the size of the step only and are kept from step to step. Newton's method then
-//! has three unknowns where only the law of friction is not affine, whatever the number of states. Where the constraint is
-//! affine, s is eliminated with the states, and none is left if the rates are, too.
+//! with matrices that depend on the mode and the size of the step only and are kept from step to step. Newton's method
+//! then has three unknowns where only the law of friction is not affine, whatever the number of states. Where the
+//! constraint is affine, s is eliminated with the states, and none is left if the rates are, too.
 
 // Indices run over several matrices at once here.
 #![allow(clippy::needless_range_loop)]
@@ -20,8 +20,8 @@ use super::harmonic::Complex;
 use super::lu::{Lu, MAX_ORDER};
 use crate::model::system::{Evaluation, Forcing, HybridSystem, MAX_STATES, Mode};
 
-/// Calls a method with the numbers of states and of unknowns of a stage, and with the first and the order of the equations as
-/// constants where they are common, so that the compiler unrolls the loops.
+/// Calls a method with the numbers of states and of unknowns of a stage, and with the first and the order of the
+/// equations as constants where they are common, so that the compiler unrolls the loops.
 macro_rules! sized {
     (($n:expr, $m:expr), $self:ident.$method:ident($($argument:expr),*)) => {
         match ($n, $m) {
@@ -93,8 +93,8 @@ impl Default for Stepper {
 }
 
 impl Stepper {
-    /// Takes a step of size `h` from (z, s) under `forcing`; the stages hold the result (the last one is the end). Says in
-    /// `lasting` whether more steps of this size are to be expected. False where Newton does not converge.
+    /// Takes a step of size `h` from (z, s) under `forcing`; the stages hold the result (the last one is the end). Says
+    /// in `lasting` whether more steps of this size are to be expected. False where Newton does not converge.
     #[allow(clippy::too_many_arguments)]
     pub fn step(
         &mut self,
@@ -132,7 +132,8 @@ impl Stepper {
             if !size.is_finite() {
                 return false;
             }
-            // Converged, as far as the squaring of errors by Newton's method tells, or as close as rounding lets it come.
+            // Converged, as far as the squaring of errors by Newton's method tells, or as close as rounding lets it
+            // come.
             let ratio = if previous.is_finite() { size / previous } else { 1.0 };
             if size * ratio * ratio < 1e-12 || size < 1e-10 || (size < 1e-6 && ratio > 0.5) {
                 self.states(n, m, &base);
@@ -248,8 +249,8 @@ impl Stepper {
         }
     }
 
-    /// Of rates, constraint and their derivatives at the stages what is not affine; the derivatives by the states include
-    /// what goes by way of an algebraic unknown that was eliminated.
+    /// Of rates, constraint and their derivatives at the stages what is not affine; the derivatives by the states
+    /// include what goes by way of an algebraic unknown that was eliminated.
     fn evaluate(&mut self, system: &dyn HybridSystem, mode: Mode) {
         let unknowns = &self.eliminations.current().unknowns;
         for i in 0..3 {
@@ -462,7 +463,8 @@ impl Stepper {
         }
     }
 
-    /// Adds to the derivatives by the states at the stages what goes by way of the unknowns, which answer through the Jacobian.
+    /// Adds to the derivatives by the states at the stages what goes by way of the unknowns, which answer through the
+    /// Jacobian.
     fn adjoint_through_unknowns(
         &self,
         (n, m): (usize, usize),

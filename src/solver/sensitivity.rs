@@ -15,8 +15,8 @@ use super::harmonic::{Complex, products, times};
 use super::radau::State;
 use crate::model::system::{Forcing, HybridSystem, MAX_COLUMNS, MAX_STATES, Mode, ParameterColumns};
 
-/// The affine equations of one mode of a system of N states, y' = M y + m beside the particular solution, in units of the
-/// scales of the states.
+/// The affine equations of one mode of a system of N states, y' = M y + m beside the particular solution, in units of
+/// the scales of the states.
 pub struct Equations<const N: usize> {
     /// w \[rad/s\].
     pub omega: f64,
@@ -147,8 +147,8 @@ pub fn gather<const N: usize>(equations: &Equations<N>, stretch: &Stretch, into:
     }
 }
 
-/// By matrix and constant through the map y -> Phi y + c over a time, of which `last` is the adjoint at the end: real and imaginary
-/// part, from the exponential of the matrix with the constant beside it.
+/// By matrix and constant through the map y -> Phi y + c over a time, of which `last` is the adjoint at the end: real
+/// and imaginary part, from the exponential of the matrix with the constant beside it.
 fn through_transition<const N: usize>(
     equations: &Equations<N>,
     time: f64,
@@ -171,8 +171,8 @@ fn through_transition<const N: usize>(
     outer.map(|outer| widened(N + 1, &wide, time, &outer))
 }
 
-/// By the forcing through the particular solution, given the derivatives by its sine and cosine parts: the terms that turn
-/// forwards and backwards.
+/// By the forcing through the particular solution, given the derivatives by its sine and cosine parts: the terms that
+/// turn forwards and backwards.
 fn through_particular<const N: usize>(
     equations: &Equations<N>,
     parts: &[[Complex; N]; 2],

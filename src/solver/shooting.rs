@@ -53,7 +53,8 @@ const LAST: f64 = 1e-3;
 /// Cycles of the transient that are followed where Newton's method does not help: at first, and at most.
 const FIRST_TRANSIENT: usize = 3;
 const LONGEST_TRANSIENT: usize = 32;
-/// Cycles of a transient without slip both ways after which a contact that strengthens as it rests is taken to rest for ever.
+/// Cycles of a transient without slip both ways after which a contact that strengthens as it rests is taken to rest for
+/// ever.
 const RESTING: usize = 3;
 /// Most cycles where the contact may come to rest.
 const MAX_CYCLES_AT_REST: usize = 150;
@@ -102,7 +103,8 @@ struct Search<'a, 'b> {
 }
 
 impl<'a, 'b> Search<'a, 'b> {
-    /// Where to begin: at the prediction, the guess or the system's own first guess; further on where the contact heals.
+    /// Where to begin: at the prediction, the guess or the system's own first guess; further on where the contact
+    /// heals.
     fn begin(integrator: &'a mut Integrator<'b>, guess: Option<&Start>) -> Result<Self, Unsolved> {
         let system = integrator.system();
         let predicted = if integrator.measures_order() { None } else { integrator.predict(guess) };
@@ -153,7 +155,8 @@ impl<'a, 'b> Search<'a, 'b> {
         self.best = f64::INFINITY;
     }
 
-    /// Over a roller at rest a steady motion slips both ways or not at all: one way only is how the contact comes to rest.
+    /// Over a roller at rest a steady motion slips both ways or not at all: one way only is how the contact comes to
+    /// rest.
     fn check_rest(&mut self, cycle: &Cycle) -> Result<(), Unsolved> {
         let system = self.integrator.system();
         let rests = self.transient.0 > 0
@@ -171,7 +174,8 @@ impl<'a, 'b> Search<'a, 'b> {
         let (n, scales) = (system.states(), system.scales());
         self.sound = Some((cycle.end, cycle.branch[1]));
         self.entry = Some(cycle.branch[1]);
-        // Where the transient has been followed into rest (shakedown), what the cycle leaves open stays where it came to rest.
+        // Where the transient has been followed into rest (shakedown), what the cycle leaves open stays where it came
+        // to rest.
         let settled = self.transient.1 > FIRST_TRANSIENT && system.can_rest();
         let (mut residual, jacobian) = defect(system, &self.start, &cycle, settled);
         for (r, scale) in residual.iter_mut().zip(&scales) {
@@ -216,8 +220,8 @@ impl<'a, 'b> Search<'a, 'b> {
         self.newton(cycle, &delta, (before, size), coarse)
     }
 
-    /// Takes a Newton step `delta`, relative to the scales, from a cycle that changes by `size`, the one before by `before`; the
-    /// solution, where the step leaves nothing.
+    /// Takes a Newton step `delta`, relative to the scales, from a cycle that changes by `size`, the one before by
+    /// `before`; the solution, where the step leaves nothing.
     fn newton(
         &mut self,
         mut cycle: Cycle,
@@ -252,7 +256,8 @@ impl<'a, 'b> Search<'a, 'b> {
     }
 }
 
-/// Whether a cycle ends on the branch on which it began, and, where it cannot be one of rest, in the states in which it began.
+/// Whether a cycle ends on the branch on which it began, and, where it cannot be one of rest, in the states in which it
+/// began.
 fn closes(system: &dyn HybridSystem, start: &State, cycle: &Cycle, tolerated: f64) -> bool {
     let scales = system.scales();
     let states = system.can_rest()

@@ -10,8 +10,8 @@ use crate::model::relaxations::RELAXATIONS;
 use crate::model::system::{Forcing, SliderSystem};
 use nalgebra::DMatrix;
 
-/// Number of shared states: angle, velocity, support, its velocity, heating; the two numbers of a hysteresis, which one slider has; and
-/// the stretch of a slider by itself.
+/// Number of shared states: angle, velocity, support, its velocity, heating; the two numbers of a hysteresis, which one
+/// slider has; and the stretch of a slider by itself.
 pub const SHARED: usize = 8;
 /// The shared states.
 pub type Shared = [f64; SHARED];
@@ -99,7 +99,8 @@ pub struct Method<'a> {
     forcing: Vec<[Forcing; 3]>,
 }
 
-/// The force of the bristles about a motion over the stages: its value there, and own + stiffness times the rates near it.
+/// The force of the bristles about a motion over the stages: its value there, and own + stiffness times the rates near
+/// it.
 struct Tangent {
     force: Stages,
     own: Stages,
@@ -201,7 +202,8 @@ impl<'a> Method<'a> {
         !self.system.at_rest() && self.system.elements().len() == 1
     }
 
-    /// Derivatives of the shared states at the end of a cycle by those at its start, in units of the scales, by differences.
+    /// Derivatives of the shared states at the end of a cycle by those at its start, in units of the scales, by
+    /// differences.
     pub fn jacobian(
         &self,
         shared: &Shared,
@@ -313,8 +315,8 @@ impl<'a> Method<'a> {
         Err(format!("the parallel sliders did not converge at {:.4} of the cycle", step as f64 / self.steps as f64))
     }
 
-    /// All sliders at these relative speeds: the force, its slopes by the speeds, and the power of friction. `speed` is their scale,
-    /// `limit` that of the whole contact at a stage by slip rate and state of the interface.
+    /// All sliders at these relative speeds: the force, its slopes by the speeds, and the power of friction. `speed` is
+    /// their scale, `limit` that of the whole contact at a stage by slip rate and state of the interface.
     #[inline(always)]
     fn all_sliders(
         &self,
@@ -438,8 +440,8 @@ impl<'a> Method<'a> {
         Tangent { force, own: std::array::from_fn(|i| force[i] - moved[i]), stiffness }
     }
 
-    /// The hysteresis over a step: where it ends, its force and slope at the stages. Between two stages whose rates differ in sign
-    /// the stretch turns back, where the line between the rates is zero.
+    /// The hysteresis over a step: where it ends, its force and slope at the stages. Between two stages whose rates
+    /// differ in sign the stretch turns back, where the line between the rates is zero.
     fn hysteresis(&self, from: Branch, before: f64, d: &Stages) -> (Branch, Stages, Stages) {
         let (mut branch, mut x, mut rate, mut time) = (from, 0.0, before, 0.0);
         let (mut forces, mut slopes) = ([0.0; 3], [0.0; 3]);
@@ -544,7 +546,8 @@ impl<'a> Method<'a> {
     }
 }
 
-/// Lets stages slip whose force is beyond the limit, in its direction, and those stick whose slip has turned back; whether any did.
+/// Lets stages slip whose force is beyond the limit, in its direction, and those stick whose slip has turned back;
+/// whether any did.
 #[inline(always)]
 fn switch(
     sign: &mut Stages,

@@ -19,8 +19,8 @@ use std::cell::Cell;
 const NEIGHBOUR: f64 = 0.3;
 /// Multiplications on a mode alone ([`SingleMode::spend`]) that take as long as a step of an integration.
 const WORK: usize = 640;
-/// Steps of an integration, or the work of as many, after which a fit gives up a motion without a contact: a thousand times what
-/// others take. What needs that much has none, or costs more than all others together.
+/// Steps of an integration, or the work of as many, after which a fit gives up a motion without a contact: a thousand
+/// times what others take. What needs that much has none, or costs more than all others together.
 const PATIENCE: usize = 32_000;
 /// Factor between the speeds of one step on the way down from full slip.
 const SLOWER: f64 = 0.8;
@@ -41,7 +41,8 @@ pub struct Warm {
 }
 
 impl Warm {
-    /// Forgets the orbit, so that the next solution does not depend on it; the states of a continuum of sliders are kept.
+    /// Forgets the orbit, so that the next solution does not depend on it; the states of a continuum of sliders are
+    /// kept.
     pub fn forget_orbit(&mut self) {
         self.orbit = None;
         self.alone = None;
@@ -73,7 +74,8 @@ impl Warm {
     }
 }
 
-/// Solves one operating point; `euler_steps` matters for [`Formulation::Paper`] only. `warm` is the start and is updated.
+/// Solves one operating point; `euler_steps` matters for [`Formulation::Paper`] only. `warm` is the start and is
+/// updated.
 pub fn solve(
     model: &Model,
     at: &Operation,
@@ -87,7 +89,8 @@ pub fn solve(
 }
 
 /// The periodic state, marked where it is unstable; where none is found the point fails at once, without the time
-/// integration by which [`solve`] averages either: a fit gains nothing from an average over a motion that is not steady.
+/// integration by which [`solve`] averages either: a fit gains nothing from an average over a motion that is not
+/// steady.
 pub fn solve_steady(
     model: &Model,
     at: &Operation,
@@ -262,8 +265,8 @@ fn without_periodic_state(problem: &Problem, why: &str, with: &Search<'_>) -> So
     if with.integrate { lock_in(problem, why) } else { failed(why.into()) }
 }
 
-/// Time integration from the first guess: settled motion is a steady state, any other is averaged as a lock-in amplifier
-/// would over the window of the plan.
+/// Time integration from the first guess: settled motion is a steady state, any other is averaged as a lock-in
+/// amplifier would over the window of the plan.
 fn lock_in(problem: &Problem, why: &str) -> Solution {
     if problem.has_own_bristles() {
         return failed(format!("{why}; with a formula for the force of the bristles no other motion is looked for"));
@@ -297,7 +300,8 @@ fn lock_in(problem: &Problem, why: &str) -> Solution {
     Solution { state, derivatives: None, others: Vec::new(), beyond: false, steps: 0 }
 }
 
-/// A contact of many parallel sliders, or of one whose bristles remember; its derivatives are differences of converged solutions.
+/// A contact of many parallel sliders, or of one whose bristles remember; its derivatives are differences of converged
+/// solutions.
 fn parallel_state(
     model: &Model,
     at: &Operation,
@@ -363,9 +367,9 @@ fn differences(model: &Model, at: &Operation) -> Vec<(f64, f64)> {
     out
 }
 
-/// No contact: the closed form of case I, or the stable states of a mode that is not linear. Of several, the one nearest to
-/// what was measured, else to the motion before, else the smallest. Where the end of a branch that is not reached is nearer to
-/// what was measured, that is taken, as far off as it is.
+/// No contact: the closed form of case I, or the stable states of a mode that is not linear. Of several, the one
+/// nearest to what was measured, else to the motion before, else the smallest. Where the end of a branch that is not
+/// reached is nearer to what was measured, that is taken, as far off as it is.
 fn alone(model: &Model, at: &Operation, with: &Search<'_>, warm: &mut Warm) -> Solution {
     let mut mode = Alone::new(model, at);
     if with.tolerance.gives_up() {
@@ -377,8 +381,8 @@ fn alone(model: &Model, at: &Operation, with: &Search<'_>, warm: &mut Warm) -> S
         let limit = LimitingState { response, stuck: false, mean: 0.0, stick_fraction: 0.0, force: (0.0, 0.0) };
         return closed_form(lumps, limit, with.derivatives);
     }
-    // A force whose slope has no bound at rest is a jump to the integrator of what is reported, which knows no joint; a fit
-    // balances harmonics.
+    // A force whose slope has no bound at rest is a jump to the integrator of what is reported, which knows no joint; a
+    // fit balances harmonics.
     let steep = mode.is_steep() && mode.joint().is_none();
     let stops = mode.dry_friction() > 0.0 || (steep && !with.tolerance.gives_up());
     let (states, ends): (Vec<oscillator::Found>, Vec<f64>) = if stops {
@@ -435,9 +439,9 @@ fn motion_of(found: &oscillator::Found) -> Motion {
     }
 }
 
-/// The end of a branch that is not reached, held against what was measured. A share by which the drive is off weighs as much as the
-/// same share of the amplitude, which is what one makes of the other in a linear mode: the amplitude is given as far from the
-/// measured one as both together are.
+/// The end of a branch that is not reached, held against what was measured. A share by which the drive is off weighs as
+/// much as the same share of the amplitude, which is what one makes of the other in a linear mode: the amplitude is
+/// given as far from the measured one as both together are.
 fn end_of_branch(
     mode: &Alone,
     end: &oscillator::fold::End,

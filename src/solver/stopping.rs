@@ -1,9 +1,10 @@
-//! Periodic states of a single mode that dry friction may bring to rest, or whose damping has no bounded slope at rest: shooting
-//! over one period in time.
+//! Periodic states of a single mode that dry friction may bring to rest, or whose damping has no bounded slope at rest:
+//! shooting over one period in time.
 //!
-//! The linear mode is carried exactly, as the difference from its own answer to the drive; the other forces are linear in time
-//! over a step, dry friction constant. A step ends where the velocity is zero. There the body stays as long as the force on it is
-//! no more than the friction. Derivatives are differences of one cycle each, carried over to the periodic state by its map.
+//! The linear mode is carried exactly, as the difference from its own answer to the drive; the other forces are linear
+//! in time over a step, dry friction constant. A step ends where the velocity is zero. There the body stays as long as
+//! the force on it is no more than the friction. Derivatives are differences of one cycle each, carried over to the
+//! periodic state by its map.
 
 use super::describing::{describing, nearly};
 use super::oscillator::{Found, flow};
@@ -157,8 +158,8 @@ impl<'a> Shot<'a> {
         [steady[0] + carry.by[0] * change, steady[1] + carry.by[1] * change]
     }
 
-    /// By how much the force of the laws differs from `start` at the end of a step that leads to `steady` without that: Newton's
-    /// method for the velocity there, within what is known to enclose it.
+    /// By how much the force of the laws differs from `start` at the end of a step that leads to `steady` without that:
+    /// Newton's method for the velocity there, within what is known to enclose it.
     fn change(&self, steady: [f64; 2], start: f64, carry: &Carry) -> f64 {
         let [by_x, by_v] = carry.by;
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -342,7 +343,8 @@ fn stuck(mode: &dyn SingleMode) -> Found {
     }
 }
 
-/// The periodic state that corrections lead to, by Newton's method where that helps and by following the motion elsewhere.
+/// The periodic state that corrections lead to, by Newton's method where that helps and by following the motion
+/// elsewhere.
 fn periodic(shot: &Shot<'_>, start: [f64; 2], tolerance: &Tolerance, derivatives: bool) -> Option<Found> {
     let omega = shot.mode.omega();
     let mut start = start;

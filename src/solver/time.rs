@@ -1,6 +1,6 @@
-//! Plain time integration with fixed steps: trapezoidal rule for the oscillators (Newmark's average acceleration) and for
-//! the bristles, a scalar search for the slip rate. Slow, simple, and independent of the periodic solvers, with which it
-//! shares only the statement of the laws.
+//! Plain time integration with fixed steps: trapezoidal rule for the oscillators (Newmark's average acceleration) and
+//! for the bristles, a scalar search for the slip rate. Slow, simple, and independent of the periodic solvers, with
+//! which it shares only the statement of the laws.
 
 use crate::effects::Branch;
 use crate::model::continuum::{Element, held};
@@ -31,8 +31,8 @@ impl Plan {
     /// For points without a stable periodic state.
     pub const LOCK_IN: Self = Self { steps: 1000, cycles: 200, settled: 1e-7, window: 100, solved: Self::SOLVED };
 
-    /// The same of many parallel sliders, of which a step takes thirty times the work: fewer cycles. Not fewer steps, of which
-    /// a third takes a motion that excites itself for a steady one.
+    /// The same of many parallel sliders, of which a step takes thirty times the work: fewer cycles. Not fewer steps,
+    /// of which a third takes a motion that excites itself for a steady one.
     pub const LOCK_IN_OF_SLIDERS: Self = Self { cycles: 60, window: 40, solved: 1e-9, ..Self::LOCK_IN };
 
     /// Solved to rounding.
@@ -73,8 +73,8 @@ impl Outcome {
     }
 }
 
-/// Integrates until the motion is periodic, or through the averaging window; or until it is none of numbers, or has taken more
-/// work than such an integration is worth.
+/// Integrates until the motion is periodic, or through the averaging window; or until it is none of numbers, or has
+/// taken more work than such an integration is worth.
 pub fn integrate(system: &dyn SliderSystem, plan: &Plan) -> Outcome {
     let mut state = State::new(system, plan);
     let scale = system.scale().0 / system.lever();

@@ -37,13 +37,14 @@ impl Tolerance {
         self.budget < Self::default().budget
     }
 
-    /// Whether exactly the steps asked for are wanted, to measure the order of convergence: an infinite roughness says so.
+    /// Whether exactly the steps asked for are wanted, to measure the order of convergence: an infinite roughness says
+    /// so.
     pub(super) fn measures_order(&self) -> bool {
         self.roughness.is_infinite()
     }
 
-    /// Factor >= 1 by which steps may be longer than by default: where fewer of them are asked for, that holds for those too
-    /// that follow from the damping of the arm and from the roughness.
+    /// Factor >= 1 by which steps may be longer than by default: where fewer of them are asked for, that holds for
+    /// those too that follow from the damping of the arm and from the roughness.
     pub(super) fn coarsening(&self) -> f64 {
         (Self::default().steps as f64 / self.steps.max(1) as f64).max(1.0)
     }

@@ -36,8 +36,9 @@ pub struct Curve {
     pub frequency: Vec<f64>,
     /// One steady state per frequency.
     pub states: Vec<SteadyState>,
-    /// Where the arm has more than one steady state: what sweeping the frequency downwards finds, one entry per frequency,
-    /// `None` where it is the state in `states`, which were found sweeping upwards. Empty for arms that have but one.
+    /// Where the arm has more than one steady state: what sweeping the frequency downwards finds, one entry per
+    /// frequency, `None` where it is the state in `states`, which were found sweeping upwards. Empty for arms that have
+    /// but one.
     pub down: Vec<Option<SteadyState>>,
     /// One orbit per frequency where orbits were asked for, otherwise empty.
     #[serde(skip)]

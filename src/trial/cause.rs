@@ -139,7 +139,8 @@ fn names(kind: Option<Kind>) -> Vec<String> {
     all.into_iter().filter(|(k, _)| kind.is_none_or(|kind| kind == *k)).map(|(_, name)| name).collect()
 }
 
-/// The causes of a list: names, pairs joined by `+`, and the groups `all`, `effects`, `recalibrations`, `pairs`, `outside`.
+/// The causes of a list: names, pairs joined by `+`, and the groups `all`, `effects`, `recalibrations`, `pairs`,
+/// `outside`.
 ///
 /// # Errors
 /// [`Error::Input`] naming the first that is unknown, with the nearest that is known.

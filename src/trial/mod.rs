@@ -1,10 +1,10 @@
-//! The program examines itself, blind: causes are planted, measured with noise by plain time integration, sealed, searched
-//! for in the table alone, and only then compared with the answer.
+//! The program examines itself, blind: causes are planted, measured with noise by plain time integration, sealed,
+//! searched for in the table alone, and only then compared with the answer.
 //!
 //! `cause` lists what is planted, `outside` holds causes that the catalogue does not have; `draw` chooses strengths,
 //! `generate` integrates, `visible` says whether the data could show it; `table` adds noise and writes what the search
-//! reads, `answer` what it must not; `examine` searches, `score` judges, `record` keeps a finished trial, `summary` counts,
-//! `agreement` holds two runs against each other, `committed` holds the results that come with the program.
+//! reads, `answer` what it must not; `examine` searches, `score` judges, `record` keeps a finished trial, `summary`
+//! counts, `agreement` holds two runs against each other, `committed` holds the results that come with the program.
 
 mod agreement;
 mod answer;

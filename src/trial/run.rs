@@ -133,8 +133,8 @@ fn write(
     Ok(blake3::hash(text.as_bytes()).to_hex().to_string())
 }
 
-/// Draws until the data could show the cause and the motion is steady everywhere; the readings without noise of the draw
-/// that was kept, or none.
+/// Draws until the data could show the cause and the motion is steady everywhere; the readings without noise of the
+/// draw that was kept, or none.
 pub fn plant(bench: &Bench, options: &Options, cause: &Cause, seed: u32, noise: f64) -> (Answer, Option<Vec<Reading>>) {
     let mut rng = stream(&["draw", &cause.name(), &seed.to_string()]);
     let mut draws = Draws::default();

@@ -28,7 +28,8 @@ pub fn table(bench: &Bench, readings: &[Reading], noise: f64, outliers: f64, pha
             let normal: f64 = StandardNormal.sample(&mut rng);
             noise * (normal + off())
         };
-        // Both are drawn whether or not they are shown, so that tables with and without phases have the same amplitudes.
+        // Both are drawn whether or not they are shown, so that tables with and without phases have the same
+        // amplitudes.
         let (by, turn) = (deviation(), deviation());
         let amplitude = (reading.amplitude * (1.0 + by)).abs();
         let sd = noise * reading.amplitude;

@@ -105,7 +105,8 @@ const KINDS: &[(Dimension, &str)] = &[
     ([0, 0, 0, 1], "a voltage"),
 ];
 
-/// Reads `"20 mm/s"` as a value in SI; `si_unit` states the dimension that is needed, in units without prefix (`m/s`, `kg`).
+/// Reads `"20 mm/s"` as a value in SI; `si_unit` states the dimension that is needed, in units without prefix (`m/s`,
+/// `kg`).
 pub fn parse(text: &str, si_unit: &str) -> Result<f64, UnitError> {
     let text = text.trim();
     let example = format!("1 {}", if si_unit == "1" { "%" } else { si_unit });

@@ -38,8 +38,8 @@ fn with_digits(value: f64, si_unit: &str, figures: usize) -> String {
     format!("{} {prefix}{si_unit}", digits(figures, value / scale))
 }
 
-/// Significant digits of the estimate and the ends of an interval: up to the second digit of the shorter half; three where the
-/// interval is as wide as the estimate is large.
+/// Significant digits of the estimate and the ends of an interval: up to the second digit of the shorter half; three
+/// where the interval is as wide as the estimate is large.
 pub fn interval_digits([value, low, high]: [f64; 3]) -> [usize; 3] {
     let width = (high - value).abs().min((value - low).abs());
     if !(width.is_finite() && width > 0.0 && (high - low).abs() < value.abs()) {

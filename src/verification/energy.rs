@@ -18,8 +18,8 @@ const CONDITIONS: [(f64, f64, f64); 5] =
 
 /// The balance for every effect that acts beside a contact, at typical parameters.
 pub fn every_effect() -> Vec<Check> {
-    // The period of sliders, or of bristles that remember, is not one cycle of one system; the energies of their loops are known
-    // in closed form.
+    // The period of sliders, or of bristles that remember, is not one cycle of one system; the energies of their loops
+    // are known in closed form.
     let single = |effect: &&&dyn Effect| !effects::slides(**effect, &effects::typical(**effect));
     let fits = |effect: &&&dyn Effect| effects::fits_rig(**effect, true).is_ok();
     let effects: Vec<_> = effects::REGISTRY.iter().filter(single).filter(fits).collect();

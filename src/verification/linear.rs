@@ -63,8 +63,8 @@ pub fn rate_strengthening() -> Vec<Check> {
     vec![largest("Rate strengthening in full slip", how, found, 1e-5)]
 }
 
-/// Full slip, u0 -> 0: eta(w) = N/(V + v0) [a - B (v0/V)/(1 + i w Dc/V)], the derivative of the law as it stands, with the
-/// one under each logarithm. Without those ones it is the (N/V)[a - B/(1 + i w Dc/V)] of Ruina (1983).
+/// Full slip, u0 -> 0: eta(w) = N/(V + v0) [a - B (v0/V)/(1 + i w Dc/V)], the derivative of the law as it stands, with
+/// the one under each logarithm. Without those ones it is the (N/V)[a - B/(1 + i w Dc/V)] of Ruina (1983).
 pub fn rate_and_state() -> Vec<Check> {
     let (a, b, v0, dc) = (0.1, 0.06, 0.05, 6e-5);
     let found = full_slip(&with("rate-and-state", &[a, b, v0, dc]), 1e-10, |w| {
@@ -75,8 +75,8 @@ pub fn rate_and_state() -> Vec<Check> {
     vec![largest("Rate-and-state in full slip", how, found, 1e-5)]
 }
 
-/// LuGre (Canudas de Wit et al., IEEE Trans. Autom. Control 40, 1995) with constant mu has no linear response in full slip
-/// but for its viscous term: Z = i w sigma2.
+/// LuGre (Canudas de Wit et al., IEEE Trans. Autom. Control 40, 1995) with constant mu has no linear response in full
+/// slip but for its viscous term: Z = i w sigma2.
 pub fn lugre() -> Vec<Check> {
     let sigma = 8.0;
     let model = with("lugre", &[sigma]);
@@ -88,8 +88,8 @@ pub fn lugre() -> Vec<Check> {
     vec![largest("LuGre in full slip", how, found, 1e-5)]
 }
 
-/// Ruina, Slip instability and state variable friction laws, J. Geophys. Res. 88 (1983): sliding through springs softer than
-/// (B - a) N/Dc is unstable; with the ones under the logarithms and V = v0 both coefficients count half.
+/// Ruina, Slip instability and state variable friction laws, J. Geophys. Res. 88 (1983): sliding through springs softer
+/// than (B - a) N/Dc is unstable; with the ones under the logarithms and V = v0 both coefficients count half.
 pub fn critical_stiffness() -> Vec<Check> {
     let (a, b, dc) = (0.01, 0.05, 1e-4);
     let expected = 0.5 * (b - a) * 20.0 / dc;

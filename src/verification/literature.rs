@@ -8,10 +8,10 @@ use crate::solver::cycle::Tolerance;
 use crate::solver::{Status, Warm, orbit, solve};
 use std::f64::consts::{PI, TAU};
 
-/// Den Hartog, Forced vibrations with combined Coulomb and viscous friction, Trans. ASME 53 (1931): motion without stops,
-/// peak displacement times k over P, friction beta P. At r = w/wn, with q = sqrt(1 - zeta^2):
-/// x k/P = -G beta + sqrt(V^2 - (H beta)^2), V^-2 = (1 - r^2)^2 + (2 zeta r)^2,
-/// G = [sinh(zeta pi/r) - zeta/q sin(q pi/r)]/D, H = sin(q pi/r)/(q r D), D = cosh(zeta pi/r) + cos(q pi/r).
+/// Den Hartog, Forced vibrations with combined Coulomb and viscous friction, Trans. ASME 53 (1931): motion without
+/// stops, peak displacement times k over P, friction beta P. At r = w/wn, with q = sqrt(1 - zeta^2): x k/P = -G beta +
+/// sqrt(V^2 - (H beta)^2), V^-2 = (1 - r^2)^2 + (2 zeta r)^2, G = [sinh(zeta pi/r) - zeta/q sin(q pi/r)]/D, H = sin(q
+/// pi/r)/(q r D), D = cosh(zeta pi/r) + cos(q pi/r).
 pub fn den_hartog() -> Vec<Check> {
     let rows = [(0.8, 0.05, 0.2), (1.2, 0.05, 0.2), (0.9, 0.1, 0.3), (1.0, 0.1, 0.4)];
     rows.map(|(r, zeta, beta)| {
@@ -30,8 +30,8 @@ pub fn den_hartog() -> Vec<Check> {
 
 fn den_hartog_peak(r: f64, zeta: f64, beta: f64) -> f64 {
     let mut model = Model::new(&scenario::paper());
-    // Springs without damping make the drive torque a u0 k0 = P. The contact is as good as rigid, and critically damped so
-    // that it does not ring.
+    // Springs without damping make the drive torque a u0 k0 = P. The contact is as good as rigid, and critically damped
+    // so that it does not ring.
     let (stiffness, inertia, b) = (arm_stiffness(&model), model.rig.arm().inertia, model.rig.lever());
     model.rig.arm_mut().spring_damping = 0.0;
     model.rig.arm_mut().torsional_damping = 2.0 * zeta * (inertia * stiffness).sqrt();
@@ -52,9 +52,9 @@ const RIGID: f64 = 3e4;
 /// Stroke over the stretch at which the slider gives way.
 const JENKINS: [f64; 3] = [1.2, 2.0, 5.0];
 
-/// Jenkins element, a spring in series with a slider: Caughey, Sinusoidal excitation of a system with bilinear hysteresis,
-/// J. Appl. Mech. 27 (1960). For a stroke A times the stretch at slip, cos theta = 1 - 2/A: secant stiffness
-/// (theta - sin(2 theta)/2)/pi, quadrature 4 (A - 1)/(pi A^2), energy of the loop 4 F (X - X/A).
+/// Jenkins element, a spring in series with a slider: Caughey, Sinusoidal excitation of a system with bilinear
+/// hysteresis, J. Appl. Mech. 27 (1960). For a stroke A times the stretch at slip, cos theta = 1 - 2/A: secant
+/// stiffness (theta - sin(2 theta)/2)/pi, quadrature 4 (A - 1)/(pi A^2), energy of the loop 4 F (X - X/A).
 pub fn jenkins() -> Vec<Check> {
     let mut checks = Vec::new();
     for ratio in JENKINS {
@@ -78,8 +78,8 @@ pub fn jenkins() -> Vec<Check> {
     checks
 }
 
-/// Secant stiffness, quadrature and energy of the loop, over kc, kc and kc X^2; from the force itself, since the arm hardly
-/// feels it.
+/// Secant stiffness, quadrature and energy of the loop, over kc, kc and kc X^2; from the force itself, since the arm
+/// hardly feels it.
 fn jenkins_loop(ratio: f64) -> [f64; 3] {
     let mut model = Model::new(&scenario::paper());
     model.contact.damping = 0.0;
@@ -101,8 +101,8 @@ fn jenkins_loop(ratio: f64) -> [f64; 3] {
     if path.time.is_empty() { [f64::NAN; 3] } else { [sums[0] / scale, sums[1] / scale, sums[2] / (scale * stroke)] }
 }
 
-/// A continuum of sliders under an arm that moves as if it were free, with the stroke X at `reach` of the stretch at which
-/// the last one gives way; the dynamic stiffness of the contact over kc.
+/// A continuum of sliders under an arm that moves as if it were free, with the stroke X at `reach` of the stretch at
+/// which the last one gives way; the dynamic stiffness of the contact over kc.
 fn continuum(n: f64, reach: f64) -> (f64, f64) {
     let mut model = with("partial-slip", &[n]);
     model.contact.damping = 0.0;
@@ -113,8 +113,8 @@ fn continuum(n: f64, reach: f64) -> (f64, f64) {
     (found.re, found.im)
 }
 
-/// Masing, Eigenspannungen und Verfestigung beim Messing (1926): each branch of the loop is the first loading doubled and
-/// shifted. Fundamental of that loop by quadrature, for the first loading F = mu N [1 - (1 - x/xm)^2].
+/// Masing, Eigenspannungen und Verfestigung beim Messing (1926): each branch of the loop is the first loading doubled
+/// and shifted. Fundamental of that loop by quadrature, for the first loading F = mu N [1 - (1 - x/xm)^2].
 pub fn masing() -> Vec<Check> {
     let (n, reach) = (2.0, 0.6);
     // In units of kc X for the force and of X for the stretch.
@@ -142,9 +142,10 @@ pub fn masing() -> Vec<Check> {
     ]
 }
 
-/// Hertz-Mindlin-Cattaneo, the ball on a flat (n = 3/2): Mindlin and Deresiewicz, Elastic spheres in contact under varying
-/// oblique forces, J. Appl. Mech. 20 (1953). Energy of the loop of force amplitude q mu N, times k0/(mu N)^2:
-/// 36/5 {1 - (1 - q)^(5/3) - 5/6 q [1 + (1 - q)^(2/3)]}. Of a harmonic motion the quadrature does all the work, pi X^2 Im Z.
+/// Hertz-Mindlin-Cattaneo, the ball on a flat (n = 3/2): Mindlin and Deresiewicz, Elastic spheres in contact under
+/// varying oblique forces, J. Appl. Mech. 20 (1953). Energy of the loop of force amplitude q mu N, times k0/(mu N)^2:
+/// 36/5 {1 - (1 - q)^(5/3) - 5/6 q [1 + (1 - q)^(2/3)]}. Of a harmonic motion the quadrature does all the work, pi X^2
+/// Im Z.
 pub fn mindlin() -> Vec<Check> {
     [0.3f64, 0.7, 0.95]
         .map(|q| {
@@ -158,8 +159,8 @@ pub fn mindlin() -> Vec<Check> {
         .to_vec()
 }
 
-/// Duffing, Erzwungene Schwingungen bei veraenderlicher Eigenfrequenz (1918), in one harmonic: at the phase of -90 degrees
-/// against the drive torque the response lies on the backbone w^2 = (K + 3/4 K3 alpha^2)/J.
+/// Duffing, Erzwungene Schwingungen bei veraenderlicher Eigenfrequenz (1918), in one harmonic: at the phase of -90
+/// degrees against the drive torque the response lies on the backbone w^2 = (K + 3/4 K3 alpha^2)/J.
 pub fn duffing() -> Vec<Check> {
     // A lightly damped arm in full slip under hardly any load, so that the static angle is nothing.
     let k3 = 2e9;

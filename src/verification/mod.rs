@@ -1,5 +1,5 @@
-//! Numbers that prove the solvers in every run: closed forms of the literature, exact invariants, one method against the
-//! other.
+//! Numbers that prove the solvers in every run: closed forms of the literature, exact invariants, one method against
+//! the other.
 
 mod bench;
 mod convergence;

@@ -83,8 +83,8 @@ fn sample(outcome: &Outcome) -> Vec<(usize, usize)> {
             (0..curve.states.len()).filter(|&f| of_solver(&curve.states[f]) && !branches(curve, f)).map(move |f| (c, f))
         })
         .collect();
-    // One in each of as many equal parts, at shares of the part that do not repeat, so that curves of one length are not
-    // always met at the same frequencies.
+    // One in each of as many equal parts, at shares of the part that do not repeat, so that curves of one length are
+    // not always met at the same frequencies.
     let count = points.len().min(POINTS);
     let share = |i: usize| (i as f64 + (0.5 + 0.618 * i as f64).fract()) / count as f64;
     let mut sample: Vec<_> = (0..count).map(|i| points[(share(i) * points.len() as f64) as usize]).collect();

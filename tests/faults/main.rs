@@ -1,4 +1,5 @@
-//! What goes wrong outside the program: files of others in the way, full disks, closed outputs, kills, two runs at once.
+//! What goes wrong outside the program: files of others in the way, full disks, closed outputs, kills, two runs at
+//! once.
 #![cfg(unix)]
 
 mod surroundings;
@@ -451,7 +452,8 @@ fn a_scenario_may_have_the_name_of_a_result() {
     assert!(dir.join("output/report.html").is_file() && dir.join("output/report.html-2/curves.csv").is_file());
 }
 
-/// A contact without a load at any reading leaves its effects without a size: nothing is searched for, and nothing panics.
+/// A contact without a load at any reading leaves its effects without a size: nothing is searched for, and nothing
+/// panics.
 #[test]
 fn readings_without_any_load_are_searched_and_an_effect_without_a_size_is_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -209,7 +209,8 @@ fn samples_in_time_are_recognised() {
     assert!(message.contains("no column for frequency"), "{message}");
 }
 
-/// A resonance as students write it down: frequency, amplitude in cm, its deviation and a phase in degrees, in the rows of `header`.
+/// A resonance as students write it down: frequency, amplitude in cm, its deviation and a phase in degrees, in the rows
+/// of `header`.
 fn written(header: &str, sign: f64) -> String {
     driven(header, sign, 0.2)
 }
@@ -249,7 +250,8 @@ fn a_table_without_a_drive_is_of_one_setting() {
     assert_eq!((stated.signals.drive.unit, stated.points[0].drive), ("N", 3.0), "of the sweep");
 }
 
-/// An impedance, an admittance in parts, a current that a voltage drives: signals that go with the motion of what is driven electrically.
+/// An impedance, an admittance in parts, a current that a voltage drives: signals that go with the motion of what is
+/// driven electrically.
 #[test]
 fn electrical_signals_are_readings() {
     let row = |cells: fn(f64) -> String| (0..24).map(|n| cells(0.5 + 0.02 * f64::from(n))).collect::<String>();
@@ -283,7 +285,8 @@ fn electrical_signals_are_readings() {
     }
 }
 
-/// The voltage of a generator beside what it shakes, in the words and units of laboratories: what each row reads at 0.7 Hz.
+/// The voltage of a generator beside what it shakes, in the words and units of laboratories: what each row reads at 0.7
+/// Hz.
 #[test]
 fn a_voltage_beside_a_reading_drives_it() {
     let row = |order: [usize; 4], n: i32| {
@@ -366,7 +369,8 @@ fn numbers_and_names_tell_what_units_do_not() {
     assert_eq!(table.signals.reading.unit, "rad");
 }
 
-/// Up and down again, or on after a step back: where such sweeps agree one drive is taken for all, where they do not it has to be stated.
+/// Up and down again, or on after a step back: where such sweeps agree one drive is taken for all, where they do not it
+/// has to be stated.
 #[test]
 fn sweeps_that_agree_are_of_one_drive() {
     let row = |f: f64, drive: f64| format!("{f:.4},{:.5}\n", drive / (0.49 - f * f).hypot(0.7 * f / 8.0));

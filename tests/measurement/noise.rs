@@ -171,7 +171,8 @@ fn the_order_of_rows_does_not_change_estimates_by_a_bit() {
     }
 }
 
-/// Resonances at 72 Hz with Q = 60 at three drives, 80 frequencies each: noise in proportion, and that of an amplifier in both parts.
+/// Resonances at 72 Hz with Q = 60 at three drives, 80 frequencies each: noise in proportion, and that of an amplifier
+/// in both parts.
 fn with_floor(noise: &mut Noise, share: f64, floor: f64) -> Vec<Point> {
     let point = |row: usize| {
         let (series, n) = (row / 80, row % 80);

@@ -1,7 +1,9 @@
-//! Laws of the body's motion where it was measured, one or two at once: where neither of two does any good alone, and beside any fold.
+//! Laws of the body's motion where it was measured, one or two at once: where neither of two does any good alone, and
+//! beside any fold.
 //!
-//! Every reading asks for a dynamic stiffness, drive over motion. At the motion that was measured that is linear in the strengths of all laws of
-//! force, and in stiffness and damping of the rig: what one or two of many laws leave is a least-squares problem of as many numbers.
+//! Every reading asks for a dynamic stiffness, drive over motion. At the motion that was measured that is linear in the
+//! strengths of all laws of force, and in stiffness and damping of the rig: what one or two of many laws leave is a
+//! least-squares problem of as many numbers.
 
 use super::{Count, Parent, SINGULAR, Start};
 use crate::discover::data::Data;
@@ -82,8 +84,8 @@ struct Together<'l> {
 }
 
 impl Parent<'_> {
-    /// The model with an addition about as the readings ask for it, and with its own numbers as they are beside that; `None` of what is no law of
-    /// force, and of a model with a contact, whose forces are no law of one motion.
+    /// The model with an addition about as the readings ask for it, and with its own numbers as they are beside that;
+    /// `None` of what is no law of force, and of a model with a contact, whose forces are no law of one motion.
     pub fn with_law(
         &self,
         data: &Data<'_>,
@@ -133,8 +135,9 @@ impl Parent<'_> {
         found.into_iter().map(|found| Pair { additions: additions(&found.model), model: found.model }).collect()
     }
 
-    /// Laws about what was found, in rounds: the rig's own numbers may have been calibrated far from where they are beside the laws, where they
-    /// are no longer linear, and readings that are far off what the laws leave lose their pull.
+    /// Laws about what was found, in rounds: the rig's own numbers may have been calibrated far from where they are
+    /// beside the laws, where they are no longer linear, and readings that are far off what the laws leave lose their
+    /// pull.
     fn polished(&self, parameters: &[Parameter], mut found: Found, spent: &AtomicUsize) -> Found {
         for _ in 0..ROUNDS {
             let mut base = found.model.clone();
@@ -277,8 +280,8 @@ impl<'p> Numbers<'p> {
         numbers
     }
 
-    /// The dynamic stiffness of a model at every motion that was measured, over the one that the reading asks for. A phase that was not measured
-    /// is that of the parent.
+    /// The dynamic stiffness of a model at every motion that was measured, over the one that the reading asks for. A
+    /// phase that was not measured is that of the parent.
     fn given(&self, model: &Model) -> Vec<Complex<f64>> {
         let of = |(point, prediction): (&&Point, &Prediction)| {
             let mode = Alone::new(model, &operation(point));
@@ -304,8 +307,8 @@ impl<'p> Numbers<'p> {
         DVector::from_vec(self.parent.problem.points().iter().zip(given).enumerate().flat_map(of).collect())
     }
 
-    /// What a model leaves, about as it leaves it of the readings: the error of a motion is that of the stiffness over the stiffness
-    /// (Sanathanan and Koerner 1963).
+    /// What a model leaves, about as it leaves it of the readings: the error of a motion is that of the stiffness over
+    /// the stiffness (Sanathanan and Koerner 1963).
     fn left_by(&self, model: &Model) -> DVector<f64> {
         self.rows(&self.given(model), |at| self.weights[at])
     }
@@ -370,7 +373,8 @@ impl<'p> Numbers<'p> {
         all.filter_map(|laws| self.together(laws)).max_by(Together::order)
     }
 
-    /// The same at a better place near it, by steps along one parameter after the other; counts the laws that were looked at.
+    /// The same at a better place near it, by steps along one parameter after the other; counts the laws that were
+    /// looked at.
     fn refined<'l>(&self, mut best: Together<'l>, spent: &AtomicUsize) -> Together<'l> {
         for halving in 0..HALVINGS {
             let step = 0.5_f64.powi(halving + 2);
@@ -437,7 +441,8 @@ drive = '1 N'
 free = ['rig.natural_frequency', 'rig.quality_factor']
 ";
 
-    /// Readings at three drives of a joint that slips as a whole and a spring that hardens: the joint alone, or the spring alone, leaves nearly all.
+    /// Readings at three drives of a joint that slips as a whole and a spring that hardens: the joint alone, or the
+    /// spring alone, leaves nearly all.
     #[test]
     fn a_joint_and_a_spring_that_hardens_are_told_together_with_their_strengths() {
         let scenario = crate::scenario::load_text("rig.toml", RIG).expect("a scenario");

@@ -244,7 +244,8 @@ fn constant(value: f64) -> Jet {
     jet
 }
 
-/// A function of `a` with this value and slope. Where the slope is infinite, what `a` does not depend on stays without effect.
+/// A function of `a` with this value and slope. Where the slope is infinite, what `a` does not depend on stays without
+/// effect.
 fn chain(a: &mut Jet, value: f64, slope: f64) {
     a[0] = value;
     if slope.is_finite() {

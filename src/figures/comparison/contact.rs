@@ -1,6 +1,6 @@
-//! What the contact must have done: dynamic stiffness and damping from the readings and the rig alone, beside those of the
-//! model; against frequency, or against the amplitude of the arm's speed. Without a contact the same of the force that is
-//! missing in the linear rig, against frequency or against the amplitude of the motion.
+//! What the contact must have done: dynamic stiffness and damping from the readings and the rig alone, beside those of
+//! the model; against frequency, or against the amplitude of the arm's speed. Without a contact the same of the force
+//! that is missing in the linear rig, against frequency or against the amplitude of the motion.
 
 mod text;
 

@@ -1,7 +1,7 @@
 //! Figures of a comparison: a [`Comparison`] in, SVG, CSV and caption out.
 //!
-//! `words` says how conditions are named and chosen, `sigma` how residuals are scaled, `grid` where small multiples stand,
-//! `multiples` draws what they share, `stack` what a narrow screen shows of them.
+//! `words` says how conditions are named and chosen, `sigma` how residuals are scaled, `grid` where small multiples
+//! stand, `multiples` draws what they share, `stack` what a narrow screen shows of them.
 
 mod budget;
 mod columns;

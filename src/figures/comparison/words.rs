@@ -148,8 +148,8 @@ pub fn shown(comparison: &Comparison) -> (Vec<usize>, String) {
     (worst(comparison, MOST), told)
 }
 
-/// Whether amplitudes are shown per drive: where there are several drives, so that one scale serves all, or where a drive
-/// changes along a curve.
+/// Whether amplitudes are shown per drive: where there are several drives, so that one scale serves all, or where a
+/// drive changes along a curve.
 pub fn per_drive(comparison: &Comparison) -> bool {
     comparison.conditions.windows(2).any(|pair| pair[0].setting.drive != pair[1].setting.drive)
         || comparison.table.series.iter().any(|series| series.drives.0 != series.drives.1)

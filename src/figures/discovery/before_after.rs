@@ -1,6 +1,7 @@
 //! The first picture of a table: readings and model before and after, where it fails most, and the fall of the error.
 //!
-//! The CSV holds the model at every strength and for every part of what was found; the page draws these in place of the fit.
+//! The CSV holds the model at every strength and for every part of what was found; the page draws these in place of the
+//! fit.
 
 use crate::compare::Compared;
 use crate::discover::{Discovery, Fall, STRENGTHS, State, Step};

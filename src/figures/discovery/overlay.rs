@@ -1,4 +1,5 @@
-//! One curve per step over the measured points, at the conditions with the largest misfit of the base; the errors beneath.
+//! One curve per step over the measured points, at the conditions with the largest misfit of the base; the errors
+//! beneath.
 
 use super::{color, dash, ladder_of};
 use crate::compare::Compared;

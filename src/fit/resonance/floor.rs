@@ -1,8 +1,8 @@
 //! A resonance beside something constant that is read with it: a peak on a floor, a notch, what is neither (Fano 1961).
 //!
-//! Against d = w^2/wc^2 - 1 the reading per drive is H = B + c/(d - p) with a complex pole p; multiplied by d - p that is linear in p, B and
-//! c - B p (Levy 1959), and with the weights 1/|d - p| of the pole before the residual is that of H (Sanathanan and Koerner 1963). Of
-//! amplitudes alone |H|^2 is a ratio of two parabolas, and the same holds.
+//! Against d = w^2/wc^2 - 1 the reading per drive is H = B + c/(d - p) with a complex pole p; multiplied by d - p that
+//! is linear in p, B and c - B p (Levy 1959), and with the weights 1/|d - p| of the pole before the residual is that of
+//! H (Sanathanan and Koerner 1963). Of amplitudes alone |H|^2 is a ratio of two parabolas, and the same holds.
 
 use super::Resonance;
 use crate::fit::{MARGIN, schwarz};
@@ -51,7 +51,8 @@ struct Pole {
     phase: Option<f64>,
 }
 
-/// Of a cable, too, which turns the phase in proportion to the frequency: as the readings say that stand between others, or not at all.
+/// Of a cable, too, which turns the phase in proportion to the frequency: as the readings say that stand between
+/// others, or not at all.
 fn of_responses(d: &[f64], response: &[Complex<f64>]) -> Option<Pole> {
     let mut order: Vec<usize> = (0..d.len()).collect();
     order.sort_by(|&a, &b| d[a].total_cmp(&d[b]));
@@ -67,7 +68,8 @@ fn of_responses(d: &[f64], response: &[Complex<f64>]) -> Option<Pole> {
     Some(Pole { phase: pole.phase.map(|phase| phase + slope * pole.shift), ..pole })
 }
 
-/// A pole beside something constant (N = 3), or that changes in proportion to the frequency (N = 4), and the criterion of what it leaves.
+/// A pole beside something constant (N = 3), or that changes in proportion to the frequency (N = 4), and the criterion
+/// of what it leaves.
 fn beside<const N: usize>(d: &[f64], response: &[Complex<f64>]) -> Option<(f64, Pole)> {
     let mean = response.iter().sum::<Complex<f64>>() / d.len() as f64;
     let h: Vec<Complex<f64>> = response.iter().map(|value| value - mean).collect();
@@ -113,8 +115,8 @@ fn of_squares(d: &[f64], squares: &[f64]) -> Option<Pole> {
     (pays && width > 0.0 && peak > 0.0).then_some(Pole { shift, width, peak, phase: None })
 }
 
-/// Whether a resonance alone, which leaves so much of the squares of responses, tells more of them than a parabola, which has as many
-/// numbers: what is far wider than the readings is none of theirs.
+/// Whether a resonance alone, which leaves so much of the squares of responses, tells more of them than a parabola,
+/// which has as many numbers: what is far wider than the readings is none of theirs.
 pub(super) fn is_no_parabola(responses: &[(f64, f64)], left: f64) -> bool {
     let row = |i: usize, _: Option<&[f64; 3]>| {
         let (d, value) = responses[i];

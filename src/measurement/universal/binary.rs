@@ -1,5 +1,5 @@
-//! Dataset 58b: the records of dataset 58 and then its numbers in binary form. They are written out as text, so that there is one form
-//! to read.
+//! Dataset 58b: the records of dataset 58 and then its numbers in binary form. They are written out as text, so that
+//! there is one form to read.
 
 use std::fmt::Write as _;
 

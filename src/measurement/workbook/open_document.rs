@@ -1,4 +1,5 @@
-//! Workbooks of LibreOffice and others: all sheets in one part, where equal cells and rows that follow each other stand once.
+//! Workbooks of LibreOffice and others: all sheets in one part, where equal cells and rows that follow each other stand
+//! once.
 
 use super::archive::Archive;
 use super::grid::Grid;

@@ -7,7 +7,8 @@ use crate::model::system::{Affine, Evaluation, Forcing, HybridSystem, MAX_STATES
 const SMALL_SLIP: f64 = 1e-6;
 
 impl Problem {
-    /// The constraint of slip in direction `sign`: the bristles pull as hard as friction holds; what is zero is left as it is.
+    /// The constraint of slip in direction `sign`: the bristles pull as hard as friction holds; what is zero is left as
+    /// it is.
     fn slip_at_limit(&self, forcing: &Forcing, z: &[f64], s: f64, sign: f64, out: &mut Evaluation) {
         let (x, b) = (self.at.x, self.b);
         let th = forcing.angle + z[0];
@@ -282,7 +283,8 @@ impl HybridSystem for Problem {
                 let resistance = self.cc + self.bristle_law(z[self.at.x], p.d).d_second + slope * p.normal;
                 let s = if resistance < 0.0 {
                     // Weakening steeper than the bristles' damping: the slip rate jumps to the next stable branch.
-                    // Looked for from a small rate, since the force at the end of stick is at its limit to rounding only.
+                    // Looked for from a small rate, since the force at the end of stick is at its limit to rounding
+                    // only.
                     let small = SMALL_SLIP * self.slip_scale();
                     sign * self.slip_root_above(forcing, z, sign, (0.0, small)).unwrap_or(0.0)
                 } else if resistance == 0.0 {

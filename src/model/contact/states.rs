@@ -91,8 +91,8 @@ impl Problem {
             .then(|| self.static_contact())
     }
 
-    /// Mean angle of the arm and normal load under sliding friction `mu`: K th = torque(th) + b F, the load and the torque
-    /// depending on the angle. The load given, where there is no such equilibrium.
+    /// Mean angle of the arm and normal load under sliding friction `mu`: K th = torque(th) + b F, the load and the
+    /// torque depending on the angle. The load given, where there is no such equilibrium.
     pub(super) fn deflection(&self, mu: f64) -> (f64, f64) {
         let drag = self.sigma2 * self.speed;
         let (coupling, stiffness) = (self.load_stiffness * self.b, self.k / self.inverse_inertia);
@@ -116,7 +116,8 @@ impl Problem {
         (linear, self.load)
     }
 
-    /// Stretch of bristles at rest under a force: kc x + law(x) = F, or that of the stiffness alone where there is none.
+    /// Stretch of bristles at rest under a force: kc x + law(x) = F, or that of the stiffness alone where there is
+    /// none.
     pub(super) fn stretch_under(&self, force: f64) -> f64 {
         let stiffness = self.kc + self.cc * self.renewal;
         let linear = force / stiffness;

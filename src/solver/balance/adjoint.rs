@@ -10,8 +10,8 @@ use super::{Balancing, HARMONICS, ITERATIONS, larger};
 use crate::model::system::{MAX_COLUMNS, MAX_STATES, ParameterColumns};
 
 impl<const N: usize> Balancing<'_, N> {
-    /// Derivatives of the fundamental by the columns, by the adjoint method: the equations of the adjoint are solved by the
-    /// same iteration, for the real and the imaginary part in turn.
+    /// Derivatives of the fundamental by the columns, by the adjoint method: the equations of the adjoint are solved by
+    /// the same iteration, for the real and the imaginary part in turn.
     pub(super) fn columns(&self) -> Option<Vec<Complex>> {
         // A = (2i/T) integral of z e^{-iwt}
         let functional = |part: fn(Complex) -> f64| -> Vec<f64> {

@@ -82,7 +82,8 @@ impl<const N: usize> Balancing<'_, N> {
         s.is_finite().then_some((z, (self.mode, s)))
     }
 
-    /// Lays the series out at equidistant instants; the algebraic unknown as at the instants before them, or as guessed.
+    /// Lays the series out at equidistant instants; the algebraic unknown as at the instants before them, or as
+    /// guessed.
     pub(super) fn spread(&mut self, count: usize) {
         let before: Vec<f64> = self.samples.iter().map(|sample| sample.s).collect();
         let harmonics = count / 2 - 1;

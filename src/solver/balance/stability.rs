@@ -9,8 +9,8 @@ use super::{Balancing, Sample, larger};
 use crate::model::system::{MAX_STATES, Mode};
 use std::f64::consts::TAU;
 
-/// Largest modulus of the Floquet multipliers of a motion that is stable beyond doubt, by a bound and by a product over few
-/// instants, which counts fast changes of the slopes too little; of other motions shooting knows more.
+/// Largest modulus of the Floquet multipliers of a motion that is stable beyond doubt, by a bound and by a product over
+/// few instants, which counts fast changes of the slopes too little; of other motions shooting knows more.
 const STABLE: f64 = 1.0 - 1e-4;
 const SURELY_STABLE: f64 = 0.99;
 
@@ -23,7 +23,8 @@ impl<const N: usize> Balancing<'_, N> {
             let rows = sample.slope.iter().zip(&mean);
             rows.map(|(row, mean)| row.iter().zip(mean).map(|(a, b)| (a - b).abs()).sum()).fold(0.0, larger)
         };
-        // At resonances of the disturbances with the drive a change of the slopes shifts the multipliers in first order.
+        // At resonances of the disturbances with the drive a change of the slopes shifts the multipliers in first
+        // order.
         let shift = 2.0 * period * self.samples.iter().map(change).fold(0.0, larger);
         if self.radius(exponential(&mean, period)) + shift < STABLE {
             return true;

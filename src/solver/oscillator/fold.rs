@@ -1,7 +1,8 @@
 //! The end of a branch of states: the least drive, or the largest, at which there is a state of the kind.
 //!
-//! A reading that is on a branch which a model does not quite reach is no reading of the other branch. Held against the end of
-//! its branch, by how far that is off in amplitude and in drive, it leads a fit there without a step in the misfit.
+//! A reading that is on a branch which a model does not quite reach is no reading of the other branch. Held against the
+//! end of its branch, by how far that is off in amplitude and in drive, it leads a fit there without a step in the
+//! misfit.
 
 use super::super::describing::{GRID_PER_DECADE, end_by_numbers};
 use super::{Balance, Found, Laid, STEPS, Tolerance, evaluate, one_harmonic, projected, with_harmonics};
@@ -21,8 +22,8 @@ const FARTHEST: f64 = std::f64::consts::LN_10 / GRID_PER_DECADE;
 pub struct End {
     /// What is read of it, its derivatives in one harmonic.
     pub found: Found,
-    /// Logarithm of the factor to the drive at which the branch ends: above zero the branch is not reached. Of a branch that ends
-    /// for too much drive, that of its inverse.
+    /// Logarithm of the factor to the drive at which the branch ends: above zero the branch is not reached. Of a branch
+    /// that ends for too much drive, that of its inverse.
     pub lacks: f64,
     /// Derivatives of that by M, C, K, the drive, the joint's numbers and dry friction.
     pub by: [f64; 9],

@@ -1,5 +1,5 @@
-//! Causes that the catalogue does not have, with a time integration of their own. None of them is an effect of the registry,
-//! so that no search can find one: at best it says that something is left unexplained.
+//! Causes that the catalogue does not have, with a time integration of their own. None of them is an effect of the
+//! registry, so that no search can find one: at best it says that something is left unexplained.
 
 mod backlash;
 mod cubic_spring;

@@ -1,5 +1,5 @@
-//! The rig integrated in time with a departure from the base: trapezoidal rule with fixed steps, Newton's method for the
-//! rate at which the bristles stretch. Written for this purpose alone; it knows no effect of the catalogue.
+//! The rig integrated in time with a departure from the base: trapezoidal rule with fixed steps, Newton's method for
+//! the rate at which the bristles stretch. Written for this purpose alone; it knows no effect of the catalogue.
 
 use super::Departure;
 use crate::model::{Model, Operation};
