@@ -310,12 +310,44 @@ fn spelt(text: &str) -> String {
     spelt.trim().into()
 }
 
+/// The symbol of a unit that is written out, as `kilohertz` or `Volts`.
+fn written_out(word: &str) -> Option<String> {
+    const UNITS: [(&str, &str); 7] = [
+        ("hertz", "Hz"),
+        ("volt", "V"),
+        ("newton", "N"),
+        ("meter", "m"),
+        ("metre", "m"),
+        ("metro", "m"),
+        ("radian", "rad"),
+    ];
+    const PREFIXES: [(&str, &str); 9] = [
+        ("", ""),
+        ("nano", "n"),
+        ("micro", "u"),
+        ("mikro", "u"),
+        ("milli", "m"),
+        ("mili", "m"),
+        ("kilo", "k"),
+        ("mega", "M"),
+        ("giga", "G"),
+    ];
+    let word = word.strip_suffix('s').unwrap_or(word);
+    let (unit, symbol) = UNITS.iter().find(|(unit, _)| word.ends_with(unit))?;
+    let (_, prefix) = PREFIXES.iter().find(|(prefix, _)| word.strip_suffix(unit) == Some(prefix))?;
+    Some(format!("{prefix}{symbol}"))
+}
+
 fn canonical(symbol: &str) -> String {
     match symbol.to_lowercase().as_str() {
         "percent" | "pct" => return "%".into(),
         "degree" | "degrees" | "º" => return "deg".into(),
         "sec" => return "s".into(),
-        _ => {}
+        word => {
+            if let Some(symbol) = written_out(word) {
+                return symbol;
+            }
+        }
     }
     let symbol = symbol.replace(['µ', 'μ'], "u");
     if let Some(prefix) = symbol.strip_suffix("Nm") {

@@ -19,6 +19,7 @@ fn headers_of_many_kinds_are_one_table() {
         ("Frequency\tForce\tDisplacement\tPhase", "Hz\tmN\t[µm]\t(rad)\n80\t500\t2000\t-1"),
         ("FREQUENCY_HZ,FORCE_N,AMPLITUDE_MM,PHASE_RAD", "80,0.5,2,-1"),
         ("Drive frequency (Hz),Shaker force (mN),Tip displacement (mm),Phase of tip (rad)", "80,500,2,-1"),
+        ("Frequency (Hertz),Force (millinewton),Displacement (Millimeters),Phase (Radians)", "80,500,2,-1"),
         ("Frequenz f / Hz;Erregerkraft F / N;Auslenkung der Spitze / mm;Phase φ / rad", "80;0,5;2;-1"),
     ];
     for (header, cells) in cases {
