@@ -9,7 +9,7 @@ use super::{Count, Parent, SINGULAR, Start};
 use crate::discover::data::Data;
 use crate::discover::hypothesis::{Addition, Hypothesis, compatible};
 use crate::effects::Effect;
-use crate::fit::{Parameter, Prediction, Problem, TAIL, operation, parameter, robust_chi2, typical_of};
+use crate::fit::{Parameter, Problem, TAIL, operation, parameter, robust_chi2, typical_of};
 use crate::linear::svd;
 use crate::measurement::Point;
 use crate::model::Model;
@@ -93,12 +93,31 @@ impl Parent<'_> {
         addition: Addition,
         which: (usize, u32),
     ) -> Option<Model> {
+        if let Some(model) = self.of_each_series(data, from, addition) {
+            return Some(model);
+        }
         let numbers = Numbers::of(self, self.model.clone(), &from.fit.parameters, None);
         let laws = self.laws(data, from, addition, &numbers, which);
         let spent = AtomicUsize::new(laws.len());
         let best = laws.iter().filter_map(|law| numbers.together(vec![Cow::Borrowed(law)])).max_by(Together::order)?;
-        let found = numbers.found(best, &spent);
-        let found = self.polished(&from.fit.parameters, found, &spent);
+        let found = self.polished(&from.fit.parameters, numbers.found(best, &spent), 1, &spent);
+        self.count(data, spent);
+        Some(found.model)
+    }
+
+    /// The model with numbers of each series as the readings ask for them, beside its own; `None` of any other effect.
+    fn of_each_series(&self, data: &Data<'_>, from: &Hypothesis, addition: Addition) -> Option<Model> {
+        let Addition::Effect(effect) = addition else { return None };
+        if effect.of_series().is_none() || self.model.has_contact {
+            return None;
+        }
+        let mut model = self.model.clone();
+        model.effects.push((effect, vec![0.0; effect.parameters().len()]));
+        let parameters = data.beside(&model, from, addition);
+        let numbers = Numbers::of(self, model, &parameters, None);
+        let spent = AtomicUsize::new(parameters.len());
+        let none = Together { gain: 0.0, laws: Vec::new(), strengths: Vec::new() };
+        let found = self.polished(&parameters, numbers.found(none, &spent), 0, &spent);
         self.count(data, spent);
         Some(found.model)
     }
@@ -126,7 +145,7 @@ impl Parent<'_> {
         // Those that may be of use once readings that are far off have lost their pull.
         ranked(&mut found);
         found.truncate(2 * most);
-        found = found.into_par_iter().map(|one| self.polished(&from.fit.parameters, one, &spent)).collect();
+        found = found.into_par_iter().map(|one| self.polished(&from.fit.parameters, one, 2, &spent)).collect();
         self.count(data, spent);
         ranked(&mut found);
         found.truncate(most);
@@ -135,13 +154,13 @@ impl Parent<'_> {
         found.into_iter().map(|found| Pair { additions: additions(&found.model), model: found.model }).collect()
     }
 
-    /// Laws about what was found, in rounds: the rig's own numbers may have been calibrated far from where they are
+    /// So many laws about what was found, in rounds: the rig's own numbers may have been calibrated far from where they are
     /// beside the laws, where they are no longer linear, and readings that are far off what the laws leave lose their
     /// pull.
-    fn polished(&self, parameters: &[Parameter], mut found: Found, spent: &AtomicUsize) -> Found {
+    fn polished(&self, parameters: &[Parameter], mut found: Found, laws: usize, spent: &AtomicUsize) -> Found {
         for _ in 0..ROUNDS {
             let mut base = found.model.clone();
-            let laws = base.effects.split_off(self.model.effects.len());
+            let laws = base.effects.split_off(base.effects.len() - laws);
             let numbers = Numbers::of(self, base.clone(), parameters, Some(&found));
             let law = |law: (&'static dyn Effect, Vec<f64>)| {
                 let model = Model { effects: base.effects.iter().cloned().chain([law]).collect(), ..base.clone() };
@@ -281,19 +300,19 @@ impl<'p> Numbers<'p> {
     }
 
     /// The dynamic stiffness of a model at every motion that was measured, over the one that the reading asks for. A
-    /// phase that was not measured is that of the parent.
+    /// phase that was not measured is the one that the model gives it.
     fn given(&self, model: &Model) -> Vec<Complex<f64>> {
-        let of = |(point, prediction): (&&Point, &Prediction)| {
+        let of = |point: &&Point| {
             let mode = Alone::new(model, &operation(point));
             let lumps = &mode.lumps;
-            let motion = lumps.motion((point.amplitude, point.phase.unwrap_or(prediction.phase)));
+            let motion = lumps.motion((point.amplitude, point.phase.unwrap_or(0.0)));
             let (k, c) = describing(&mode, motion.norm());
             let stiffness = lumps.stiffness.value + k - lumps.inertia.value * lumps.omega.powi(2);
             let given = Complex::new(stiffness, lumps.damping.value * lumps.omega + c);
-            given * motion / Complex::new(lumps.torque_re.value, lumps.torque_im.value)
+            let given = given * motion / Complex::new(lumps.torque_re.value, lumps.torque_im.value);
+            if point.phase.is_some() { given } else { given.norm().into() }
         };
-        let pairs = self.parent.problem.points().iter().zip(&self.parent.evaluation.predictions);
-        pairs.map(of).collect()
+        self.parent.problem.points().iter().map(of).collect()
     }
 
     /// The same less one, in standard deviations of the amplitude (real part) and of the phase, each times its weight.
