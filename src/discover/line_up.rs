@@ -73,15 +73,9 @@ impl<'a> Search<'a> {
         let points = o.first_points.min(self.data.points.len());
         let parent = Parent::new(&self.data, from, from.fit.values.clone(), points);
         let rest = parent.rest();
-        let mut found = parent.pairs(&self.data, from, &self.pool, (o.entrants, (o.starts, o.seed)));
+        let found = parent.pairs(&self.data, from, &self.pool, (o.entrants, (o.starts, o.seed)));
         let one_more =
             |addition: Addition| -> Vec<Addition> { from.additions.iter().copied().chain([addition]).collect() };
-        // First what explains more without the other.
-        let alone = |addition: Addition| {
-            let all = known.with(&one_more(addition));
-            all.iter().map(|h| self.bic(1.0, h)).fold(f64::INFINITY, f64::min)
-        };
-        found.iter_mut().filter(|pair| alone(pair.additions[1]) < alone(pair.additions[0])).for_each(Pair::turn);
         let first = |pair: &Pair| {
             let mut model = pair.model.clone();
             model.effects.pop();

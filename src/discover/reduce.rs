@@ -36,6 +36,22 @@ impl Search<'_> {
         chosen
     }
 
+    /// The hypothesis with that of its additions first which explains most by itself.
+    pub(super) fn ordered(&self, chosen: Hypothesis, known: &Known) -> Hypothesis {
+        if chosen.additions.len() < 2 {
+            return chosen;
+        }
+        let alone = |addition: &Addition| {
+            let all = known.with(&[*addition]).into_iter().chain([self.refit(&chosen, vec![*addition])]);
+            all.map(|h| self.bic(1.0, &h)).fold(f64::INFINITY, f64::min)
+        };
+        let alone: Vec<f64> = chosen.additions.iter().map(alone).collect();
+        let Some(first @ 1..) = (0..alone.len()).min_by(|a, b| alone[*a].total_cmp(&alone[*b])) else { return chosen };
+        let mut additions = chosen.additions.clone();
+        additions[..=first].rotate_right(1);
+        self.moved(&chosen, &chosen.fitted(), additions)
+    }
+
     /// The hypothesis with only these additions, fitted from the values it has.
     pub(super) fn refit(&self, from: &Hypothesis, additions: Vec<Addition>) -> Hypothesis {
         self.data.fitted(self.moved(from, &from.fitted(), additions), self.data.last_effort(CONTINUED))

@@ -146,36 +146,38 @@ impl<'a> Search<'a> {
         self.data.left() > 0
     }
 
-    /// Adds to a hypothesis as long as that pays, and removes what that makes needless: all candidates race beside the
-    /// leading hypotheses.
+    /// What explains the readings, from a hypothesis on. What the races alone leave structure with, or three additions,
+    /// is held against what comes of every step being held against everything else that a user might do by hand.
     fn forward(&self, start: &Hypothesis, known: &mut Known) -> Hypothesis {
+        let mut chosen = self.steps(start, known, false);
+        if (chosen.additions.len() > 2 || self.structured(&chosen)) && self.goes_on() {
+            let by_hand = self.steps(start, known, true);
+            let unit = self.unit(&by_hand).min(self.unit(&chosen));
+            if self.score(unit, &by_hand) < self.score(unit, &chosen) {
+                chosen = by_hand;
+            }
+        }
+        self.ordered(chosen, known)
+    }
+
+    /// Adds to a hypothesis as long as that pays, and removes what that makes needless: all candidates race beside the
+    /// leading hypotheses. `by_hand`: what leaves structure is fitted from other starting points, too, and held against
+    /// every other candidate, fitted to its end, and against pairs.
+    fn steps(&self, start: &Hypothesis, known: &mut Known, by_hand: bool) -> Hypothesis {
         let (mut chosen, mut beam) = (start.clone(), vec![start.clone()]);
         for _ in 0..self.options.max_effects {
             beam.retain(|h| h.additions.len() < self.options.max_effects);
             if beam.is_empty() || !self.goes_on() {
                 break;
             }
-            let mut full = self.race(&beam.iter().collect::<Vec<_>>(), &self.pool, Field::Best(0), known);
-            // What leaves structure is held against everything else that a user might add by hand, fitted as it would
-            // be then.
-            let mut least = self.least(&full).map_or(&chosen, |(_, least)| least).clone();
-            if self.structured(&least) && self.goes_on() {
-                // A race may end beside the minimum, where a resonance folds say; a calibration has other starting
-                // points.
-                least = self.calibrated(&least);
-                full.push(least.clone());
+            let (again, new): (Vec<&Hypothesis>, Vec<&Hypothesis>) =
+                beam.iter().partition(|h| known.raced(&h.additions));
+            let mut full: Vec<Hypothesis> = again.iter().flat_map(|h| known.beside(&h.additions)).collect();
+            if !new.is_empty() {
+                full.extend(self.race(&new, &self.pool, Field::Best(0), known));
             }
-            if self.structured(&least) && self.goes_on() {
-                // Beside the base what came to the end of the race, too: from one starting point of many.
-                let at_first = chosen.additions.is_empty();
-                let others = if at_first { self.pool.clone() } else { self.not_fitted_beside(&chosen, known) };
-                let bar = Some((&least, self.unit(&least)));
-                full.extend(self.race(&[&chosen], &others, Field::Each(bar), known));
-                least = self.least(&full).map_or(least, |(_, least)| least.clone());
-                let room = chosen.additions.len() + 2 <= self.options.max_effects;
-                if room && self.structured(&least) && self.goes_on() {
-                    full.extend(self.pairs(&chosen, known));
-                }
+            if by_hand {
+                self.hold_against_all(&chosen, &mut full, known);
             }
             // What explains less where readings are far off is no step towards an explanation.
             let scale = TAIL * typical_of(&chosen.fit.evaluation.residuals);
@@ -205,6 +207,29 @@ impl<'a> Search<'a> {
             }
         }
         chosen
+    }
+
+    /// Adds to what was fitted beside a hypothesis what a user might do by hand, as long as the best of all leaves
+    /// structure.
+    fn hold_against_all(&self, chosen: &Hypothesis, full: &mut Vec<Hypothesis>, known: &mut Known) {
+        let mut least = self.least(&*full).map_or(chosen, |(_, least)| least).clone();
+        if self.structured(&least) && self.goes_on() {
+            // A race may end beside the minimum, where a resonance folds say; a calibration has other starting points.
+            least = self.calibrated(&least);
+            full.push(least.clone());
+        }
+        if self.structured(&least) && self.goes_on() {
+            // Beside the base what came to the end of the race, too: from one starting point of many.
+            let at_first = chosen.additions.is_empty();
+            let others = if at_first { self.pool.clone() } else { self.not_fitted_beside(chosen, known) };
+            let bar = Some((&least, self.unit(&least)));
+            full.extend(self.race(&[chosen], &others, Field::Each(bar), known));
+            least = self.least(&*full).map_or(least, |(_, least)| least.clone());
+            let room = chosen.additions.len() + 2 <= self.options.max_effects;
+            if room && self.structured(&least) && self.goes_on() {
+                full.extend(self.pairs(chosen, known));
+            }
+        }
     }
 
     /// A hypothesis where a calibration from starting points about its fit takes it, if that is better.

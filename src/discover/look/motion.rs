@@ -33,15 +33,6 @@ pub struct Pair {
     pub model: Model,
 }
 
-impl Pair {
-    /// Turns the order of its effects.
-    pub fn turn(&mut self) {
-        self.additions.swap(0, 1);
-        let last = self.model.effects.len() - 1;
-        self.model.effects.swap(last - 1, last);
-    }
-}
-
 /// Halvings of the step, at first a quarter of a range, with which the best place of a pair is looked for.
 const HALVINGS: i32 = 6;
 /// How often the rig's own numbers are linear about where the last round took them, at most.
