@@ -93,6 +93,7 @@ fn compared_with(mut points: Vec<Point>, noise: NoiseSource) -> Comparison {
         signals: Signals::ARM,
         amplitude_noise: noise,
         phase_noise: Some(noise),
+        freedom: f64::INFINITY,
         refuted: None,
         notes: Vec::new(),
     };

@@ -236,7 +236,7 @@ pub fn json(comparison: &Comparison) -> ComparisonJson {
         points: c.overall.points,
         readings: c.overall.readings,
         chi2_per_point: c.overall.chi2_per_point,
-        bic: c.fit.schwarz(1.0, c.overall.readings),
+        bic: c.fit.schwarz(1.0, c.overall.readings, c.table.freedom),
         rms_error_percent: c.overall.rms_error_percent,
         rms_phase_deg: c.overall.rms_phase_deg,
         noise_percent: c.overall.noise_percent,

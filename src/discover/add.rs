@@ -104,7 +104,7 @@ fn conclude(
     let calibration = calibrate(&model, keys, &table.points, Tolerance::default(), seed);
     let after = compare::judge(scenario, table, &calibration, Some(compare::PROFILES));
     let unit = before.unit().min(after.unit());
-    let criterion = |c: &Comparison| c.fit.schwarz(unit, c.overall.readings);
+    let criterion = |c: &Comparison| c.fit.schwarz(unit, c.overall.readings, table.freedom);
     let gain = criterion(&before) - criterion(&after);
     Change { before, after, gain, unit }
 }

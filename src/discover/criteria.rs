@@ -3,6 +3,7 @@
 use super::hypothesis::Hypothesis;
 use super::select::Search;
 use crate::compare::{self, Whiteness};
+use crate::fit::deviance;
 use crate::measurement::Noise;
 
 impl Search<'_> {
@@ -28,7 +29,8 @@ impl Search<'_> {
 
     /// Schwarz's criterion with squares in this unit.
     pub(super) fn bic(&self, unit: f64, hypothesis: &Hypothesis) -> f64 {
-        hypothesis.square(unit) + self.data.price(hypothesis.fit.parameters.len())
+        let square = deviance(hypothesis.square(unit), self.readings(), self.table.freedom);
+        square + self.data.price(hypothesis.fit.parameters.len())
     }
 
     /// The criterion with a charge for having looked at many additions.

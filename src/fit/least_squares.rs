@@ -42,10 +42,12 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// Schwarz's criterion with squares in this unit (1: in that of the noise), less a constant common to all fits of
-    /// the same readings, of which there are so many; smaller is better.
-    pub fn schwarz(&self, unit: f64, readings: usize) -> f64 {
-        schwarz(robust_square(&self.evaluation.residuals, unit), self.parameters.len(), readings)
+    /// Schwarz's criterion with squares in this unit (1: in that of the noise, which is known from so many degrees of
+    /// freedom), less a constant common to all fits of the same readings, of which there are so many; smaller is
+    /// better.
+    pub fn schwarz(&self, unit: f64, readings: usize, freedom: f64) -> f64 {
+        let square = deviance(robust_square(&self.evaluation.residuals, unit), readings, freedom);
+        schwarz(square, self.parameters.len(), readings)
     }
 
     /// Whether it ended for want of evaluations, not at a minimum.
@@ -78,6 +80,17 @@ pub const MARGIN: f64 = 6.0;
 /// better.
 pub fn schwarz(square: f64, parameters: usize, readings: usize) -> f64 {
     square + parameters as f64 * (readings as f64).ln()
+}
+
+/// A sum of squares over so many readings, in variances that are known from so many degrees of freedom, as a deviance:
+/// the variance is where both together are likeliest. That of variances that are stated is the sum itself.
+pub fn deviance(square: f64, readings: usize, freedom: f64) -> f64 {
+    let readings = readings as f64;
+    if freedom.is_infinite() {
+        return square;
+    }
+    let all = readings + freedom.max(1.0);
+    readings + all * ((square - readings) / all).ln_1p()
 }
 
 /// Residual whose square is the loss, r^2 up to the threshold t and t^2 (1 + 2 ln(r/t)) beyond it (both and their

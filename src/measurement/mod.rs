@@ -135,6 +135,8 @@ pub struct Table {
     pub amplitude_noise: NoiseSource,
     /// Where those of the phases come from; `None` without phases.
     pub phase_noise: Option<NoiseSource>,
+    /// Degrees of freedom that the deviations are known from; infinite where they are stated.
+    pub freedom: f64,
     /// Where both came from, if the readings refuted them.
     pub refuted: Option<(NoiseSource, Option<NoiseSource>)>,
     /// What the user should know about how the file was read, in plain words.
@@ -311,7 +313,7 @@ fn read(wanted: &MeasurementSource, bytes: &[u8], frame: &Frame<'_>, sweep: Opti
     let all = pooled.points.into_iter().zip(pooled.spreads).zip(without);
     (pooled.points, pooled.spreads) = all.filter(|(_, without)| !without).map(|(kept, _)| kept).unzip();
     let mut series = std::mem::take(&mut pooled.series);
-    let (mut points, amplitude_noise, phase_noise) = noise::assign(pooled, &wanted.file, signals, &mut notes)?;
+    let (mut points, amplitude_noise, phase_noise, freedom) = noise::assign(pooled, &wanted.file, signals, &mut notes)?;
     if let Some(point) = points.iter().find(|point| !point.is_finite()) {
         let title =
             format!("`{}`, line {}: reading and deviation are beyond all numbers", wanted.file.display(), point.line);
@@ -327,7 +329,7 @@ fn read(wanted: &MeasurementSource, bytes: &[u8], frame: &Frame<'_>, sweep: Opti
     notes.extend(doubts::doubts(&points, frame.is_arm()));
     let hash = blake3::hash(bytes).to_hex().to_string();
     let file = wanted.file.clone();
-    let table = Table { file, hash, points, series, signals, amplitude_noise, phase_noise, refuted: None, notes };
+    let table = Table { file, hash, points, series, signals, amplitude_noise, phase_noise, freedom, refuted: None, notes };
     Ok((table, columns, choices))
 }
 

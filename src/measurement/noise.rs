@@ -64,23 +64,26 @@ impl Noise {
 /// Repetitions that suffice to tell the noise from them alone.
 const ENOUGH_REPEATS: usize = 5;
 
-/// Points with all deviations, and where those come from.
+/// Points with all deviations, where those of amplitude and phase come from, and from how many degrees of freedom they
+/// are known together.
 pub(crate) fn assign(
     pooled: Pooled,
     file: &Path,
     signals: Signals,
     notes: &mut Vec<String>,
-) -> Result<(Vec<Point>, NoiseSource, Option<NoiseSource>)> {
+) -> Result<(Vec<Point>, NoiseSource, Option<NoiseSource>, f64)> {
     let Pooled { mut points, spreads, amplitude_stated, phase_stated, amplitude_repeats, phase_repeats, .. } = pooled;
     let seen = scatter(&points);
     let phases = points.iter().any(|point| point.phase.is_some());
 
+    let (mut of_amplitudes, mut of_phases) = (f64::INFINITY, f64::INFINITY);
     let amplitude_noise = if amplitude_stated {
         let stated = median(points.iter().map(|p| p.amplitude_sd / p.amplitude * (p.replicates as f64).sqrt()));
         contradiction("amplitude", stated, seen.amplitude, notes);
         NoiseSource::Stated
     } else {
         let (sd, source) = estimate("amplitude", amplitude_repeats, seen.amplitude, (file, signals), notes)?;
+        of_amplitudes = sd.degrees_of_freedom as f64;
         for (point, own) in points.iter_mut().zip(&spreads) {
             let single = sd.at(point.amplitude) * point.amplitude;
             let pooled = single.max(FLOOR * point.amplitude) / (point.replicates as f64).sqrt();
@@ -94,7 +97,7 @@ pub(crate) fn assign(
         source
     };
     if !phases {
-        return Ok((points, amplitude_noise, None));
+        return Ok((points, amplitude_noise, None, of_amplitudes));
     }
     let phase_noise = if phase_stated {
         let single = |p: &Point| p.phase_sd.map(|sd| sd * (p.replicates as f64).sqrt());
@@ -102,13 +105,18 @@ pub(crate) fn assign(
         NoiseSource::Stated
     } else {
         let (sd, source) = estimate("phase", phase_repeats, seen.phase, (file, signals), notes)?;
+        of_phases = sd.degrees_of_freedom as f64;
         for (point, own) in points.iter_mut().zip(&spreads) {
             let pooled = sd.at(point.amplitude).max(FLOOR) / (own.phases.max(1) as f64).sqrt();
             point.phase_sd = point.phase.map(|_| pooled.max(own.phase.unwrap_or(0.0)));
         }
         source
     };
-    Ok((points, amplitude_noise, Some(phase_noise)))
+    // That of a sum of squares in units of both, each as uncertain as its own.
+    let both = [points.len(), points.iter().filter(|point| point.phase.is_some()).count()].map(|count| count as f64);
+    let share = |of: usize| both[of] / (both[0] + both[1]);
+    let freedom = (share(0).powi(2) / of_amplitudes + share(1).powi(2) / of_phases).recip();
+    Ok((points, amplitude_noise, Some(phase_noise), freedom))
 }
 
 /// Noise of a single reading.
