@@ -1,4 +1,4 @@
-//! Robust averages, used wherever a few values may be far off.
+//! Robust averages, used wherever a few values may be far off, and a test of what runs along a curve.
 
 /// Standard deviation of a normal distribution over its median absolute deviation.
 const MAD: f64 = 1.4826;
@@ -18,6 +18,15 @@ pub fn spread(values: impl IntoIterator<Item = f64>, center: f64) -> f64 {
     MAD * median(values.into_iter().map(|value| (value - center).abs()))
 }
 
+/// Whether most of what the values vary by is in common to neighbours (statistic of L. C. Young, Ann. Math. Stat. 12
+/// (1941) 293): of scatter alone nothing is.
+pub fn is_curve(values: &[f64]) -> bool {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    let steps: f64 = values.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum();
+    1.0 - 0.5 * steps / squares > 0.5
+}
+
 /// The angle wrapped to (-pi, pi].
 pub fn wrap(angle: f64) -> f64 {
     let turned = angle - std::f64::consts::TAU * (angle / std::f64::consts::TAU).round();
@@ -27,6 +36,15 @@ pub fn wrap(angle: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_curve_is_told_from_scatter() {
+        let of = |value: fn(i32) -> f64| (0..40).map(value).collect::<Vec<f64>>();
+        assert!(is_curve(&of(|i| f64::from(i - 20).abs())) && is_curve(&of(|i| f64::from(i / 20))));
+        assert!(!is_curve(&of(|i| f64::from(i * 7919 % 101))) && !is_curve(&of(|i| f64::from(i % 2))));
+        // Nothing, and nothing that differs, is no curve.
+        assert!(!is_curve(&[]) && !is_curve(&of(|_| 1.0)));
+    }
 
     #[test]
     fn one_value_far_off_changes_nothing() {

@@ -1,8 +1,7 @@
 //! What in a table is possible and yet not likely: said, not refused.
 
 use super::Point;
-use crate::statistics::median;
-use crate::statistics::wrap;
+use crate::statistics::{is_curve, median, wrap};
 
 /// Points of a curve whose phases tell which way they turn, at least, and by how much they turn, at least \[rad\].
 const TURNING: (usize, f64) = (6, 0.5);
@@ -19,6 +18,8 @@ const TOWARDS: f64 = 1.5;
 const DEAD: usize = 5;
 /// Scatter of ln(amplitude) beyond which readings are below the detection limit, three times the noise (IUPAC 1976).
 const UNDETECTED: f64 = 1.0 / 3.0;
+/// Fewest readings of a series that is told from scatter: of fewer a resonance may have a single one.
+const TELLING: usize = 30;
 /// So many rows are named.
 const NAMED: usize = 5;
 
@@ -43,6 +44,11 @@ pub(super) fn doubts(points: &[Point], arm: bool) -> Vec<String> {
             named.join(", ")
         ));
     }
+    if !shows_curve(points) {
+        doubts.push(
+            "most of what the amplitudes of a series vary by is scatter from neighbour to neighbour: no curve is seen".into(),
+        );
+    }
     for curve in points.chunk_by(same_curve) {
         let rows = dead(curve);
         if !rows.is_empty() {
@@ -50,6 +56,16 @@ pub(super) fn doubts(points: &[Point], arm: bool) -> Vec<String> {
         }
     }
     doubts
+}
+
+/// Whether any series is a curve, and not scatter alone; what is too short to tell is taken for one.
+pub(super) fn shows_curve(points: &[Point]) -> bool {
+    points.chunk_by(same_curve).any(|curve| {
+        let mut curve: Vec<&Point> = curve.iter().collect();
+        curve.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
+        let sizes: Vec<f64> = curve.iter().map(|point| (point.amplitude / point.drive).ln()).collect();
+        sizes.len() < TELLING || is_curve(&sizes)
+    })
 }
 
 /// Which points were taken without a signal, as their series shows: far below the others, and nothing but noise.
@@ -63,7 +79,8 @@ pub(super) fn without_signal(points: &[Point], notes: &mut Vec<String>) -> Vec<b
         let sizes: Vec<f64> = readings.iter().map(|point| (point.amplitude / point.drive).ln()).collect();
         // What a line through neighbours leaves.
         let left = sizes.windows(3).map(|near| (near[0] + near[2] - 2.0 * near[1]).powi(2) / 6.0);
-        if !rows.is_empty() && left.sum::<f64>() / (sizes.len() - 2) as f64 > UNDETECTED.powi(2) {
+        let scatters = left.sum::<f64>() / (sizes.len() as f64 - 2.0) > UNDETECTED.powi(2);
+        if !rows.is_empty() && scatters && !is_curve(&sizes) {
             let noise = "scatter like noise without a signal: these rows are not used";
             notes.push(format!("{} and {noise}", far_below(&rows)));
             let flags = without[at..at + curve.len()].iter_mut().zip(curve);

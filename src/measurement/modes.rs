@@ -1,5 +1,6 @@
 //! How many resonances a table holds: a scenario is of one mode.
 
+use super::doubts::shows_curve;
 use super::{Point, Table};
 use crate::statistics::median;
 
@@ -34,6 +35,9 @@ pub fn modes(table: &Table) -> Vec<Mode> {
         own.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
         own
     };
+    if !shows_curve(&table.points) {
+        return Vec::new();
+    }
     let series: Vec<Vec<&Point>> = (0..table.series.len()).map(of).collect();
     let seen: Vec<Vec<Mode>> = series.iter().map(|points| of_series(points)).collect();
     let Some(most) = seen.iter().max_by_key(|modes| modes.len()).filter(|modes| modes.len() > 1) else {
