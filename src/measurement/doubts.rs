@@ -46,7 +46,8 @@ pub(super) fn doubts(points: &[Point], arm: bool) -> Vec<String> {
     }
     if !shows_curve(points) {
         doubts.push(
-            "most of what the amplitudes of a series vary by is scatter from neighbour to neighbour: no curve is seen".into(),
+            "most of what the amplitudes of a series vary by is scatter from neighbour to neighbour: no curve is seen"
+                .into(),
         );
     }
     for curve in points.chunk_by(same_curve) {

@@ -15,6 +15,7 @@ mod file;
 mod floor;
 mod frame;
 mod header;
+mod instrument;
 mod likely;
 mod modes;
 mod names;
@@ -264,6 +265,7 @@ pub fn load_bytes(scenario: &Scenario, bytes: &[u8]) -> Result<Option<Table>> {
 pub(crate) fn sheet(path: &Path, bytes: &[u8], notes: &mut Vec<String>) -> Result<Sheet> {
     match Format::of(path)? {
         Format::Delimited => delimited::sheet(file::text(path, bytes, notes)?, None),
+        Format::Instrument(kind) => delimited::sheet(instrument::table(file::text(path, bytes, notes)?, kind)?, None),
         Format::Workbook => workbook::sheet(path, bytes, None, notes),
         Format::Universal => {
             let title = format!("`{}` is a universal file, which holds no table of these", path.display());
@@ -280,17 +282,16 @@ fn read(wanted: &MeasurementSource, bytes: &[u8], frame: &Frame<'_>, sweep: Opti
     let mut notes = Vec::new();
     let format = Format::of(&wanted.file)?;
     let readings = match format {
-        Format::Delimited => {
-            let sheet = delimited::sheet(file::text(&wanted.file, bytes, &mut notes)?, None)?;
-            rows::readings(&sheet, &wanted.columns, frame, sweep, &mut notes)?
-        }
-        Format::Workbook => {
-            let sheet = workbook::sheet(&wanted.file, bytes, wanted.sheet.as_deref(), &mut notes)?;
-            rows::readings(&sheet, &wanted.columns, frame, sweep, &mut notes)?
-        }
         Format::Universal => {
             let source = universal::source(&wanted.file, bytes)?;
             universal::readings(&source, wanted.record, frame, sweep, &mut notes)?
+        }
+        _ => {
+            let sheet = match format {
+                Format::Workbook => workbook::sheet(&wanted.file, bytes, wanted.sheet.as_deref(), &mut notes)?,
+                _ => sheet(&wanted.file, bytes, &mut notes)?,
+            };
+            rows::readings(&sheet, &wanted.columns, frame, sweep, &mut notes)?
         }
     };
     let readings = within(readings, wanted, &mut notes)?;
@@ -329,7 +330,8 @@ fn read(wanted: &MeasurementSource, bytes: &[u8], frame: &Frame<'_>, sweep: Opti
     notes.extend(doubts::doubts(&points, frame.is_arm()));
     let hash = blake3::hash(bytes).to_hex().to_string();
     let file = wanted.file.clone();
-    let table = Table { file, hash, points, series, signals, amplitude_noise, phase_noise, freedom, refuted: None, notes };
+    let table =
+        Table { file, hash, points, series, signals, amplitude_noise, phase_noise, freedom, refuted: None, notes };
     Ok((table, columns, choices))
 }
 
@@ -355,6 +357,7 @@ fn within(readings: Readings, wanted: &MeasurementSource, notes: &mut Vec<String
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Format {
     Delimited,
+    Instrument(instrument::Kind),
     Workbook,
     Universal,
 }
@@ -366,10 +369,13 @@ impl Format {
             "csv" | "tsv" | "txt" | "dat" => Ok(Self::Delimited),
             "xlsx" | "xlsm" | "xlsb" | "xls" | "ods" => Ok(Self::Workbook),
             "uff" | "unv" | "uf" | "58" => Ok(Self::Universal),
-            _ => {
+            other => {
+                if let Some(kind) = instrument::Kind::of(other) {
+                    return Ok(Self::Instrument(kind));
+                }
                 let title = format!("`{}` does not say by its extension what kind of table it is", path.display());
                 let help = "a table with commas, semicolons or tabs is .csv, .tsv, .txt or .dat; \
-                            a universal file .uff or .unv; a workbook .xlsx or .ods";
+                            a universal file .uff or .unv; a workbook .xlsx or .ods; Touchstone .s1p or .s2p; of a loudspeaker .zma or .frd";
                 Err(Error::Input(whole_file(&title, help)))
             }
         }

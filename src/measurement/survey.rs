@@ -85,7 +85,7 @@ fn survey_of(file: PathBuf, band: Option<(f64, f64)>, bytes: impl Fn(&Path) -> R
     let bytes = bytes(&file)?;
     let record = match Format::of(&file)? {
         Format::Universal => universal::record(&universal::source(&file, &bytes)?)?,
-        Format::Delimited | Format::Workbook => None,
+        _ => None,
     };
     let mut wanted = MeasurementSource { file, columns: Vec::new(), record, sheet: None, band };
     let (mut table, mut columns, mut mapping) = read(&wanted, &bytes, &Frame::any(), None)?;
