@@ -161,17 +161,25 @@ impl<'a> Data<'a> {
     }
 
     /// Parameters that move where these are added: those of an effect with the signs that the model has, all others
-    /// about the values that the scenario states, wherever fits have carried them since.
+    /// about the values that the base has, wherever fits have carried them since, but for a value that is beyond the
+    /// bounds there.
     pub fn movable(&self, model: &Model, additions: &[Addition]) -> Vec<Parameter> {
         let keys = self.free.iter().cloned().chain(additions.iter().flat_map(Addition::keys));
-        let of = |key: String| parameter(if key.starts_with("effect.") { model } else { &self.base }, &key);
-        keys.filter_map(of).collect()
+        keys.filter_map(|key| self.about(model, &key)).collect()
+    }
+
+    fn about(&self, model: &Model, key: &str) -> Option<Parameter> {
+        let own = parameter(model, key)?;
+        let of_base = parameter(&self.base, key).filter(|_| !key.starts_with("effect."));
+        let none: [&Point; 0] = [];
+        let value = Problem::new(model.clone(), none, vec![own.clone()], Tolerance::COARSE).values()[0];
+        Some(of_base.filter(|of_base| of_base.reaches(value)).unwrap_or(own))
     }
 
     /// The same of a hypothesis, in its order, and of one more addition.
     pub fn beside(&self, model: &Model, from: &Hypothesis, addition: Addition) -> Vec<Parameter> {
         let keys = from.fit.parameters.iter().map(|p| p.key.clone()).chain(addition.keys());
-        keys.filter_map(|key| parameter(if key.starts_with("effect.") { model } else { &self.base }, &key)).collect()
+        keys.filter_map(|key| self.about(model, &key)).collect()
     }
 
     /// Fits the parameters of a model from a start, whose residuals are about as large as `typical` (infinite where

@@ -12,10 +12,13 @@ use crate::linear::{least_squares, svd};
 use crate::measurement::Point;
 use crate::model::Model;
 use crate::solver::cycle::Tolerance;
+use crate::statistics::wrap;
 use nalgebra::{Complex, DMatrix, DVector, SVD};
 
 /// Singular values below this share of the largest count as none.
 const SINGULAR: f64 = 1e-9;
+/// Turns in which what scales all readings and what is read beside come near to each other.
+const TURNS: usize = 20;
 
 /// A hypothesis to which something may be added, on some of the points.
 pub struct Parent<'a> {
@@ -103,14 +106,37 @@ impl<'a> Parent<'a> {
     }
 
     /// The model with an effect that is read beside the motion, of the strengths with which the readings are nearest in
-    /// the complex plane, where it is linear in them; `None` where phases are missing.
-    fn with_read_beside(&self, data: &Data<'_>, addition: Addition) -> Option<Model> {
+    /// the complex plane, where it is linear in them and in what scales and turns all readings; `None` where phases are
+    /// missing.
+    fn with_read_beside(&self, data: &Data<'_>, from: &Hypothesis, addition: Addition) -> Option<Model> {
         let Addition::Effect(effect) = addition else { return None };
         let points = self.problem.points();
         let measured: Option<Vec<Complex<f64>>> =
             points.iter().map(|point| Some(Complex::from_polar(point.amplitude, point.phase?))).collect();
         let measured = measured.filter(|_| effect.is_read_beside())?;
+        let free: Vec<String> = from.fit.parameters.iter().map(|p| p.key.clone()).collect();
         let mut model = extended(&self.model, &[addition]);
+        // First both in turn; what scales the readings may scale the strengths, which are then found again.
+        let (_, scale) = self.nearest(data, &model, &measured, TURNS)?;
+        model = resonance::scaled(&model, &free, scale.norm());
+        if free.iter().any(|key| key == resonance::PHASE) {
+            model.instrument.phase_offset = wrap(model.instrument.phase_offset + scale.arg());
+        }
+        let (strengths, _) = self.nearest(data, &model, &measured, 1)?;
+        model.effects.last_mut()?.1 = strengths;
+        Some(model)
+    }
+
+    /// The strengths of the last effect with which a model is nearest to readings in the complex plane, and the factor
+    /// that takes it nearest then, each in so many turns.
+    fn nearest(
+        &self,
+        data: &Data<'_>,
+        model: &Model,
+        measured: &[Complex<f64>],
+        turns: usize,
+    ) -> Option<(Vec<f64>, Complex<f64>)> {
+        let mut model = model.clone();
         let sizes = model.effects.last()?.1.clone();
         let mut read = |values: Vec<f64>| -> Vec<Complex<f64>> {
             model.effects.last_mut().into_iter().for_each(|(_, own)| own.clone_from(&values));
@@ -121,18 +147,25 @@ impl<'a> Parent<'a> {
         let of = |k: usize| sizes.iter().enumerate().map(|(at, size)| if at == k { *size } else { 0.0 }).collect();
         let each: Vec<Vec<Complex<f64>>> = (0..sizes.len()).map(|k| read(of(k))).collect();
         // Where the model has no steady state nothing is known.
-        let part = |row: usize, value: Complex<f64>| match row.is_multiple_of(2) {
-            _ if !none[row / 2].is_finite() => 0.0,
-            true => value.re,
-            false => value.im,
-        };
-        let rows = 2 * points.len();
-        let matrix = DMatrix::from_fn(rows, sizes.len(), |row, k| part(row, each[k][row / 2] - none[row / 2]));
-        let right = DVector::from_fn(rows, |row, _| part(row, measured[row / 2] - none[row / 2]));
-        let shares = least_squares(matrix, &right, SINGULAR)?;
-        let values = sizes.iter().zip(shares.iter()).map(|(size, share)| size * share).collect();
-        model.effects.last_mut()?.1 = values;
-        shares.iter().all(|share| share.is_finite()).then_some(model)
+        let seen: Vec<usize> = (0..none.len()).filter(|at| none[*at].is_finite()).collect();
+        let part = |row: usize, value: Complex<f64>| if row.is_multiple_of(2) { value.re } else { value.im };
+        let rows = 2 * seen.len();
+        let of_strength = |row: usize, k: usize| each[k][seen[row / 2]] - none[seen[row / 2]];
+        let matrix = DMatrix::from_fn(rows, sizes.len(), |row, k| part(row, of_strength(row, k)));
+        let (mut scale, mut shares) = (Complex::ONE, DVector::zeros(sizes.len()));
+        for _ in 0..turns {
+            let left = |at: usize| measured[at] / scale - none[at];
+            let right = DVector::from_fn(rows, |row, _| part(row, left(seen[row / 2])));
+            shares = least_squares(matrix.clone(), &right, SINGULAR)?;
+            let with = |row: usize| {
+                none[seen[row]] + (0..shares.len()).map(|k| of_strength(2 * row, k) * shares[k]).sum::<Complex<f64>>()
+            };
+            let all: Vec<Complex<f64>> = (0..seen.len()).map(with).collect();
+            let square: f64 = all.iter().map(Complex::norm_sqr).sum();
+            scale = seen.iter().zip(&all).map(|(at, with)| with.conj() * measured[*at]).sum::<Complex<f64>>() / square;
+        }
+        let strengths = sizes.iter().zip(shares.iter()).map(|(size, share)| size * share).collect();
+        (shares.iter().all(|share| share.is_finite()) && scale.is_finite()).then_some((strengths, scale))
     }
 
     /// A starting point: the model, which has one more addition and leaves this, or as much of the addition as the sum
@@ -206,7 +239,7 @@ pub fn look(data: &Data<'_>, parents: &[Parent<'_>], from: &Hypothesis, addition
     let others = parents.iter().filter(|parent| !parent.beside);
     let sampled = count.samples(from, addition).into_iter().zip(others.cycle());
     let sampled = sampled.map(|(shares, parent)| (parent, shares.of(data, parent, addition)));
-    let beside = parents.iter().filter_map(|parent| Some((parent, parent.with_read_beside(data, addition)?)));
+    let beside = parents.iter().filter_map(|parent| Some((parent, parent.with_read_beside(data, from, addition)?)));
     let nearest = count.asked.map(|model| (&parents[0], model.clone())).into_iter().chain(beside);
     for (parent, model) in nearest.chain(sampled) {
         let evaluation = parent.evaluated(data, &model);

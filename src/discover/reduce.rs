@@ -67,7 +67,8 @@ impl Search<'_> {
             }
         }
         let mut fit = from.fit.clone();
-        fit.parameters = self.data.movable(&model, &additions);
+        let at = Model { effects: model.effects.clone(), ..from.fitted() };
+        fit.parameters = self.data.movable(&at, &additions);
         let value = |key: &str| from.fit.parameters.iter().position(|p| p.key == key).map(|i| from.fit.values[i]);
         let points = self.data.some(self.data.points.len());
         let mut problem = Problem::new(model.clone(), points, fit.parameters.clone(), Tolerance::FIT);

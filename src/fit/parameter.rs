@@ -209,6 +209,12 @@ impl Parameter {
         (self.scale(value) - self.range.0) / (self.range.1 - self.range.0)
     }
 
+    /// Whether a value lies within its bounds.
+    pub fn reaches(&self, value: f64) -> bool {
+        let t = self.scale(value);
+        self.bounds.0 <= t && t <= self.bounds.1
+    }
+
     /// How far a value lies from the middle of the range of a search: 0 there, 1 at either end, more outside.
     pub fn strain(&self, value: f64) -> f64 {
         (2.0 * self.share(value) - 1.0).abs()

@@ -188,7 +188,6 @@ pub fn started(model: &Model, free: &[String], points: &[Point]) -> Option<Model
     let Rig::Oscillator(_) = model.rig else { return None };
     let seen = of_all(points, model.signals.reading.order)?;
     let mut model = model.clone();
-    let is_free = |key: &str| free.iter().any(|k| k == key);
     let typical = points.iter().min_by(|a, b| {
         let distance = |p: &Point| (p.frequency / seen.frequency).ln().abs();
         distance(a).total_cmp(&distance(b))
@@ -204,9 +203,23 @@ pub fn started(model: &Model, free: &[String], points: &[Point]) -> Option<Model
     if !(ratio.is_finite() && ratio > 0.0) {
         return None;
     }
-    let Rig::Oscillator(rig) = &mut model.rig else { return None };
+    let mut model = scaled(&model, free, ratio);
+    if let Some(phase) = seen.phase.filter(|_| free.iter().any(|key| key == PHASE)) {
+        model.instrument.phase_offset = wrap(model.instrument.phase_offset + phase - reading(&model).1);
+    }
+    Some(model)
+}
+
+/// Key of what turns all phases.
+pub const PHASE: &str = "instrument.phase_offset";
+
+/// The model with readings so many times as large, as far as its numbers are `free`.
+pub fn scaled(model: &Model, free: &[String], ratio: f64) -> Model {
+    let mut model = model.clone();
+    let is_free = |key: &str| free.iter().any(|k| k == key);
     // Of numbers that do the same one moves.
-    if is_free("rig.mass") || is_free("rig.inertia") {
+    let mass = is_free("rig.mass") || is_free("rig.inertia");
+    if let (Rig::Oscillator(rig), true) = (&mut model.rig, mass) {
         rig.mass /= ratio;
         if rig.elasticity_form == Elasticity::Stiffness {
             rig.elasticity /= ratio;
@@ -221,10 +234,7 @@ pub fn started(model: &Model, free: &[String], points: &[Point]) -> Option<Model
     } else if is_free("instrument.drive_sensitivity") {
         model.instrument.drive_gain /= ratio;
     }
-    if let Some(phase) = seen.phase.filter(|_| is_free("instrument.phase_offset")) {
-        model.instrument.phase_offset = wrap(model.instrument.phase_offset + phase - reading(&model).1);
-    }
-    Some(model)
+    model
 }
 
 /// The natural frequency \[Hz\] of a rig by itself that lies outside the readings, though these show a resonance among
