@@ -216,7 +216,8 @@ fn what_is_left_unexplained_is_no_worse_than_what_one_effect_explains() {
 /// Schwarz's criterion at the end of a search is at most that of each effect added by hand, by the same figure.
 fn assert_no_worse_than_added(d: &Discovery, names: &[&str]) {
     let end = &d.explanation().comparison;
-    let criterion = |c: &stickslip::compare::Comparison, unit: f64| c.fit.schwarz(unit, c.overall.readings, c.table.freedom);
+    let criterion =
+        |c: &stickslip::compare::Comparison, unit: f64| c.fit.schwarz(unit, c.overall.readings, c.table.freedom);
     for name in names {
         let effect = stickslip::effects::find(name).expect("an effect");
         let change = fit_addition(&end.scenario, &end.table, effect, 0);
