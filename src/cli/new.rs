@@ -489,18 +489,22 @@ fn digits(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value)
 }
 
-/// Steps of the response per drive between neighbours along the frequency that are far larger than the steps about
-/// them, which do not take them back.
+/// Steps of the response per drive between neighbours along the frequency that are far larger, and far steeper, than
+/// the steps about them, which do not take them back: of readings that lie in groups the steps between these are large.
 fn jumps(points: &[&Point]) -> usize {
     let response = |p: &Point| p.amplitude / p.drive;
     let step = |pair: &[&Point]| (response(pair[1]) / response(pair[0])).ln();
     let steps: Vec<f64> = points.windows(2).map(step).collect();
     let noise = median(points.iter().map(|p| p.amplitude_sd / p.amplitude));
+    let apart = |i: usize| points[i + 1].frequency - points[i].frequency;
     let is_jump = |i: usize| {
         let (first, end) = (i.saturating_sub(2), (i + 3).min(steps.len()));
         let largest = (first..end).filter(|&j| j != i).map(|j| steps[j].abs()).fold(noise, f64::max);
         let (step, kept) = (steps[i].abs(), steps[first..end].iter().sum::<f64>() * steps[i].signum());
-        step > JUMP.0 * largest && step > JUMP.1 * noise && 2.0 * kept > step
+        let others = (first..end).filter(|&j| j != i).map(|j| [steps[j].abs(), apart(j)]);
+        let [about, over] = others.fold([0.0; 2], |sum, own| [sum[0] + own[0], sum[1] + own[1]]);
+        let steep = step * over > JUMP.0 * about * apart(i);
+        steep && step > JUMP.0 * largest && step > JUMP.1 * noise && 2.0 * kept > step
     };
     (0..steps.len()).filter(|&i| is_jump(i)).count()
 }
