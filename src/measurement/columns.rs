@@ -135,7 +135,7 @@ fn per_drive(
             _ => String::new(),
         };
         notes.push(format!(
-            "{} is a ratio, and no drive is stated in {si}: readings of a drive of 1 {si}; what depends on its size cannot be told{unused}",
+            "{} is a ratio, and no drive is stated in {si}: readings of a drive of 1 {si}; what depends on its size shows in the shape of a peak alone{unused}",
             name(*index)
         ));
         slots[DRIVE] = Some(Slot::Value(1.0, si));

@@ -273,7 +273,7 @@ fn ratio(
     ));
     if !driven {
         notes.push(format!(
-            "no drive is stated: readings of a drive of 1 {drive}; what depends on its size cannot be told"
+            "no drive is stated: readings of a drive of 1 {drive}; what depends on its size shows in the shape of a peak alone"
         ));
     }
     // A drive in [sweep] is the motion of the base itself, not its acceleration.
