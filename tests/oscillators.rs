@@ -86,6 +86,44 @@ fn a_notch_of_levels_alone_is_a_resonance_beside_a_crosstalk() {
     assert!(!last.comparison.notes.iter().any(|one| one.starts_with(note)), "{:?}", last.comparison.notes);
 }
 
+/// The impedance of a loudspeaker: what its coil has at rest, and a resonance of the velocity beside it. Without the
+/// former a calibration goes far off the resonance, to where the numbers of the rig reach none of its readings.
+#[test]
+fn a_resonance_beside_a_resistance_is_found_from_a_calibration_that_went_far_off() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut noise = noise(3e-4);
+    let impedance = |row: i32| {
+        let frequency = 10.0 * 50f64.powf(f64::from(row) / 149.0);
+        let detuning = 2.0 * (frequency / 46.0 - 46.0 / frequency);
+        let (re, im) = (7.0 + 20.0 / (1.0 + detuning * detuning), -20.0 * detuning / (1.0 + detuning * detuning));
+        format!("{frequency:.4} {:.5} {:.4}\n", re.hypot(im) * (1.0 + noise()), (im.atan2(re) + noise()).to_degrees())
+    };
+    std::fs::write(folder.path().join("coil.zma"), (0..150).map(impedance).collect::<String>()).expect("a table");
+    let path = folder.path().join("coil.toml");
+    let text = "title = 'A coil'
+[rig]
+kind = 'oscillator'
+drive = 'force'
+natural_frequency = '43.6 Hz'
+quality_factor = 2.3
+[instrument]
+sensitivity = '2000 V s/m'
+drive_sensitivity = '1 V/N'
+phase_offset = '0 rad'
+[measurement]
+file = 'coil.zma'
+[fit]
+free = ['rig.natural_frequency', 'rig.quality_factor', 'instrument.sensitivity', 'instrument.phase_offset']
+";
+    std::fs::write(&path, text).expect("a scenario");
+    let found = found(&path);
+    let [base, .., last] = &found.steps[..] else { panic!("nothing was found") };
+    let frequency = |step: &stickslip::discover::Step| step.hypothesis.fit.values[0];
+    assert!((frequency(base) / 46.0).ln().abs() > 1.0, "{}", frequency(base));
+    assert_eq!((found.verdict, last.hypothesis.label()), (Verdict::EffectMissing, "crosstalk".into()));
+    assert!((frequency(last) / 46.0 - 1.0).abs() < 1e-3, "{}", frequency(last));
+}
+
 /// Deviates of this standard deviation: sums of twelve uniform ones, normal enough.
 fn noise(deviation: f64) -> impl FnMut() -> f64 {
     let mut state = 88_172_645_463_325_252_u64;

@@ -236,6 +236,27 @@ mod tests {
         DVector::from_fn(100, |i, _| if i % 2 == 0 { near } else { far })
     }
 
+    /// Twice the logarithm of the likelihood of n residuals and of an estimate of their variance with nu degrees of
+    /// freedom, at the variance where that is largest.
+    #[test]
+    fn a_deviance_is_that_of_the_likeliest_variance() {
+        let likelihood = |square: f64, n: f64, freedom: f64, variance: f64| {
+            -(n + freedom) * variance.ln() - (square + freedom) / variance
+        };
+        let most = |square: f64, n: f64, freedom: f64| {
+            let all = (1..40_000).map(|i| likelihood(square, n, freedom, 1e-3 * f64::from(i)));
+            all.fold(f64::NEG_INFINITY, f64::max)
+        };
+        for (better, worse, freedom) in [(32.9, 72.5, 13.0), (20.0, 31.0, 5.0), (31.0, 500.0, 60.0)] {
+            let expected = most(better, 31.0, freedom) - most(worse, 31.0, freedom);
+            let found = deviance(worse, 31, freedom) - deviance(better, 31, freedom);
+            assert!((found - expected).abs() < 1e-3, "{better} {worse} {freedom}: {found} {expected}");
+        }
+        // A variance that is known: the sum itself; near it also one that is known from many readings.
+        assert_eq!(deviance(500.0, 31, f64::INFINITY), 500.0);
+        assert!((deviance(40.0, 31, 1e6) - 40.0).abs() < 1e-4);
+    }
+
     #[test]
     fn squares_in_a_unit_do_not_depend_on_that_of_the_readings() {
         let residuals = misfit(0.7, 30.0);
