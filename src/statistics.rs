@@ -2,6 +2,10 @@
 
 /// Standard deviation of a normal distribution over its median absolute deviation.
 const MAD: f64 = 1.4826;
+/// Values beyond so many typical ones count as that.
+const CLIP: f64 = 4.0;
+/// Standard deviations that a normal variable exceeds in one of a thousand.
+const SURE: f64 = 3.09;
 
 /// The median, 0 of nothing.
 pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
@@ -27,6 +31,17 @@ pub fn is_curve(values: &[f64]) -> bool {
     1.0 - 0.5 * steps / squares > 0.5
 }
 
+/// Whether neighbours are more alike than those of scatter about zero are in all cases but one of a thousand; what is
+/// far off counts little.
+pub fn is_alike(values: &[f64]) -> bool {
+    let most = CLIP * spread(values.iter().copied(), 0.0);
+    let cut: Vec<f64> = values.iter().map(|value| value.clamp(-most, most)).collect();
+    let squares: f64 = cut.iter().map(|value| value * value).sum();
+    let products: f64 = cut.windows(2).map(|pair| pair[0] * pair[1]).sum();
+    // The sum of products of independent neighbours has the deviation of squares over the root of their number.
+    products * (cut.len() as f64).sqrt() > SURE * squares
+}
+
 /// The angle wrapped to (-pi, pi].
 pub fn wrap(angle: f64) -> f64 {
     let turned = angle - std::f64::consts::TAU * (angle / std::f64::consts::TAU).round();
@@ -44,6 +59,20 @@ mod tests {
         assert!(!is_curve(&of(|i| f64::from(i * 7919 % 101))) && !is_curve(&of(|i| f64::from(i % 2))));
         // Nothing, and nothing that differs, is no curve.
         assert!(!is_curve(&[]) && !is_curve(&of(|_| 1.0)));
+    }
+
+    #[test]
+    fn what_goes_on_from_value_to_value_is_told_from_scatter_about_zero() {
+        let of = |value: fn(i32) -> f64| (0..40).map(value).collect::<Vec<f64>>();
+        let scatter: fn(i32) -> f64 = |i| f64::from(i * 7919 % 101 - 50);
+        assert!(
+            !is_alike(&of(scatter))
+                && !is_alike(&of(|i| if i == 20 || i == 21 { 9e9 } else { f64::from(i * 7919 % 101 - 50) }))
+        );
+        assert!(
+            is_alike(&of(|i| 30.0 + f64::from(i * 7919 % 101 - 50))) && is_alike(&of(|i| (f64::from(i) / 6.0).sin()))
+        );
+        assert!(!is_alike(&[]) && !is_alike(&of(|_| 0.0)));
     }
 
     #[test]

@@ -211,6 +211,8 @@ pub(super) fn verdict(c: &Comparison) -> String {
     );
     if !w.testable {
         "whether the misfit has structure cannot be tested: the series have too few neighbouring readings".into()
+    } else if w.exceeds {
+        format!("what is left is larger than the readings scatter along their series: no noise ({tests})")
     } else if w.structured {
         format!("the misfit is structured, not noise ({tests})")
     } else {

@@ -7,7 +7,7 @@ use crate::effects::REGISTRY;
 use crate::error::{Error, Result};
 use crate::files;
 use crate::fit::resonance::{Resonance, of_all, resonance};
-use crate::fit::{robust_square, schwarz, typical_of};
+use crate::fit::{deviance, price, robust_square, typical_of};
 use crate::free_form;
 use crate::measurement::{Direction, Mode, Point, Series, Survey, Table, load, modes, survey, survey_between};
 use crate::model::Model;
@@ -39,6 +39,8 @@ struct Left {
     /// Residuals in standard deviations.
     residuals: DVector<f64>,
     parameters: usize,
+    /// Degrees of freedom that the deviations are known from.
+    freedom: f64,
     /// What the criterion charges for having looked at many effects.
     looked_at: f64,
 }
@@ -50,15 +52,19 @@ impl Left {
         let calibration = calibrate(&model, &scenario.free, &table.points, Tolerance::FIT, 0);
         let law = free_form::left_by_amplitude(&judge(scenario, table, &calibration, None));
         let (Hypothesis { fit, .. }, looked_at) = explain(scenario, table, &SHORT);
-        let effects = Self { residuals: fit.evaluation.residuals, parameters: fit.parameters.len(), looked_at };
-        let law = law.map(|(residuals, parameters)| Self { residuals, parameters, looked_at: 0.0 });
+        let freedom = table.freedom;
+        let effects =
+            Self { residuals: fit.evaluation.residuals, parameters: fit.parameters.len(), freedom, looked_at };
+        let law = law.map(|(residuals, parameters)| Self { residuals, parameters, freedom, looked_at: 0.0 });
         let readings = effects.residuals.len();
         law.into_iter().filter(|law| law.residuals.len() == readings).chain([effects]).collect()
     }
 
     /// The criterion, squares in this unit.
     fn criterion(&self, unit: f64) -> f64 {
-        schwarz(robust_square(&self.residuals, unit), self.parameters, self.residuals.len()) + self.looked_at
+        let readings = self.residuals.len();
+        let square = deviance(robust_square(&self.residuals, unit), readings, self.freedom);
+        square + price(self.parameters, readings, self.freedom) + self.looked_at
     }
 }
 
@@ -208,7 +214,7 @@ impl<'a> Draft<'a> {
         let r = &self.resonance;
         lines.push(format!(
             "resonance near {}, quality factor about {}",
-            units::format(digits(r.frequency, 4), "Hz"),
+            units::format(digits(r.frequency, resolving(r.quality)), "Hz"),
             digits(r.quality, 2)
         ));
         lines.extend(self.lacking().into_iter().map(|text| format!("  note: {text}")));
@@ -236,7 +242,8 @@ impl<'a> Draft<'a> {
             String::new()
         };
         let seen = resonance(points, reading.order).map_or(String::new(), |r| {
-            format!(", resonance near {} with Q about {}", show(r.frequency, "Hz"), digits(r.quality, 2))
+            let frequency = units::format(digits(r.frequency, resolving(r.quality)), "Hz");
+            format!(", resonance near {frequency} with Q about {}", digits(r.quality, 2))
         });
         let jumps = match jumps(points) {
             0 => String::new(),
@@ -304,8 +311,13 @@ impl<'a> Draft<'a> {
         let typical = |left: &Left| typical_of(&left.residuals);
         let unit = explained.iter().flatten().map(typical).fold(f64::INFINITY, f64::min).powi(2);
         let least = |all: &Vec<Left>| all.iter().map(|left| left.criterion(unit)).fold(f64::INFINITY, f64::min);
+        // What explains nothing is no testimony against what the phase at resonance says.
+        let first = drafts.first().map(|(kind, _)| kind.order);
+        let by_phase = unit > EXCESS && self.resonance.phase.is_some();
+        let eligible = |at: usize| !by_phase || Some(drafts[at].0.order) == first;
         let mut criteria: Vec<f64> = explained.iter().map(least).collect();
-        let best = (1..criteria.len()).fold(0, |best, i| if criteria[i] + MARGIN < criteria[best] { i } else { best });
+        let better = |best: usize, at: usize| eligible(at) && criteria[at] + MARGIN < criteria[best];
+        let best = (1..criteria.len()).fold(0, |best, at| if better(best, at) { at } else { best });
         let (kind, text) = drafts.remove(best);
         let own = criteria.remove(best);
         let margin = criteria.iter().map(|other| other - own).fold(f64::INFINITY, f64::min);
@@ -313,6 +325,8 @@ impl<'a> Draft<'a> {
             format!("explains the readings, with what is missing, better by {margin:.0} in BIC")
         } else if margin > MARGIN {
             "leaves less of the readings, but nothing that was tried explains them: it is an assumption".into()
+        } else if by_phase {
+            "is an assumption by the phase at resonance, nothing that was tried explains the readings".into()
         } else {
             "is an assumption, the readings do not decide".into()
         };
@@ -487,6 +501,11 @@ impl<'a> Draft<'a> {
 /// The number with so many significant digits.
 fn digits(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value)
+}
+
+/// Digits of a frequency that tell a tenth of the width of its resonance, at least three.
+fn resolving(quality: f64) -> usize {
+    2 + quality.log10().ceil().max(1.0) as usize
 }
 
 /// Steps of the response per drive between neighbours along the frequency that are far larger, and far steeper, than

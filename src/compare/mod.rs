@@ -308,7 +308,7 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
         Problem::new(calibration.base.clone(), &table.points, calibration.fit.parameters.clone(), Tolerance::FIT);
     let noise_of = |fit: &Fit| {
         let points = compared(&table.points, &fit.evaluation.predictions);
-        let whiteness = whiteness(&points, settings.len(), fit.parameters.len(), table.amplitude_noise);
+        let whiteness = whiteness(&points, table, fit.parameters.len());
         if whiteness.structured {
             Metrics::over(points.iter()).chi2_per_point.sqrt().max(1.0)
         } else {
@@ -327,7 +327,7 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
     let of = |index: usize| points.iter().filter(move |p| p.condition == index).collect::<Vec<_>>();
     let conditions: Vec<_> =
         settings.iter().enumerate().map(|(i, &setting)| ConditionMetrics::over(setting, &of(i))).collect();
-    let whiteness = whiteness(&points, settings.len(), fit.parameters.len(), table.amplitude_noise);
+    let whiteness = whiteness(&points, table, fit.parameters.len());
     let noise = noise_scale(&whiteness);
     let regions = regions(&points, &conditions, noise);
     let (contact, contact_model) = fingerprint(&model, &points);

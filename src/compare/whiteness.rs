@@ -1,7 +1,7 @@
 //! Whether residuals look like noise: runs of signs, autocorrelation along the frequency, smooth components.
 
 use super::Compared;
-use super::calibrate::{EXCESS, outliers};
+use super::calibrate::outliers;
 use crate::measurement::{self, Noise, NoiseSource, Point, Spread, Table};
 use crate::statistics::median;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, Normal};
@@ -12,6 +12,8 @@ const COMPONENTS: usize = 5;
 const POINTS_PER_COMPONENT: usize = 3;
 /// Residuals enter the tests up to this many times their typical size.
 const CLIP: f64 = 4.0;
+/// Efficiency of a standard deviation told from the median size of normal residuals (Rousseeuw and Croux 1993).
+const MEDIAN_EFFICIENCY: f64 = 0.3675;
 /// Probability below which residuals are called structured.
 pub const SIGNIFICANCE: f64 = 1e-3;
 
@@ -40,6 +42,9 @@ pub struct Whiteness {
     pub rough_freedom: f64,
     /// Whether the misfit is structured rather than noise.
     pub structured: bool,
+    /// Whether that is told by its size alone: it is larger than the scatter of the readings along their series.
+    #[serde(skip)]
+    pub exceeds: bool,
     /// Whether there are neighbours enough along series for the tests to find structure at all.
     pub testable: bool,
     /// Whether the noise is that of the readings' own scatter along series, so that a larger misfit is none of it.
@@ -97,18 +102,15 @@ pub fn understated(table: &Table) -> Noise {
 }
 
 /// Scatter of amplitudes and phases about anything smooth, over their standard deviations, each by itself; `None` where
-/// it is not to be gone by. Of stated deviations where it contradicts these, of those estimated along series always: it
-/// is known better. More than they say only where nothing but noise is left: a misfit may be rough too.
+/// it does not contradict these. More than they say only where nothing but noise is left, since a misfit may be rough
+/// too, and where they are stated: of those that were estimated along series it is known how uncertain they are.
 pub fn scatter(points: &[Compared], table: &Table, fitted: usize) -> Option<Noise> {
-    let structured = whiteness(points, table.series.len(), fitted, table.amplitude_noise).structured;
+    let structured = whiteness(points, table, fitted).structured;
     let of = |kind: fn(&Compared) -> Option<f64>, source: NoiseSource| {
         let curve = |number| points.iter().filter(|p| p.condition == number).filter_map(kind).collect();
         let curves: Vec<Vec<f64>> = (0..table.series.len()).map(curve).collect();
         let (factor, contradicted) = test(&curves, 0).scatter();
-        let told = match source {
-            NoiseSource::Estimated => !structured,
-            _ => contradicted && (factor < 1.0 || !structured),
-        };
+        let told = contradicted && (factor < 1.0 || (source != NoiseSource::Estimated && !structured));
         if told { factor } else { 1.0 }
     };
     let noise = Noise {
@@ -118,22 +120,28 @@ pub fn scatter(points: &[Compared], table: &Table, fitted: usize) -> Option<Nois
     (noise != Noise::STATED).then_some(noise)
 }
 
-/// Tests the residuals of all series. `fitted` parameters have absorbed as many components; `source` is where the noise
-/// of the amplitudes comes from.
-pub fn whiteness(points: &[Compared], conditions: usize, fitted: usize, source: NoiseSource) -> Whiteness {
-    let own_scatter = source == NoiseSource::Estimated;
+/// Tests the residuals of all series. `fitted` parameters have absorbed as many components.
+pub fn whiteness(points: &[Compared], table: &Table, fitted: usize) -> Whiteness {
+    let own_scatter = table.amplitude_noise == NoiseSource::Estimated;
     let mut curves: Vec<Vec<f64>> = Vec::new();
-    for condition in 0..conditions {
+    for condition in 0..table.series.len() {
         let of = || points.iter().filter(move |p| p.condition == condition);
         curves.push(of().map(|p| p.amplitude_residual).collect());
         curves.push(of().filter_map(|p| p.phase_residual).collect());
     }
     let mut found = test(&curves, fitted);
-    let typical = typical(&curves.concat());
     found.own_scatter = own_scatter;
-    // By the middle of them: a few outliers are no misfit.
-    found.structured |= own_scatter && typical * typical > EXCESS;
+    found.exceeds =
+        own_scatter && excess_p(&curves.concat(), fitted, table.freedom) < SIGNIFICANCE && !found.structured;
+    found.structured |= found.exceeds;
     found
+}
+
+/// Probability that a noise known from so many degrees of freedom leaves residuals as large. By the middle of them: a
+/// few outliers are no misfit.
+fn excess_p(residuals: &[f64], fitted: usize, freedom: f64) -> f64 {
+    let left = MEDIAN_EFFICIENCY * residuals.len().saturating_sub(fitted) as f64;
+    FisherSnedecor::new(left, freedom).map_or(1.0, |f| f.sf(typical(residuals).powi(2)))
 }
 
 fn test(curves: &[Vec<f64>], fitted: usize) -> Whiteness {
@@ -180,6 +188,7 @@ fn test(curves: &[Vec<f64>], fitted: usize) -> Whiteness {
         rough_chi2,
         rough_freedom: rough_n,
         structured,
+        exceeds: false,
         testable,
         own_scatter: false,
     }

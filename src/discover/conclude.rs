@@ -5,8 +5,9 @@ use super::known::{Entry, Known};
 use super::select::Search;
 use super::{Candidate, Discovery, Evidence, MARGIN, NotTestable, Step, Verdict, held_out, next, verdict};
 use crate::compare::{self, Calibration, Comparison};
-use crate::fit::{Interval, TAIL, approximate_intervals, is_lost};
+use crate::fit::{Interval, TAIL, approximate_intervals, is_lost, operation};
 use crate::measurement::Noise;
+use crate::model::alone::Alone;
 use rayon::prelude::*;
 use std::sync::OnceLock;
 
@@ -59,10 +60,22 @@ fn evidence(end: &Step, points: usize) -> Evidence {
     Evidence {
         testable: white.testable,
         structured: white.structured,
+        decidable: is_decidable(end),
         unsolved: end.comparison.unsolved() as f64 / points as f64,
         effects,
         recalibrations: additions.len() - effects,
     }
+}
+
+/// Whether the readings could tell what an explanation adds from a linear law of the frequency, which follows any one
+/// sweep of amplitudes: that a motion has two stable states or comes back at another frequency or drive is against one.
+pub(super) fn is_decidable(end: &Step) -> bool {
+    let (table, model) = (&end.comparison.table, &end.hypothesis.model);
+    let Some(at) = table.points.first().map(operation) else { return true };
+    let linear = model.has_contact || Alone::new(model, &at).is_linear();
+    let phases = table.points.iter().filter(|p| p.phase.is_some()).count();
+    let has_folds = || end.comparison.points.iter().any(|p| !p.model.others.is_empty());
+    linear || table.series.len() > 1 || 2 * phases > table.points.len() || has_folds()
 }
 
 /// What has to be known of the effects that are named: what looks like them, and signs that leave no trace.

@@ -19,8 +19,7 @@ impl Search<'_> {
             return None;
         }
         let points = compare::compared(&self.table.points, &hypothesis.fit.evaluation.predictions);
-        let (series, parameters) = (self.table.series.len(), hypothesis.fit.parameters.len());
-        Some(compare::whiteness(&points, series, parameters, self.table.amplitude_noise))
+        Some(compare::whiteness(&points, self.table, hypothesis.fit.parameters.len()))
     }
 
     pub(super) fn readings(&self) -> usize {

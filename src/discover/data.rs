@@ -2,7 +2,7 @@
 
 use super::hypothesis::{Addition, Hypothesis};
 use crate::compare::TIGHTER;
-use crate::fit::{Fit, Parameter, Problem, Settings, TAIL, cost, minimise, parameter, schwarz, typical_of};
+use crate::fit::{Fit, Parameter, Problem, Settings, TAIL, cost, minimise, parameter, price, typical_of};
 use crate::measurement::{Noise, Point};
 use crate::model::Model;
 use crate::solver::cycle::Tolerance;
@@ -21,6 +21,8 @@ pub struct Data<'a> {
     pub base: Model,
     /// All points.
     pub points: &'a [Point],
+    /// Degrees of freedom that their deviations are known from.
+    freedom: f64,
     /// Their numbers such that any first part of them is spread over all series.
     order: Vec<usize>,
     /// Values that the scenario states for the parameters that a calibration may move: once something is missing, the
@@ -49,14 +51,21 @@ pub struct Effort {
 }
 
 impl<'a> Data<'a> {
-    /// The points as a model sees them whose parameters `free` move.
-    pub fn new(base: Model, free: &[String], points: &'a [Point], (budget, counter): (u64, &Arc<AtomicU64>)) -> Self {
+    /// The points, and from how many degrees of freedom their deviations are known, as a model sees them whose
+    /// parameters `free` move.
+    pub fn new(
+        base: Model,
+        free: &[String],
+        (points, freedom): (&'a [Point], f64),
+        (budget, counter): (u64, &Arc<AtomicU64>),
+    ) -> Self {
         let parameters = free.iter().filter_map(|key| parameter(&base, key)).collect();
         let none: [&Point; 0] = [];
         let stated = Problem::new(base.clone(), none, parameters, Tolerance::default()).values();
         Self {
             base,
             points,
+            freedom,
             order: spread_out(points),
             stated,
             series: points.last().map_or(0, |p| p.series + 1),
@@ -119,7 +128,7 @@ impl<'a> Data<'a> {
 
     /// What Schwarz's criterion charges for parameters.
     pub fn price(&self, parameters: usize) -> f64 {
-        schwarz(0.0, parameters, self.readings())
+        price(parameters, self.readings(), self.freedom)
     }
 
     /// Steady states solved so far, by all threads.

@@ -86,7 +86,7 @@ impl<'a> Search<'a> {
         free: &[String],
         base: Model,
     ) -> Self {
-        let data = Data::new(base, free, &table.points, (options.budget, solved));
+        let data = Data::new(base, free, (&table.points, table.freedom), (options.budget, solved));
         let pool = additions(&data.base, free, table.points.iter().any(|p| p.phase.is_some()), &options.candidates);
         Self { scenario, table, options, data, pool }
     }

@@ -13,6 +13,8 @@ pub struct Evidence {
     /// Whether it found structure: along the series where noise is stated or scatters, or a misfit larger than the
     /// scatter.
     pub structured: bool,
+    /// Whether the readings could tell what it adds from a linear law of the frequency.
+    pub decidable: bool,
     /// Share of the points at which the hypothesis has no steady state.
     pub unsolved: f64,
     /// Effects that it adds.
@@ -23,8 +25,8 @@ pub struct Evidence {
 
 /// What the figures say. An addition is in the hypothesis only where it gains more than its price and the margin.
 pub fn verdict(evidence: &Evidence) -> Verdict {
-    let Evidence { testable, structured, unsolved, effects, recalibrations } = *evidence;
-    match (testable && !structured && unsolved <= UNSOLVED, effects, recalibrations) {
+    let Evidence { testable, structured, decidable, unsolved, effects, recalibrations } = *evidence;
+    match (testable && !structured && decidable && unsolved <= UNSOLVED, effects, recalibrations) {
         (false, ..) => Verdict::Unexplained,
         (true, 0, 0) => Verdict::NothingMissing,
         (true, 0, _) => Verdict::Recalibrate,
@@ -36,7 +38,8 @@ pub fn verdict(evidence: &Evidence) -> Verdict {
 mod tests {
     use super::*;
 
-    const GOOD: Evidence = Evidence { testable: true, structured: false, unsolved: 0.0, effects: 0, recalibrations: 0 };
+    const GOOD: Evidence =
+        Evidence { testable: true, structured: false, decidable: true, unsolved: 0.0, effects: 0, recalibrations: 0 };
 
     #[test]
     fn what_leaves_noise_is_named_by_what_it_adds() {
@@ -52,6 +55,7 @@ mod tests {
             let good = Evidence { effects, ..GOOD };
             assert_eq!(verdict(&Evidence { structured: true, ..good }), Verdict::Unexplained);
             assert_eq!(verdict(&Evidence { testable: false, ..good }), Verdict::Unexplained);
+            assert_eq!(verdict(&Evidence { decidable: false, ..good }), Verdict::Unexplained);
             assert_eq!(verdict(&Evidence { unsolved: 0.2, ..good }), Verdict::Unexplained);
         }
     }

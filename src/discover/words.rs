@@ -1,5 +1,6 @@
 //! What a discovery says, in words that the terminal and the report share.
 
+use super::conclude::is_decidable;
 use super::{Discovery, Step, Verdict};
 use crate::compare::outlier_words;
 use crate::fit::{Identified, Interval, Parameter};
@@ -40,11 +41,17 @@ pub fn sentence(d: &Discovery) -> String {
             let error = |step: &Step| step.comparison.overall.rms_error_percent / 100.0;
             let (before, after) = (error(&d.steps[0]), error(end));
             let [from, to] = [before, after].map(|error| percent(error, 2));
+            let but = if end.comparison.whiteness.structured || is_decidable(end) {
+                "but structured misfit is left"
+            } else {
+                "but one sweep without phases does not tell a law of the amplitude from one of the frequency: sweep again \
+                 at a third or three times the drive"
+            };
             // The search goes by squares over the noise: the relative error of the amplitude need not fall with them.
             if after < before && from != to {
-                format!("unexplained: {all} takes the rms error from {from} to {to}, but structured misfit is left")
+                format!("unexplained: {all} takes the rms error from {from} to {to}, {but}")
             } else {
-                format!("unexplained: {all} helps, but structured misfit is left")
+                format!("unexplained: {all} helps, {but}")
             }
         }
     }

@@ -47,7 +47,7 @@ impl Fit {
     /// better.
     pub fn schwarz(&self, unit: f64, readings: usize, freedom: f64) -> f64 {
         let square = deviance(robust_square(&self.evaluation.residuals, unit), readings, freedom);
-        schwarz(square, self.parameters.len(), readings)
+        square + price(self.parameters.len(), readings, freedom)
     }
 
     /// Whether it ended for want of evaluations, not at a minimum.
@@ -76,10 +76,12 @@ pub fn typical_of(residuals: &DVector<f64>) -> f64 {
 /// where both were as likely before (Kass and Raftery 1995).
 pub const MARGIN: f64 = 6.0;
 
-/// Schwarz's criterion of so many parameters and a sum of squares over so many readings, less a constant: smaller is
-/// better.
-pub fn schwarz(square: f64, parameters: usize, readings: usize) -> f64 {
-    square + parameters as f64 * (readings as f64).ln()
+/// What Schwarz's criterion charges for parameters that so many readings are to tell, in variances that are known from
+/// so many degrees of freedom: where few tell both, more (McQuarrie, Statist. Probab. Lett. 42 (1999) 79).
+pub fn price(parameters: usize, readings: usize, freedom: f64) -> f64 {
+    let (parameters, all) = (parameters as f64, readings as f64 + freedom);
+    let few = if all.is_infinite() { 1.0 } else { all / (all - parameters - 2.0).max(f64::EPSILON) };
+    parameters * (readings as f64).ln() * few
 }
 
 /// A sum of squares over so many readings, in variances that are known from so many degrees of freedom, as a deviance:

@@ -9,7 +9,7 @@ mod profile;
 pub mod resonance;
 
 pub use least_squares::{
-    CONVERGED, Fit, MARGIN, Settings, TAIL, deviance, minimise, robust_chi2, robust_square, schwarz, typical_of,
+    CONVERGED, Fit, MARGIN, Settings, TAIL, deviance, minimise, price, robust_chi2, robust_square, typical_of,
 };
 pub use parameter::{Parameter, parameter};
 pub use problem::{Evaluation, Prediction, Problem, TROUBLED, cost, is_lost, operation, read_all};

@@ -50,6 +50,8 @@ pub struct Judged<'a> {
     pub structured: bool,
     /// Whether the readings could show that.
     pub testable: bool,
+    /// Whether the class that is claimed leaves more than noise as well.
+    pub unfinished: bool,
     /// Limits, in words.
     pub notes: Vec<String>,
     used: Vec<bool>,
@@ -124,7 +126,8 @@ pub fn judge<'a>(c: &Comparison, readings: &'a Readings<'a>) -> Judged<'a> {
     let tried: Vec<Tried<'a>> = sets.par_iter().filter_map(|set| attempt(set)).collect();
     let white = white(c, readings, &tried[0].fitted);
     let mut judged = decided(c, readings, tried, &white);
-    if let Some(leading) = judged.leading.filter(|&i| structured(c, readings, &judged.tried[i].fitted)) {
+    judged.unfinished = judged.leading.is_some_and(|leading| structured(c, readings, &judged.tried[leading].fitted));
+    if let Some(leading) = judged.leading.filter(|_| judged.unfinished) {
         let first = judged.tried[leading].variables[0];
         let own = varied.iter().find(|(v, _)| *v == first).cloned();
         let pairs: Vec<Vec<(Variable, Vec<f64>)>> = varied
@@ -166,6 +169,7 @@ fn decided<'a>(c: &Comparison, readings: &Readings<'a>, tried: Vec<Tried<'a>>, w
         leading: None,
         structured: white.structured,
         testable: white.testable,
+        unfinished: false,
         notes: Vec::new(),
         used: best.map_or(all, |best| standing_in(&tried[best].fitted.residuals)),
         tied: vec![false; tried.len()],
@@ -272,7 +276,7 @@ fn white(c: &Comparison, readings: &Readings<'_>, fitted: &Fitted) -> Whiteness 
         compared
     });
     let freedom = fitted.freedom.round() as usize;
-    whiteness(&left.collect::<Vec<_>>(), c.table.series.len(), freedom, c.table.amplitude_noise)
+    whiteness(&left.collect::<Vec<_>>(), &c.table, freedom)
 }
 
 /// Whether a fit leaves more than noise.

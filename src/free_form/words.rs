@@ -30,7 +30,8 @@ fn share(percent: f64) -> String {
 
 /// What follows from the classes.
 pub fn statement(found: &FreeForm, judged: &Judged<'_>) -> String {
-    let untestable = list(found, Standing::Untestable, |class| format!("the {}", class.name()));
+    let untestable: Vec<&Dependence> =
+        found.classes.iter().filter(|class| class.standing == Standing::Untestable).collect();
     if !judged.testable {
         return "on which variable anything missing depends cannot be told: the series have too few neighbouring readings".into();
     }
@@ -45,7 +46,11 @@ pub fn statement(found: &FreeForm, judged: &Judged<'_>) -> String {
         });
         return format!("something is left, but these readings tell no variable on which it depends{most}");
     };
-    let mut text = claim(leading, &found.tied().collect::<Vec<_>>());
+    // What leaves structure is no evidence against a variable that could not be tested and leaves less.
+    let hidden = |class: &&&Dependence| judged.unfinished && class.left_rms_percent < leading.left_rms_percent;
+    let open: Vec<&Dependence> = untestable.iter().filter(hidden).copied().collect();
+    let untestable: Vec<String> = untestable.iter().map(|class| format!("the {}", class.name())).collect();
+    let mut text = claim(leading, &found.tied().collect::<Vec<_>>(), &open);
     let excluded = |most: bool| -> Vec<String> {
         let all = found.classes.iter().filter(|class| class.standing == Standing::Excluded);
         all.filter(|class| (class.explained_percent >= MOST) == most).map(Dependence::with_share).collect()
@@ -62,15 +67,25 @@ pub fn statement(found: &FreeForm, judged: &Judged<'_>) -> String {
     if !further.is_empty() {
         text += &format!("; {}", further.join(", "));
     }
-    if !untestable.is_empty() {
+    if open.is_empty() && !untestable.is_empty() {
         text += &format!("; not to be told of {}", untestable.join(", "));
     }
     text
 }
 
-/// What is said of the leading class and those that are tied with it.
-fn claim(leading: &Dependence, tied: &[&Dependence]) -> String {
+/// What is said of the leading class, those that are tied with it, and those that may be what the leading one follows
+/// in part.
+fn claim(leading: &Dependence, tied: &[&Dependence], open: &[&Dependence]) -> String {
     let amount = share(leading.explained_percent);
+    if !open.is_empty() {
+        let names: Vec<String> = open.iter().map(|class| format!("the {}", class.name())).collect();
+        return format!(
+            "what is missing may depend on {}, which leaves structure, or on {}: one sweep does not tell these apart, another at a \
+             third or three times the drive would",
+            leading.with_share(),
+            names.join(" or on ")
+        );
+    }
     if leading.explained_percent < MOST {
         let others: Vec<String> = tied.iter().map(|class| class.with_share()).collect();
         let tied = if others.is_empty() { String::new() } else { format!(", tied with {}", others.join(", ")) };

@@ -158,15 +158,19 @@ fn same_curve(a: &Point, b: &Point) -> bool {
     (a.series, a.load, a.speed) == (b.series, b.load, b.speed)
 }
 
-/// How far the phases of a curve turn from its lowest to its highest frequency, the median over the curves \[rad\];
-/// `None` without a curve that tells.
+/// How far the phases of a curve turn from its lowest to its highest frequency, each step by the square of its
+/// responses over the largest, since it is at the resonance that they tell; the median over the curves \[rad\]. `None`
+/// without a curve that tells.
 fn turn(points: &[Point]) -> Option<f64> {
     let mut turns = Vec::new();
     for curve in points.chunk_by(same_curve) {
-        let mut phases: Vec<(f64, f64)> = curve.iter().filter_map(|p| Some((p.frequency, p.phase?))).collect();
+        let mut phases: Vec<(f64, f64, f64)> =
+            curve.iter().filter_map(|p| Some((p.frequency, p.phase?, p.amplitude / p.drive))).collect();
         phases.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let largest = phases.iter().map(|(.., response)| *response).fold(0.0, f64::max);
+        let step = |pair: &[(f64, f64, f64)]| wrap(pair[1].1 - pair[0].1) * pair[0].2 * pair[1].2 / largest.powi(2);
         if phases.len() >= TURNING.0 {
-            turns.push(phases.windows(2).map(|pair| wrap(pair[1].1 - pair[0].1)).sum());
+            turns.push(phases.windows(2).map(step).sum());
         }
     }
     (!turns.is_empty()).then(|| median(turns))

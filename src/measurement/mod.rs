@@ -24,6 +24,7 @@ mod parts;
 mod pool;
 mod preamble;
 mod reading;
+mod rounding;
 mod rows;
 mod samples;
 mod scatter;

@@ -12,16 +12,18 @@ const APART: f64 = 0.1;
 /// Fewest readings on the upper half of its flanks that tell a peak from a reading that is far off, or from two
 /// branches in turn.
 const FEWEST: usize = 3;
-/// Fewest readings on which a mode can be fitted.
+/// Readings of which a mode is told from others well; of fewer all are used that are nearer to it than to others.
 const ENOUGH: usize = 12;
+/// Fewest readings that tell a resonance at all.
+const TOLD: usize = 5;
 
 /// A resonance among others.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mode {
     /// Of its peak \[Hz\].
     pub frequency: f64,
-    /// Where it alone makes most of the response: down to the geometric mean of its peak and the valleys beside it
-    /// \[Hz\].
+    /// Where it alone makes most of the response: down to the geometric mean of its peak and the valleys beside it, or,
+    /// where few readings lie there, to the valleys \[Hz\].
     pub band: (f64, f64),
     /// Largest response per drive.
     peak: f64,
@@ -45,7 +47,7 @@ pub fn modes(table: &Table) -> Vec<Mode> {
     };
     let shared = |mode: &&Mode| {
         let inside = |f: f64| (mode.band.0..=mode.band.1).contains(&f);
-        let reach = |points: &&Vec<&Point>| points.iter().filter(|p| inside(p.frequency)).count() >= ENOUGH;
+        let reach = |points: &&Vec<&Point>| points.iter().filter(|p| inside(p.frequency)).count() >= TOLD;
         let reaching = series.iter().filter(reach).count();
         let showing = seen.iter().filter(|modes| modes.iter().any(|other| inside(other.frequency))).count();
         reaching > 0 && 2 * showing >= reaching
@@ -104,6 +106,7 @@ fn of_series(points: &[&Point]) -> Vec<Mode> {
         let (left, right) = (valleys[number], valleys[number + 1]);
         let first = (left..=*peak).find(|&i| y[i] >= side(left)).unwrap_or(left);
         let last = (*peak..=right).rev().find(|&i| y[i] >= side(right)).unwrap_or(right);
+        let (first, last) = if last - first < ENOUGH { (left, right) } else { (first, last) };
         let band = (points[first].frequency, points[last].frequency);
         Mode { frequency: points[*peak].frequency, band, peak: y[*peak] }
     };

@@ -23,6 +23,8 @@ pub(crate) struct Own {
     pub phase: Option<f64>,
     /// Readings that have a phase.
     pub phases: usize,
+    /// Standard deviations that rounding leaves of amplitude and phase.
+    pub rounding: [f64; 2],
 }
 
 /// Points without estimated deviations yet, and what repetition tells about them.
@@ -202,7 +204,13 @@ fn unite(group: &[Reading], pooled: &mut Pooled) {
         series: first.series,
     });
     let of_phase = phase.and_then(|(_, mean, _)| mean.spread);
-    pooled.spreads.push(Own { amplitude: amplitude.spread, phase: of_phase, phases: angles.len() });
+    let rounding = |of: usize| group.iter().map(|reading| reading.rounding[of]).fold(0.0, f64::max);
+    pooled.spreads.push(Own {
+        amplitude: amplitude.spread,
+        phase: of_phase,
+        phases: angles.len(),
+        rounding: [rounding(0), rounding(1)],
+    });
 }
 
 /// Direction of the weighted sum of unit vectors.

@@ -87,14 +87,15 @@ fn opened(text: &mut String) -> Vec<String> {
     let first: Vec<Line<'_>> = lines(text).take(MOST).collect();
     let Some(Found { header, units, separator, remark }) = find(&first) else { return Vec::new() };
     let before = first[..header].iter().filter(|line| !line.is_remark()).count();
-    if before == 0 && !remark && separator != b' ' {
+    let parts_alike = header_line(first[header].text, separator) == first[header].text;
+    if before == 0 && !remark && separator != b' ' && parts_alike {
         return Vec::new();
     }
     let last = units.unwrap_or(header);
     let mut bytes = text.as_bytes().to_vec();
     for (number, line) in lines(text).enumerate().take_while(|(number, _)| *number <= last || separator == b' ') {
         let own = &mut bytes[line.start..line.start + line.text.len()];
-        if number == header {
+        if number == header || (remark && Some(number) == units) {
             own.copy_from_slice(header_line(line.text, separator).as_bytes());
         } else if number < last && !(number < header && line.is_remark()) {
             own.fill(b' ');
@@ -112,6 +113,9 @@ fn opened(text: &mut String) -> Vec<String> {
     }
     if remark {
         told.push("the header is the last remark before the numbers".into());
+    }
+    if !parts_alike && !remark && separator == b'\t' {
+        told.push("blanks separate the names in the header, tabs the numbers".into());
     }
     if separator == b' ' {
         told.push(BLANKS.into());
@@ -159,8 +163,14 @@ fn find(lines: &[Line<'_>]) -> Option<Found> {
             None => Found { header: last, units: None, separator, remark: false },
         });
     }
-    let header = (0..first).rev().find(|&number| named(lines[number].text.trim_start_matches('#')).is_some())?;
-    Some(Found { header, units: None, separator, remark: true })
+    let remark = |number: usize| named(lines[number].text.trim_start_matches('#'));
+    let header = (0..first).rev().find(|&number| remark(number).is_some())?;
+    // Its units may stand in a remark of their own.
+    let is_units = remark(header).is_some_and(|own| units_of(&own, width).is_some());
+    match header.checked_sub(1).filter(|&above| is_units && remark(above).is_some()) {
+        Some(above) => Some(Found { header: above, units: Some(header), separator, remark: true }),
+        None => Some(Found { header, units: None, separator, remark: true }),
+    }
 }
 
 /// The cells of a header above numbers that this separator parts, which need not part the header.
@@ -183,6 +193,9 @@ fn header_line(line: &str, separator: u8) -> String {
             None if line.trim().contains("  ") => parted(&line, 2),
             None => parted(&line, 1),
         };
+    }
+    if separator == b'\t' && !line.contains('\t') {
+        return parted(&line, if line.trim().contains("  ") { 2 } else { 1 });
     }
     // An attribute of the sweep, as some write it behind the names of the columns, is none of these.
     while let Some(at) = line.rfind(char::from(separator)).filter(|at| line[*at..].contains('=')) {

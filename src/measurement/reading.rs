@@ -30,6 +30,8 @@ pub(crate) struct Reading {
     pub amplitude_sd: Option<f64>,
     pub phase_sd: Option<f64>,
     pub mean: Option<f64>,
+    /// Standard deviations that rounding leaves of amplitude and phase.
+    pub rounding: [f64; 2],
     /// What the table calls its series.
     pub name: String,
     /// Which way the table says that the frequency was swept.

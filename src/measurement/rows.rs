@@ -6,6 +6,7 @@ use super::names::{AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LOAD, MEAN, PHASE,
 use super::parts::{Parts, split_complex};
 use super::preamble::BLANKS;
 use super::reading::{Reading, Readings};
+use super::rounding::Steps;
 use super::search::Slot;
 use super::sheet::{Complaints, Row, Sheet};
 use super::unit::Unit;
@@ -35,6 +36,9 @@ pub(crate) fn readings(
     let columns: Vec<usize> = layout.slots.iter().flatten().filter_map(Slot::index).collect();
     let commas = decimal_commas(sheet, &columns, &mut complaints);
     written(sheet, commas, notes);
+    let steps = [AMPLITUDE, PHASE].map(|column| {
+        layout.slots[column].as_ref().and_then(Slot::index).map_or(Steps::default(), |at| Steps::of(sheet, at, commas))
+    });
     let mut list = Vec::new();
     // A frequency of zero anywhere else is a slip.
     let is_spectrum = sheet.rows().next().is_some_and(|first| is_constant_part(&layout, &first))
@@ -49,7 +53,7 @@ pub(crate) fn readings(
             overflown += 1;
             continue;
         }
-        let mut cells = Cells { sheet, layout: &layout, row: &row, commas, complaints: &mut complaints };
+        let mut cells = Cells { sheet, layout: &layout, row: &row, commas, steps, complaints: &mut complaints };
         list.extend(cells.reading(at + 1));
     }
     complaints.check()?;
@@ -182,6 +186,8 @@ struct Cells<'a, 'b> {
     layout: &'a Layout,
     row: &'a Row,
     commas: bool,
+    /// Those of amplitude and phase.
+    steps: [Steps; 2],
     complaints: &'a mut Complaints<'b>,
 }
 
@@ -217,6 +223,7 @@ impl Cells<'_, '_> {
             amplitude_sd: amplitude_sd?.map(|sd| if share { sd * amplitude.unwrap_or(0.0) } else { sd }),
             phase_sd: phase_sd?,
             mean: mean?,
+            rounding: [self.rounding(AMPLITUDE, 0) * self.times(AMPLITUDE, drive), self.rounding(PHASE, 1)],
             name: name?,
             sweep: sweep?,
             series: 0,
@@ -241,6 +248,16 @@ impl Cells<'_, '_> {
         };
         let [Some(real), Some(imaginary)] = parts else { return (None, None) };
         (Some(real.hypot(imaginary) * times), Some(Some(imaginary.atan2(real))))
+    }
+
+    /// Standard deviation that rounding leaves of a cell; zero where a number is made of several.
+    fn rounding(&self, column: usize, of: usize) -> f64 {
+        match &self.layout.slots[column] {
+            Some(Slot::Cells(index, unit)) if self.layout.parts.is_none() => {
+                self.steps[of].deviation(&self.row.cells[*index], self.commas, unit)
+            }
+            _ => 0.0,
+        }
     }
 
     /// What the numbers of a column are times: the drive, where they are per drive.

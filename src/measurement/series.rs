@@ -6,7 +6,7 @@ use super::Point;
 use super::reading::{Direction, Reading};
 use crate::effects;
 use crate::scenario::Scenario;
-use crate::statistics::{median, spread};
+use crate::statistics::{is_alike, median, spread};
 
 /// One sweep.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -74,8 +74,7 @@ const ONE_WAY: f64 = 0.8;
 ///
 /// What the table says of series and directions comes first. Else rows that share load, speed and drive belong together
 /// where most rows do so in groups. Else the drive was measured: rows at one load and speed that follow each other are
-/// one sweep as long as the frequency goes one way and the drive keeps its level; a drive that sinks at a resonance
-/// does.
+/// one sweep as long as the frequency goes one way.
 pub(super) fn group(list: &mut [Reading], arm: bool) -> Vec<Series> {
     let named = list.iter().any(|reading| !reading.name.is_empty());
     let all: Vec<usize> = (0..list.len()).collect();
@@ -95,10 +94,12 @@ pub(super) fn group(list: &mut [Reading], arm: bool) -> Vec<Series> {
         };
         for part in parts {
             let both = if arm && !named { Vec::new() } else { both_ways(list, &part) };
-            if both.is_empty() {
-                sweeps.push((part, arm && set && !named));
+            let unordered = arm && set && !named;
+            if both.is_empty() && (unordered || named) {
+                sweeps.push((part, unordered));
             } else {
-                sweeps.extend(both.into_iter().map(|part| (part, false)));
+                let ways = if both.is_empty() { vec![part] } else { both };
+                sweeps.extend(ways.iter().flat_map(|way| changed(list, way)).map(|part| (part, false)));
             }
         }
     }
@@ -262,7 +263,7 @@ fn is_one_sweep(list: &[Reading], rows: &[usize], levels: &[Vec<usize>]) -> bool
         rows.iter().all(|row| (list[*row].drive / list[held[0]].drive).ln().abs() < LEVEL)
     };
     let uneven = count > SEVERAL && !is_interleaved(list, rows, count) || count > 1 && wavers();
-    uneven && passes(list, rows).len() == 1
+    uneven && (passes(list, rows).len() == 1 || frequencies(list, rows) == rows.len())
 }
 
 /// How far the frequency goes within some rows \[Hz\].
@@ -296,6 +297,48 @@ fn both_ways(list: &[Reading], rows: &[usize]) -> Vec<Vec<usize>> {
     vec![of(Direction::Up), of(Direction::Down)]
 }
 
+/// Sweeps of one drive and direction, those together that differ by no more than they scatter: a rig that has changed
+/// between them differs by what goes on from reading to reading.
+fn changed(list: &[Reading], rows: &[usize]) -> Vec<Vec<usize>> {
+    let mut alike: Vec<(Vec<usize>, Vec<usize>)> = Vec::new();
+    for pass in passes(list, rows) {
+        match alike.last_mut().filter(|(first, _)| !differs(list, first, &pass)) {
+            Some((_, all)) => all.extend(pass),
+            None => alike.push((pass.clone(), pass)),
+        }
+    }
+    alike.into_iter().map(|(_, all)| all).collect()
+}
+
+/// Whether readings of two sweeps that stand beside each other differ more alike from one to the next than by chance,
+/// and by more than what is stated of them.
+fn differs(list: &[Reading], sweep: &[usize], other: &[usize]) -> bool {
+    let mut sweep = sweep.to_vec();
+    sweep.sort_by(|a, b| list[*a].frequency.total_cmp(&list[*b].frequency));
+    let mut other = other.to_vec();
+    other.sort_by(|a, b| list[*a].frequency.total_cmp(&list[*b].frequency));
+    // Each reading counts once.
+    let mut next = 0;
+    let mut steps: Vec<f64> = Vec::new();
+    for row in &other {
+        let own = &list[*row];
+        let above = sweep.partition_point(|at| list[*at].frequency < own.frequency);
+        let exact = sweep.get(above).is_some_and(|at| list[*at].frequency == own.frequency);
+        let (Some(first), last) = (above.checked_sub(usize::from(!exact)), above) else { continue };
+        if first < next || last >= sweep.len() {
+            continue;
+        }
+        let (a, b) = (&list[sweep[first]], &list[sweep[last]]);
+        let share = if exact { 0.0 } else { (own.frequency - a.frequency) / (b.frequency - a.frequency) };
+        let between = a.amplitude.ln() * (1.0 - share) + b.amplitude.ln() * share;
+        steps.push(own.amplitude.ln() - between);
+        next = last + 1;
+    }
+    steps.retain(|step| step.is_finite());
+    let stated = median(other.iter().filter_map(|row| Some(list[*row].amplitude_sd? / list[*row].amplitude)));
+    is_alike(&steps) && spread(steps.iter().copied(), 0.0) > stated
+}
+
 /// Sweeps of a measured drive, told by the order of the rows.
 fn by_order(list: &[Reading], rows: &[usize]) -> Vec<Vec<usize>> {
     let repeated = rows.windows(2).filter(|pair| list[pair[0]].frequency == list[pair[1]].frequency).count();
@@ -307,25 +350,17 @@ fn by_order(list: &[Reading], rows: &[usize]) -> Vec<Vec<usize>> {
     if passes.len() > SEVERAL && typical < SWEPT as f64 { by_level(list, rows) } else { passes }
 }
 
-/// Parts within which the frequency goes one way and the drive keeps its level.
+/// Parts within which the frequency goes one way: a drive that changes on the way is another at a resonance.
 fn passes(list: &[Reading], rows: &[usize]) -> Vec<Vec<usize>> {
     let frequency = |at: usize| list[rows[at]].frequency;
-    let change = |at: usize| (list[rows[at]].drive / list[rows[at - 1]].drive).ln();
     let steps = (1..rows.len()).map(|at| (frequency(at) - frequency(at - 1)).abs());
     let typical = median(steps.filter(|step| *step > 0.0));
-    let usual = median((1..rows.len()).map(|at| change(at).abs()));
-    // Another level changes the drive and not what it does; at a resonance, and where the response is held, both
-    // change.
-    let jumps = |at: usize| {
-        let response = (list[rows[at]].amplitude / list[rows[at - 1]].amplitude).ln() - change(at);
-        change(at).abs() > LEVEL.max(JUMP * usual) && response.abs() < 0.5 * change(at).abs()
-    };
     let mut parts: Vec<Vec<usize>> = Vec::new();
     let mut way = 0.0;
     for at in 0..rows.len() {
         let step = if at == 0 { 0.0 } else { frequency(at) - frequency(at - 1) };
-        let turns = step * way < 0.0 && !is_slip(&frequency, rows.len(), at, way, typical);
-        if at == 0 || turns || jumps(at) {
+        let turns = step * way < 0.0 && !is_slip(&frequency, rows.len(), at, way);
+        if at == 0 || turns {
             // Of two readings where the sweep turns, one is of the way back.
             let back = turns && step.abs() <= 2.0 * typical && at > 1 && frequency(at - 1) == frequency(at - 2);
             let first = parts.last_mut().filter(|part| back && part.len() > 1).and_then(Vec::pop);
@@ -341,10 +376,10 @@ fn passes(list: &[Reading], rows: &[usize]) -> Vec<Vec<usize>> {
     parts
 }
 
-/// Whether a step back is a slip of the order: small, and at once beyond where it started.
-fn is_slip(frequency: &impl Fn(usize) -> f64, count: usize, at: usize, way: f64, typical: f64) -> bool {
+/// Whether a step back is a slip of the order: at once the frequency is beyond where it started.
+fn is_slip(frequency: &impl Fn(usize) -> f64, count: usize, at: usize, way: f64) -> bool {
     let beyond = |next: usize| next < count && (frequency(next) - frequency(at - 1)) * way > 0.0;
-    (frequency(at) - frequency(at - 1)).abs() <= 2.0 * typical && (beyond(at + 1) || beyond(at + 2))
+    beyond(at + 1) || beyond(at + 2)
 }
 
 /// Rows that go through the levels of the drive at one frequency after the other.

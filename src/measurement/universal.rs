@@ -144,6 +144,7 @@ fn scaled(
             name: String::new(),
             sweep: None,
             series: 0,
+            rounding: [0.0; 2],
             aside: String::new(),
         })
     };

@@ -473,3 +473,32 @@ fn rows_of_an_overflow_are_not_readings() {
     let note = "2 rows with a number of 9.9e37, which an instrument writes that has no reading, not used";
     assert!(table.notes.iter().any(|one| one == note), "{:?}", table.notes);
 }
+
+/// Names that blanks part above numbers that tabs do, and names and units in a remark each.
+#[test]
+fn a_header_may_be_parted_otherwise_than_the_numbers_and_stand_in_two_remarks() {
+    let row = |n: i32| (2.0 + 0.1 * f64::from(n), 1.0 + 0.1 * f64::from(n * n % 7));
+    let rows = |between: &str| (0..12).map(row).map(|(f, a)| format!("{f:.1}{between}{a:.1}\n")).collect::<String>();
+    for (header, between) in [("Frequenz Amplitude", "\t"), ("# f U\n# kHz V", " "), ("# f\tU\n# kHz\tV", "\t")] {
+        let text = format!("{header}\n{}", rows(between));
+        let table = survey_bytes("t.csv", text.as_bytes()).unwrap_or_else(|error| panic!("{error}")).table;
+        let unit = if header.contains("kHz") { 1e3 } else { 1.0 };
+        assert_eq!((table.points[0].frequency, table.points.len()), (2.0 * unit, 12), "{header}");
+    }
+}
+
+/// A resonance, and the coil of a loudspeaker far above it: the sign of the phases is that at the resonance.
+#[test]
+fn lags_are_told_at_the_resonance() {
+    let row = |n: i32, sign: f64| {
+        let f = 20.0 * 1.06f64.powi(n);
+        let d = 2.0 * 2.0 * (f / 48.0 - 48.0 / f);
+        let (re, im) = (4.0 + 14.0 / (1.0 + d * d), -14.0 * d / (1.0 + d * d) + 0.003 * f);
+        format!("{f:.3},{:.4},{:.3}\n", re.hypot(im), sign * im.atan2(re).to_degrees())
+    };
+    for (sign, lags) in [(1.0, false), (-1.0, true)] {
+        let text: String = (0..100).map(|n| row(n, sign)).collect();
+        let seen = survey_bytes("t.csv", format!("f [Hz],Z [V],phase [deg]\n{text}").as_bytes()).expect("sound");
+        assert_eq!(seen.mapping.iter().any(|(key, _)| key == "phase_lag"), lags, "{:?}", seen.table.notes);
+    }
+}

@@ -218,3 +218,24 @@ fn what_does_not_grow_with_the_reading_is_told_from_what_does() {
     }
     assert!(told >= 38 && near >= 108 && false_ones <= 1, "{told} told, {near} of 120 near, {false_ones} false");
 }
+
+/// A scale read to half a division: rounding leaves more than the scatter of neighbours that happen to agree with a
+/// curve.
+#[test]
+fn no_reading_is_known_better_than_the_steps_it_is_written_in() {
+    let read = |step: f64, digits: usize| {
+        let size = |f: f64| (20.0 / (1.0 - (f / 80.0).powi(2)).hypot(f / 80.0 / 5.0) / step).round() * step;
+        let rows: String =
+            (0..40).map(|n| 60.0 + f64::from(n)).map(|f| format!("{f},1,{:.digits$}\n", size(f))).collect();
+        super::oscillators::load("t.csv", format!("frequency_hz,force_n,amplitude_mm\n{rows}").as_bytes(), "", "")
+            .expect("sound")
+    };
+    for (step, digits) in [(0.5, 1), (0.2, 1), (5.0, 0)] {
+        let table = read(step, digits);
+        let least = table.points.iter().map(|p| p.amplitude_sd).fold(f64::INFINITY, f64::min);
+        assert!(least >= 0.999e-3 * step / 12f64.sqrt(), "{step}: {least:e}");
+        assert!(table.notes.iter().any(|note| note.contains("steps so coarse")), "{:?}", table.notes);
+    }
+    let fine = read(1e-6, 6);
+    assert!(!fine.notes.iter().any(|note| note.contains("steps so coarse")), "{:?}", fine.notes);
+}

@@ -487,7 +487,7 @@ free = ['rig.natural_frequency', 'rig.quality_factor']
         let points: Vec<Point> = (0..93).map(at).collect();
         let Calibration { base, fit, .. } = calibrate(&base, &scenario.free, &points, Tolerance::default(), 0);
         let from = Hypothesis { additions: Vec::new(), model: base.clone(), fit, estimate: None, bic: 0.0 };
-        let data = Data::new(base, &scenario.free, &points, (u64::MAX, &Arc::default()));
+        let data = Data::new(base, &scenario.free, (&points, f64::INFINITY), (u64::MAX, &Arc::default()));
         let pool: Vec<Addition> =
             ["power-damping", "quadratic-damping", "friction-joint", "clearance", "cubic-stiffness"]
                 .map(|name| Addition::Effect(find(name).expect("an effect")))

@@ -5,7 +5,7 @@
 //! H (Sanathanan and Koerner 1963). Of amplitudes alone |H|^2 is a ratio of two parabolas, and the same holds.
 
 use super::Resonance;
-use crate::fit::{MARGIN, schwarz};
+use crate::fit::{MARGIN, price};
 use crate::measurement::Point;
 use crate::statistics::{median, wrap};
 use nalgebra::{Complex, ComplexField, DMatrix, DVector};
@@ -129,7 +129,7 @@ pub(super) fn is_no_parabola(responses: &[(f64, f64)], left: f64) -> bool {
 
 /// Schwarz's criterion of what is left of so many readings whose noise nobody states.
 fn criterion(square: f64, parameters: usize, readings: usize) -> f64 {
-    schwarz(readings as f64 * square.ln(), parameters, readings)
+    readings as f64 * square.ln() + price(parameters, readings, 0.0)
 }
 
 /// Least squares of rows whose weights are by the solution before.

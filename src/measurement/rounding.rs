@@ -1,0 +1,65 @@
+//! The steps in which readings are written: no reading is known better than what rounding leaves, its step over the
+//! root of twelve.
+
+use super::sheet::Sheet;
+use super::unit::Unit;
+
+/// Steps in which the numbers of a column are written.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Steps {
+    /// Greatest common divisor of all that are written without exponents: a scale may be read to halves.
+    plain: f64,
+    /// Digits of the longest of those with exponents, which keep as many after the first.
+    digits: i32,
+}
+
+impl Steps {
+    /// Of one column of a sheet.
+    pub fn of(sheet: &Sheet, index: usize, commas: bool) -> Self {
+        let cells: Vec<String> = sheet.rows().filter_map(|row| Some(plainly(row.cells.get(index)?, commas))).collect();
+        let decimals = |cell: &str| cell.split_once('.').map_or(0, |(_, decimals)| decimals.len() as i32);
+        let (plain, others): (Vec<&String>, Vec<&String>) = cells.iter().partition(|cell| !cell.contains(['e', 'E']));
+        let finest = plain.iter().map(|cell| decimals(cell)).max().unwrap_or(0);
+        let step = 10f64.powi(-finest);
+        let counts = plain.iter().filter_map(|cell| cell.parse::<f64>().ok()).map(|value| (value / step).round().abs());
+        let plain = step * counts.filter(|count| count.is_finite()).fold(0.0, divisor);
+        let digits = others.iter().map(|cell| cell.split(['e', 'E']).next().map_or(0, decimals)).max().unwrap_or(0);
+        Self { plain, digits }
+    }
+
+    /// Standard deviation that rounding leaves of a cell, in SI.
+    pub fn deviation(&self, cell: &str, commas: bool, unit: &Unit) -> f64 {
+        let cell = plainly(cell, commas);
+        let Ok(value) = cell.parse::<f64>() else { return 0.0 };
+        let step = if cell.contains(['e', 'E']) {
+            10f64.powf(value.abs().log10().floor() - f64::from(self.digits))
+        } else {
+            self.plain
+        };
+        let at = |value: f64| unit.convert(&format!("{value:e}")).unwrap_or(f64::NAN);
+        let width = (at(value + 0.5 * step) - at(value - 0.5 * step)).abs();
+        if width.is_finite() { width / 12f64.sqrt() } else { 0.0 }
+    }
+}
+
+fn plainly(cell: &str, commas: bool) -> String {
+    let cell = cell.replace('−', "-");
+    if commas { cell.replace(',', ".") } else { cell }
+}
+
+/// Greatest common divisor of whole numbers.
+fn divisor(a: f64, b: f64) -> f64 {
+    if b > 0.0 { divisor(b, a % b) } else { a }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scale_that_is_read_to_halves_is_told_from_its_digits() {
+        assert_eq!([1.5, 2.0, 7.5].map(|v: f64| (v / 0.1).round()).into_iter().fold(0.0, divisor), 5.0);
+        assert_eq!([1.5, 2.1, 7.5].map(|v: f64| (v / 0.1).round()).into_iter().fold(0.0, divisor), 1.0);
+        assert_eq!(divisor(0.0, 0.0), 0.0);
+    }
+}
