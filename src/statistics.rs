@@ -70,7 +70,7 @@ mod tests {
                 && !is_alike(&of(|i| if i == 20 || i == 21 { 9e9 } else { f64::from(i * 7919 % 101 - 50) }))
         );
         assert!(
-            is_alike(&of(|i| 30.0 + f64::from(i * 7919 % 101 - 50))) && is_alike(&of(|i| (f64::from(i) / 6.0).sin()))
+            is_alike(&of(|i| 100.0 + f64::from(i * 7919 % 101 - 50))) && is_alike(&of(|i| (f64::from(i) / 6.0).sin()))
         );
         assert!(!is_alike(&[]) && !is_alike(&of(|_| 0.0)));
     }

@@ -280,6 +280,34 @@ fn one_series_without_phases_tells_no_variable() {
     assert_eq!(told, [Standing::Base, Standing::Untestable, Standing::Untestable]);
 }
 
+/// One series with phases passes every amplitude twice and every frequency once: a law of the amplitude is told, one of
+/// the frequency, which another happens to follow in part, is not taken for it.
+#[test]
+fn one_series_with_phases_tells_a_law_of_the_amplitude_and_takes_none_of_the_frequency_for_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mode = Mode { mass: 1.0, f0: 10.0, q: 20.0 };
+    let made = Made { mode, size: 1e-3, noise: 0.003, with_phase: true, stated: true };
+    let statement = |name: &str, rows: &[[f64; 5]]| {
+        let path = folder.path().join(name).with_extension("csv");
+        made.write(rows, &mut Pcg64::seed_from_u64(3), &path);
+        found(&path, mode, folder.path()).statement
+    };
+    let of_amplitude = driven(mode.q, &[1.0], 201, |a| [0.04 * a * a, 0.0]);
+    let told = statement("amplitude", &of_amplitude);
+    assert!(told.contains("what is missing depends on the amplitude"), "{told}");
+    let of_frequency: Vec<[f64; 5]> = grid(mode.q, 201)
+        .into_iter()
+        .map(|w| {
+            // Another mode beside the first.
+            let law = [0.04 / (1.0 + (100.0 * (w - 1.03)).powi(2)), 0.03 / (1.0 + (100.0 * (w - 1.03)).powi(2))];
+            let (re, im) = dynamic_stiffness(w, mode.q, law);
+            [1.0, w, 1.0 / mode.q, 1.0 / mode.q / re.hypot(im), -im.atan2(re)]
+        })
+        .collect();
+    let told = statement("frequency", &of_frequency);
+    assert!(!told.contains("what is missing depends on the amplitude"), "{told}");
+}
+
 /// A cubic stiffness: its own name is the nearest shape, and leaves no more than the class.
 #[test]
 fn the_effect_that_is_there_has_the_nearest_shape() {

@@ -102,15 +102,18 @@ pub fn understated(table: &Table) -> Noise {
 }
 
 /// Scatter of amplitudes and phases about anything smooth, over their standard deviations, each by itself; `None` where
-/// it does not contradict these. More than they say only where nothing but noise is left, since a misfit may be rough
-/// too, and where they are stated: of those that were estimated along series it is known how uncertain they are.
+/// it is not to be gone by. Of stated deviations where it contradicts these, of those estimated along series always: it
+/// is known better. More than they say only where nothing but noise is left: a misfit may be rough too.
 pub fn scatter(points: &[Compared], table: &Table, fitted: usize) -> Option<Noise> {
     let structured = whiteness(points, table, fitted).structured;
     let of = |kind: fn(&Compared) -> Option<f64>, source: NoiseSource| {
         let curve = |number| points.iter().filter(|p| p.condition == number).filter_map(kind).collect();
         let curves: Vec<Vec<f64>> = (0..table.series.len()).map(curve).collect();
         let (factor, contradicted) = test(&curves, 0).scatter();
-        let told = contradicted && (factor < 1.0 || (source != NoiseSource::Estimated && !structured));
+        let told = match source {
+            NoiseSource::Estimated => !structured,
+            _ => contradicted && (factor < 1.0 || !structured),
+        };
         if told { factor } else { 1.0 }
     };
     let noise = Noise {

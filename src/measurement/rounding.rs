@@ -59,7 +59,7 @@ mod tests {
     #[test]
     fn a_scale_that_is_read_to_halves_is_told_from_its_digits() {
         assert_eq!([1.5, 2.0, 7.5].map(|v: f64| (v / 0.1).round()).into_iter().fold(0.0, divisor), 5.0);
-        assert_eq!([1.5, 2.1, 7.5].map(|v: f64| (v / 0.1).round()).into_iter().fold(0.0, divisor), 1.0);
+        assert_eq!([1.5, 2.2, 7.5].map(|v: f64| (v / 0.1).round()).into_iter().fold(0.0, divisor), 1.0);
         assert_eq!(divisor(0.0, 0.0), 0.0);
     }
 }
