@@ -54,13 +54,13 @@ fn beyond_prediction(steps: &mut Vec<Step>) -> Option<String> {
 }
 
 /// The figures that the verdict on an explanation follows from.
-fn evidence(end: &Step, points: usize) -> Evidence {
+fn evidence(base: &Step, end: &Step, points: usize) -> Evidence {
     let (additions, white) = (&end.hypothesis.additions, &end.comparison.whiteness);
     let effects = additions.iter().filter(|a| a.is_effect()).count();
     Evidence {
         testable: white.testable,
         structured: white.structured,
-        decidable: is_decidable(end),
+        decidable: is_decidable(base, end),
         unsolved: end.comparison.unsolved() as f64 / points as f64,
         effects,
         recalibrations: additions.len() - effects,
@@ -69,10 +69,11 @@ fn evidence(end: &Step, points: usize) -> Evidence {
 
 /// Whether the readings could tell what an explanation adds from a linear law of the frequency, which follows any one
 /// sweep of amplitudes: that a motion has two stable states or comes back at another frequency or drive is against one.
-pub(super) fn is_decidable(end: &Step) -> bool {
+pub(super) fn is_decidable(base: &Step, end: &Step) -> bool {
     let (table, model) = (&end.comparison.table, &end.hypothesis.model);
     let Some(at) = table.points.first().map(operation) else { return true };
-    let linear = model.has_contact || Alone::new(model, &at).is_linear();
+    let is_linear = |model| Alone::new(model, &at).is_linear();
+    let linear = model.has_contact || is_linear(model) || !is_linear(&base.hypothesis.model);
     let phases = table.points.iter().filter(|p| p.phase.is_some()).count();
     let has_folds = || end.comparison.points.iter().any(|p| !p.model.others.is_empty());
     linear || table.series.len() > 1 || 2 * phases > table.points.len() || has_folds()
@@ -180,7 +181,7 @@ impl Search<'_> {
         let candidates = self.rank(&steps, (known, &showing), ties, unit);
         let further = if self.structured(chosen) { beyond_prediction(&mut steps) } else { None };
         let end = &steps[steps.len() - 1];
-        let verdict = verdict(&evidence(end, self.table.points.len()));
+        let verdict = verdict(&evidence(&steps[0], end, self.table.points.len()));
         let tied = || ties.iter().filter(|tied| tied.len() > 1);
         let rivals: Vec<Hypothesis> = tied().flatten().cloned().collect();
         let names =

@@ -41,7 +41,7 @@ pub fn sentence(d: &Discovery) -> String {
             let error = |step: &Step| step.comparison.overall.rms_error_percent / 100.0;
             let (before, after) = (error(&d.steps[0]), error(end));
             let [from, to] = [before, after].map(|error| percent(error, 2));
-            let but = if end.comparison.whiteness.structured || is_decidable(end) {
+            let but = if end.comparison.whiteness.structured || is_decidable(&d.steps[0], end) {
                 "but structured misfit is left"
             } else {
                 "but one sweep without phases does not tell a law of the amplitude from one of the frequency: sweep again \

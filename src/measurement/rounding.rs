@@ -1,16 +1,17 @@
 //! The steps in which readings are written: no reading is known better than what rounding leaves, its step over the
 //! root of twelve.
 
+use super::series::SEVERAL;
 use super::sheet::Sheet;
 use super::unit::Unit;
 
-/// Steps in which the numbers of a column are written.
+/// Steps in which the numbers of a column are written; none where these were set.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Steps {
     /// Greatest common divisor of all that are written without exponents: a scale may be read to halves.
     plain: f64,
-    /// Digits of the longest of those with exponents, which keep as many after the first.
-    digits: i32,
+    /// Decimals of the longest of those with exponents, of which all keep as many.
+    digits: Option<i32>,
 }
 
 impl Steps {
@@ -19,11 +20,14 @@ impl Steps {
         let cells: Vec<String> = sheet.rows().filter_map(|row| Some(plainly(row.cells.get(index)?, commas))).collect();
         let decimals = |cell: &str| cell.split_once('.').map_or(0, |(_, decimals)| decimals.len() as i32);
         let (plain, others): (Vec<&String>, Vec<&String>) = cells.iter().partition(|cell| !cell.contains(['e', 'E']));
+        if is_set(&cells) {
+            return Self::default();
+        }
         let finest = plain.iter().map(|cell| decimals(cell)).max().unwrap_or(0);
         let step = 10f64.powi(-finest);
         let counts = plain.iter().filter_map(|cell| cell.parse::<f64>().ok()).map(|value| (value / step).round().abs());
         let plain = step * counts.filter(|count| count.is_finite()).fold(0.0, divisor);
-        let digits = others.iter().map(|cell| cell.split(['e', 'E']).next().map_or(0, decimals)).max().unwrap_or(0);
+        let digits = others.iter().map(|cell| cell.split(['e', 'E']).next().map_or(0, decimals)).max();
         Self { plain, digits }
     }
 
@@ -31,10 +35,9 @@ impl Steps {
     pub fn deviation(&self, cell: &str, commas: bool, unit: &Unit) -> f64 {
         let cell = plainly(cell, commas);
         let Ok(value) = cell.parse::<f64>() else { return 0.0 };
-        let step = if cell.contains(['e', 'E']) {
-            10f64.powf(value.abs().log10().floor() - f64::from(self.digits))
-        } else {
-            self.plain
+        let step = match self.digits.filter(|_| cell.contains(['e', 'E'])) {
+            Some(digits) => 10f64.powf(value.abs().log10().floor() - f64::from(digits)),
+            None => self.plain,
         };
         let at = |value: f64| unit.convert(&format!("{value:e}")).unwrap_or(f64::NAN);
         let width = (at(value + 0.5 * step) - at(value - 0.5 * step)).abs();
@@ -47,6 +50,15 @@ fn plainly(cell: &str, commas: bool) -> String {
     if commas { cell.replace(',', ".") } else { cell }
 }
 
+/// Whether most cells share what is written in them with several others: it was set, as a response that is held, and not
+/// read.
+fn is_set(cells: &[String]) -> bool {
+    let mut sorted: Vec<&String> = cells.iter().collect();
+    sorted.sort();
+    let shared = sorted.chunk_by(|a, b| a == b).map(<[&String]>::len).filter(|count| *count >= SEVERAL);
+    2 * shared.sum::<usize>() >= cells.len()
+}
+
 /// Greatest common divisor of whole numbers.
 fn divisor(a: f64, b: f64) -> f64 {
     if b > 0.0 { divisor(b, a % b) } else { a }
@@ -55,6 +67,13 @@ fn divisor(a: f64, b: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_response_that_is_held_was_set_and_not_read() {
+        let cells = |of: &[&str]| of.iter().map(|cell| (*cell).into()).collect::<Vec<String>>();
+        assert!(is_set(&cells(&["1", "2", "5", "1", "2", "5", "1", "2", "5"])));
+        assert!(!is_set(&cells(&["1", "2", "4", "9", "9", "5", "3", "2", "1"])));
+    }
 
     #[test]
     fn a_scale_that_is_read_to_halves_is_told_from_its_digits() {

@@ -230,7 +230,7 @@ fn no_reading_is_known_better_than_the_steps_it_is_written_in() {
         super::oscillators::load("t.csv", format!("frequency_hz,force_n,amplitude_mm\n{rows}").as_bytes(), "", "")
             .expect("sound")
     };
-    for (step, digits) in [(0.5, 1), (0.2, 1), (5.0, 0)] {
+    for (step, digits) in [(0.5, 1), (0.2, 1)] {
         let table = read(step, digits);
         let least = table.points.iter().map(|p| p.amplitude_sd).fold(f64::INFINITY, f64::min);
         assert!(least >= 0.999e-3 * step / 12f64.sqrt(), "{step}: {least:e}");
