@@ -1,11 +1,13 @@
 //! Robust averages, used wherever a few values may be far off, and a test of what runs along a curve.
 
+use statrs::distribution::{ContinuousCDF, Normal};
+
 /// Standard deviation of a normal distribution over its median absolute deviation.
 const MAD: f64 = 1.4826;
-/// Values beyond so many typical ones count as that.
-const CLIP: f64 = 4.0;
-/// Standard deviations that a normal variable exceeds in one of a thousand.
-const SURE: f64 = 3.09;
+/// Values beyond so many typical ones count as that in tests.
+pub const CLIP: f64 = 4.0;
+/// Probability below which chance is no explanation.
+pub const SIGNIFICANCE: f64 = 1e-3;
 
 /// The median, 0 of nothing.
 pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
@@ -31,15 +33,15 @@ pub fn is_curve(values: &[f64]) -> bool {
     1.0 - 0.5 * steps / squares > 0.5
 }
 
-/// Whether neighbours are more alike than those of scatter about zero are in all cases but one of a thousand; what is
-/// far off counts little.
+/// Whether neighbours are more alike than those of scatter about zero by chance; what is far off counts little.
 pub fn is_alike(values: &[f64]) -> bool {
     let most = CLIP * spread(values.iter().copied(), 0.0);
     let cut: Vec<f64> = values.iter().map(|value| value.clamp(-most, most)).collect();
     let squares: f64 = cut.iter().map(|value| value * value).sum();
     let products: f64 = cut.windows(2).map(|pair| pair[0] * pair[1]).sum();
     // The sum of products of independent neighbours has the deviation of squares over the root of their number.
-    products * (cut.len() as f64).sqrt() > SURE * squares
+    let deviations = products * (cut.len() as f64).sqrt() / squares;
+    deviations.is_finite() && Normal::standard().sf(deviations) < SIGNIFICANCE
 }
 
 /// The angle wrapped to (-pi, pi].

@@ -93,7 +93,8 @@ fn compared_with(mut points: Vec<Point>, noise: NoiseSource) -> Comparison {
         signals: Signals::ARM,
         amplitude_noise: noise,
         phase_noise: Some(noise),
-        freedom: f64::INFINITY,
+        // Along a series about a third of the readings tell the scatter.
+        freedom: if noise == NoiseSource::Estimated { 200.0 } else { f64::INFINITY },
         refuted: None,
         notes: Vec::new(),
     };
@@ -143,6 +144,27 @@ fn noise_larger_than_stated_is_taken_from_the_scatter() {
     }
     assert!(inside >= 51, "{inside} of 60 intervals hold the truth");
     assert!(regions <= 2 && outliers <= 5, "{regions} regions, {outliers} readings that stand out");
+}
+
+/// What is left is larger than the scatter along the series where that is beyond what either is known to; stated
+/// deviations are held against nothing of the kind.
+#[test]
+fn what_is_larger_than_the_scatter_along_the_series_is_no_noise() {
+    for (factor, exceeds) in [(1.0, false), (0.95, false), (0.7, true)] {
+        for (noise, tested) in [(NoiseSource::Estimated, true), (NoiseSource::Stated, false)] {
+            let mut points = noisy(&exact(), 5);
+            for point in &mut points {
+                point.amplitude_sd *= factor;
+                point.phase_sd = point.phase_sd.map(|sd| factor * sd);
+            }
+            let white = compared_with(points, noise).whiteness;
+            assert_eq!(
+                (white.exceeds, white.structured),
+                (exceeds && tested, exceeds && tested),
+                "{factor}: {white:?}"
+            );
+        }
+    }
 }
 
 /// Deviations that were estimated along series are known to a fifth or so: intervals are as wide wherever they are in

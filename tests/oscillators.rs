@@ -132,6 +132,10 @@ fn a_resonance_beside_a_resistance_is_found_from_a_calibration_that_went_far_off
         format!("{frequency:.4} {:.5} {:.4}\n", re.hypot(im) * (1.0 + noise()), (im.atan2(re) + noise()).to_degrees())
     };
     std::fs::write(folder.path().join("coil.zma"), (0..150).map(impedance).collect::<String>()).expect("a table");
+    // Nothing of the motion alone explains it: the phase at the resonance says what is read.
+    let written = folder.path().join("new.toml");
+    new(&folder.path().join("coil.zma"), &written);
+    assert!(std::fs::read_to_string(written).expect("a scenario").contains("reading per velocity"));
     let path = folder.path().join("coil.toml");
     let text = "title = 'A coil'
 [rig]

@@ -2,13 +2,12 @@
 
 use super::{Compared, ConditionMetrics, Setting};
 use crate::scenario::{Signal, Signals};
+use crate::statistics::SIGNIFICANCE;
 use crate::units::{self, Frequencies};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// A residual's square above which a reading counts as misfit.
 const EXCESS: f64 = 3.0;
-/// Probability, before the number of ranges that are looked at, below which a range is no chance.
-const SIGNIFICANCE: f64 = 1e-3;
 
 /// A range of one condition at which the model fails.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]

@@ -3,19 +3,15 @@
 use super::Compared;
 use super::calibrate::outliers;
 use crate::measurement::{self, Noise, NoiseSource, Point, Spread, Table};
-use crate::statistics::median;
+use crate::statistics::{CLIP, SIGNIFICANCE, median};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, Normal};
 
 /// Smooth components (polynomials of the point's number) that a curve is searched for, at most.
 const COMPONENTS: usize = 5;
 /// Points per component that a curve must have.
 const POINTS_PER_COMPONENT: usize = 3;
-/// Residuals enter the tests up to this many times their typical size.
-const CLIP: f64 = 4.0;
 /// Efficiency of a standard deviation told from the median size of normal residuals (Rousseeuw and Croux 1993).
 const MEDIAN_EFFICIENCY: f64 = 0.3675;
-/// Probability below which residuals are called structured.
-pub const SIGNIFICANCE: f64 = 1e-3;
 
 /// Tests of residuals against noise; every probability is that of noise looking at least as structured.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]

@@ -6,7 +6,7 @@ use super::select::Search;
 use super::{Candidate, Discovery, Evidence, MARGIN, NotTestable, Step, Verdict, held_out, next, verdict};
 use crate::compare::{self, Calibration, Comparison};
 use crate::fit::{Interval, TAIL, approximate_intervals, is_lost, operation};
-use crate::measurement::Noise;
+use crate::measurement::{Noise, curves};
 use crate::model::alone::Alone;
 use rayon::prelude::*;
 use std::sync::OnceLock;
@@ -74,9 +74,8 @@ pub(super) fn is_decidable(base: &Step, end: &Step) -> bool {
     let Some(at) = table.points.first().map(operation) else { return true };
     let is_linear = |model| Alone::new(model, &at).is_linear();
     let linear = model.has_contact || is_linear(model) || !is_linear(&base.hypothesis.model);
-    let phases = table.points.iter().filter(|p| p.phase.is_some()).count();
     let has_folds = || end.comparison.points.iter().any(|p| !p.model.others.is_empty());
-    linear || table.series.len() > 1 || 2 * phases > table.points.len() || has_folds()
+    linear || curves(&table.points) > 1 || has_folds()
 }
 
 /// What has to be known of the effects that are named: what looks like them, and signs that leave no trace.

@@ -9,7 +9,7 @@ mod floor;
 
 use crate::dual::Dual;
 use crate::linear::least_squares;
-use crate::measurement::Point;
+use crate::measurement::{Point, TOLD};
 use crate::model::lumps::Lumps;
 use crate::model::{Model, Operation};
 use crate::scenario::{Dissipation, Elasticity, Oscillator, Rig};
@@ -17,8 +17,6 @@ use crate::statistics::{median, wrap};
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::TAU;
 
-/// Fewest readings of a series that tell a resonance.
-const FEWEST: usize = 5;
 /// Shares of the largest response above which readings tell a resonance: all, a tenth, half power.
 const NEAR: [f64; 3] = [0.0, 0.1, std::f64::consts::FRAC_1_SQRT_2];
 /// Quality factors beyond these are estimates of noise.
@@ -88,7 +86,7 @@ fn spanned(usable: &[&Point], of: &Resonance) -> bool {
 /// The resonance of readings of nothing else.
 fn alone(usable: &[&Point], order: u8) -> Option<Resonance> {
     let highest = usable.iter().max_by(|a, b| (a.amplitude / a.drive).total_cmp(&(b.amplitude / b.drive)))?;
-    if usable.len() < FEWEST {
+    if usable.len() < TOLD {
         return None;
     }
     let center = highest.frequency;
@@ -98,7 +96,7 @@ fn alone(usable: &[&Point], order: u8) -> Option<Resonance> {
     let size = |p: &Point| p.drive / p.amplitude * (p.frequency / center).powi(order.into()) / least;
     let turn = std::f64::consts::FRAC_PI_2 * f64::from(order);
     let with_phase: Vec<&Point> = usable.iter().copied().filter(|p| p.phase.is_some()).collect();
-    let line = if with_phase.len() >= FEWEST {
+    let line = if with_phase.len() >= TOLD {
         let value = |p: &Point| Complex::from_polar(size(p), turn - p.phase.unwrap_or(0.0));
         straight_line(&with_phase.iter().map(|p| (detuning(p), value(p))).collect::<Vec<_>>())
     } else {

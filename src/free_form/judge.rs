@@ -8,14 +8,13 @@ use super::readings::Readings;
 use super::variable::{ALL, Variable};
 use crate::compare::{Comparison, Whiteness, whiteness};
 use crate::fit::TAIL;
+use crate::measurement::curves;
 use crate::model::lumps::Lumps;
-use crate::statistics::spread;
+use crate::statistics::{SIGNIFICANCE, spread};
 use nalgebra::DVector;
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// Probability below which a claim is made, for all variables together.
-const SIGNIFICANCE: f64 = 1e-3;
 /// A residual of the leading class beyond so many times their typical size is that of a reading that stands out, which
 /// says nothing of any class.
 const OUTLYING: f64 = 5.0;
@@ -238,13 +237,10 @@ fn inflation(readings: &Readings<'_>, values: &[f64]) -> f64 {
 /// tells one number of the two, or both where it has a phase; every series passes a frequency once and an amplitude
 /// twice.
 fn told_twice(variable: Variable, readings: &Readings<'_>) -> bool {
-    let phases = readings.points.iter().filter(|p| p.phase.is_some()).count();
-    let each = if 2 * phases > readings.points.len() { 2 } else { 1 };
-    let mut series: Vec<usize> = readings.points.iter().map(|p| p.series).collect();
-    series.dedup();
+    let curves = curves(readings.points.iter().copied());
     match variable {
-        Variable::Frequency => series.len() * each > 2,
-        Variable::Amplitude => 2 * series.len() * each > 2,
+        Variable::Frequency => curves > 2,
+        Variable::Amplitude => 2 * curves > 2,
         _ => true,
     }
 }

@@ -80,8 +80,8 @@ fn claim(leading: &Dependence, tied: &[&Dependence], open: &[&Dependence]) -> St
     if !open.is_empty() {
         let names: Vec<String> = open.iter().map(|class| format!("the {}", class.name())).collect();
         return format!(
-            "what is missing may depend on {}, which leaves structure, or on {}: one sweep does not tell these apart, another at a \
-             third or three times the drive would",
+            "what is missing may depend on {}, which leaves structure, or on {}: these readings do not tell them apart, another \
+             sweep at a third or three times the drive would",
             leading.with_share(),
             names.join(" or on ")
         );

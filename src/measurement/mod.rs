@@ -41,12 +41,12 @@ use std::path::{Path, PathBuf};
 
 pub(crate) use file::bytes;
 pub(crate) use header::{plain, split};
-pub use modes::{Mode, modes};
+pub use modes::{Mode, TOLD, modes};
 pub use noise::Noise;
 pub use reading::Direction;
 pub(crate) use rows::{decimal_commas, written};
 pub use scatter::{Scatter, Spread, scatter};
-pub use series::{Series, by_condition};
+pub use series::{Series, by_condition, curves};
 pub(crate) use sheet::{Complaints, Row, Sheet};
 pub use survey::{Column, Survey, survey, survey_between, survey_bytes};
 pub(crate) use unit::{Unit, Wanted, suffix};

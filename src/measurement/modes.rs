@@ -15,7 +15,7 @@ const FEWEST: usize = 3;
 /// Readings of which a mode is told from others well; of fewer all are used that are nearer to it than to others.
 const ENOUGH: usize = 12;
 /// Fewest readings that tell a resonance at all.
-const TOLD: usize = 5;
+pub const TOLD: usize = 5;
 
 /// A resonance among others.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -170,5 +170,19 @@ mod tests {
         assert!(low < 44.0 && high > 46.0 && high < modes[1].band.0, "{low} {high}");
         let (low, high) = modes[1].band;
         assert!(low < 158.0 && high > 163.0, "{low} {high}");
+    }
+
+    /// Two resonances read by hand: six or seven readings of each, down to both valleys.
+    #[test]
+    fn modes_of_few_readings_each_are_told_apart_and_all_of_their_readings_used() {
+        let all = series(&[(40.9, 18.0, 1.0), (80.5, 18.0, 0.25)], 0.0);
+        let wanted = [23.0, 30.0, 36.0, 38.5, 40.0, 40.9, 42.0, 45.0, 52.0, 60.0];
+        let wanted = wanted.into_iter().chain([65.0, 70.0, 75.0, 78.0, 80.0, 80.5, 81.5, 84.0, 87.0]);
+        let nearest = |f: f64| all.iter().min_by(|a, b| (a.frequency - f).abs().total_cmp(&(b.frequency - f).abs()));
+        let points: Vec<&Point> = wanted.filter_map(nearest).collect();
+        let modes = of_series(&points);
+        let inside = |mode: &Mode| points.iter().filter(|p| (mode.band.0..=mode.band.1).contains(&p.frequency)).count();
+        assert_eq!(modes.iter().map(|mode| mode.frequency.round()).collect::<Vec<_>>(), [40.0, 80.0], "{modes:?}");
+        assert!(modes.iter().all(|mode| (TOLD..ENOUGH).contains(&inside(mode))), "{modes:?}");
     }
 }

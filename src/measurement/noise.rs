@@ -77,7 +77,6 @@ pub(crate) fn assign(
     let phases = points.iter().any(|point| point.phase.is_some());
 
     let (mut of_amplitudes, mut of_phases) = (f64::INFINITY, f64::INFINITY);
-    let mut rounded = [0; 2];
     let amplitude_noise = if amplitude_stated {
         let stated = median(points.iter().map(|p| p.amplitude_sd / p.amplitude * (p.replicates as f64).sqrt()));
         contradiction("amplitude", stated, seen.amplitude, notes);
@@ -85,10 +84,11 @@ pub(crate) fn assign(
     } else {
         let (sd, source) = estimate("amplitude", amplitude_repeats, seen.amplitude, (file, signals), notes)?;
         of_amplitudes = sd.degrees_of_freedom as f64;
+        let mut rounded = 0;
         for (point, own) in points.iter_mut().zip(&spreads) {
             let single = sd.at(point.amplitude) * point.amplitude;
             let pooled = single.max(FLOOR * point.amplitude) / (point.replicates as f64).sqrt();
-            rounded[0] += usize::from(own.rounding[0] > pooled);
+            rounded += usize::from(own.rounding[0] > pooled);
             point.amplitude_sd = pooled.max(own.amplitude.unwrap_or(0.0)).max(own.rounding[0]);
             if point.amplitude_sd <= 0.0 {
                 let title = format!("`{}`, line {}: the amplitude is zero", file.display(), point.line);
@@ -96,10 +96,10 @@ pub(crate) fn assign(
                 return Err(Error::Input(whole_file(&title, help)));
             }
         }
+        coarse("amplitudes", rounded, points.len(), notes);
         source
     };
     if !phases {
-        coarse(rounded, points.len(), notes);
         return Ok((points, amplitude_noise, None, of_amplitudes));
     }
     let phase_noise = if phase_stated {
@@ -109,14 +109,15 @@ pub(crate) fn assign(
     } else {
         let (sd, source) = estimate("phase", phase_repeats, seen.phase, (file, signals), notes)?;
         of_phases = sd.degrees_of_freedom as f64;
+        let mut rounded = 0;
         for (point, own) in points.iter_mut().zip(&spreads) {
             let pooled = sd.at(point.amplitude).max(FLOOR) / (own.phases.max(1) as f64).sqrt();
-            rounded[1] += usize::from(own.rounding[1] > pooled);
+            rounded += usize::from(own.rounding[1] > pooled);
             point.phase_sd = point.phase.map(|_| pooled.max(own.phase.unwrap_or(0.0)).max(own.rounding[1]));
         }
+        coarse("phases", rounded, points.len(), notes);
         source
     };
-    coarse(rounded, points.len(), notes);
     // That of a sum of squares in units of both, each as uncertain as its own.
     let both = [points.len(), points.iter().filter(|point| point.phase.is_some()).count()].map(|count| count as f64);
     let share = |of: usize| both[of] / (both[0] + both[1]);
@@ -177,10 +178,10 @@ fn estimate(
 }
 
 /// Says where the steps in which readings are written are coarser than what they scatter by.
-fn coarse(rounded: [usize; 2], all: usize, notes: &mut Vec<String>) {
-    for (name, count) in ["amplitudes", "phases"].into_iter().zip(rounded).filter(|(_, count)| *count > 0) {
+fn coarse(name: &str, rounded: usize, all: usize, notes: &mut Vec<String>) {
+    if rounded > 0 {
         notes.push(format!(
-            "{count} of {all} {name} are written in steps so coarse that rounding alone leaves more than the noise: it is \
+            "{rounded} of {all} {name} are written in steps so coarse that rounding alone leaves more than the noise: it is \
              taken as theirs"
         ));
     }

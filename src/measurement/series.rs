@@ -1,6 +1,6 @@
 //! Series: one sweep of the frequency each, along which structure, noise and shape are judged.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::Point;
 use super::reading::{Direction, Reading};
@@ -95,11 +95,10 @@ pub(super) fn group(list: &mut [Reading], arm: bool) -> Vec<Series> {
         for part in parts {
             let both = if arm && !named { Vec::new() } else { both_ways(list, &part) };
             let unordered = arm && set && !named;
-            if both.is_empty() && (unordered || named) {
-                sweeps.push((part, unordered));
-            } else {
-                let ways = if both.is_empty() { vec![part] } else { both };
-                sweeps.extend(ways.iter().flat_map(|way| changed(list, way)).map(|part| (part, false)));
+            let ways = if both.is_empty() { vec![part] } else { both };
+            for way in ways {
+                let parts = if named || unordered { vec![way] } else { changed(list, &way) };
+                sweeps.extend(parts.into_iter().map(|part| (part, unordered)));
             }
         }
     }
@@ -196,6 +195,17 @@ fn one(list: &[Reading], rows: &[usize], unordered: bool) -> Series {
         None => direction(list, rows),
     };
     Series { name: first.name.clone(), direction, speed: first.speed, load: first.load, drive, drives: range }
+}
+
+/// Curves that points tell, of amplitudes and, where most have one, of phases, one of each series.
+pub fn curves<'p>(points: impl IntoIterator<Item = &'p Point>) -> usize {
+    let (mut series, mut phases, mut all) = (BTreeSet::new(), 0, 0);
+    for point in points {
+        series.insert(point.series);
+        phases += usize::from(point.phase.is_some());
+        all += 1;
+    }
+    series.len() * if 2 * phases > all { 2 } else { 1 }
 }
 
 /// Which way the frequency goes from row to row.
@@ -310,33 +320,22 @@ fn changed(list: &[Reading], rows: &[usize]) -> Vec<Vec<usize>> {
     alike.into_iter().map(|(_, all)| all).collect()
 }
 
-/// Whether readings of two sweeps that stand beside each other differ more alike from one to the next than by chance,
-/// and by more than what is stated of them.
+/// Whether the readings of two sweeps at the same frequencies differ more alike from one to the next than by chance, and
+/// by more than what is stated of them.
 fn differs(list: &[Reading], sweep: &[usize], other: &[usize]) -> bool {
-    let mut sweep = sweep.to_vec();
-    sweep.sort_by(|a, b| list[*a].frequency.total_cmp(&list[*b].frequency));
-    let mut other = other.to_vec();
-    other.sort_by(|a, b| list[*a].frequency.total_cmp(&list[*b].frequency));
-    // Each reading counts once.
-    let mut next = 0;
-    let mut steps: Vec<f64> = Vec::new();
-    for row in &other {
-        let own = &list[*row];
-        let above = sweep.partition_point(|at| list[*at].frequency < own.frequency);
-        let exact = sweep.get(above).is_some_and(|at| list[*at].frequency == own.frequency);
-        let (Some(first), last) = (above.checked_sub(usize::from(!exact)), above) else { continue };
-        if first < next || last >= sweep.len() {
-            continue;
-        }
-        let (a, b) = (&list[sweep[first]], &list[sweep[last]]);
-        let share = if exact { 0.0 } else { (own.frequency - a.frequency) / (b.frequency - a.frequency) };
-        let between = a.amplitude.ln() * (1.0 - share) + b.amplitude.ln() * share;
-        steps.push(own.amplitude.ln() - between);
-        next = last + 1;
-    }
-    steps.retain(|step| step.is_finite());
-    let stated = median(other.iter().filter_map(|row| Some(list[*row].amplitude_sd? / list[*row].amplitude)));
-    is_alike(&steps) && spread(steps.iter().copied(), 0.0) > stated
+    let sorted = |rows: &[usize]| {
+        let mut all: Vec<&Reading> = rows.iter().map(|row| &list[*row]).collect();
+        all.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
+        all
+    };
+    let (sweep, other) = (sorted(sweep), sorted(other));
+    let ratio = |own: &&Reading| {
+        let at = sweep.binary_search_by(|beside| beside.frequency.total_cmp(&own.frequency)).ok()?;
+        Some((own.amplitude / sweep[at].amplitude).ln()).filter(|ratio| ratio.is_finite())
+    };
+    let ratios: Vec<f64> = other.iter().filter_map(ratio).collect();
+    let stated = median(other.iter().filter_map(|own| Some(own.amplitude_sd? / own.amplitude)));
+    is_alike(&ratios) && spread(ratios.iter().copied(), 0.0) > stated
 }
 
 /// Sweeps of a measured drive, told by the order of the rows.

@@ -104,6 +104,9 @@ fn verdict(c: &Comparison) -> Match {
 fn sentence(c: &Comparison, verdict: Match) -> String {
     let m = &c.overall;
     let what = match verdict {
+        Match::Structured if c.whiteness.exceeds => {
+            "What the model leaves is larger than the readings scatter along their series: no noise"
+        }
         Match::Structured => "What the model leaves is structured, not noise",
         Match::Noisy => "What the model leaves has no structure, but is larger than the stated noise",
         Match::Noise => "What the model leaves looks like noise",
