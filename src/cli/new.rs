@@ -1,5 +1,6 @@
 //! `stickslip new`: looks at a measured table, says what it sees, and writes a scenario that fits it.
 
+use super::progress::of_search;
 use super::{Global, say};
 use crate::compare::{EXCESS, calibrate, judge};
 use crate::discover::{Candidates, Hypothesis, MARGIN, SearchOptions, explain};
@@ -20,7 +21,8 @@ use nalgebra::DVector;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::sync::LazyLock;
+use std::sync::atomic::AtomicU64;
+use std::sync::{Arc, LazyLock};
 
 /// Two neighbours along a series whose responses per drive differ by this many times what their neighbours do are a
 /// jump, if by more than this many standard deviations.
@@ -47,11 +49,11 @@ struct Left {
 
 impl Left {
     /// By effects of the catalogue and, where a search is too short for these, by any law of the amplitude.
-    fn by(scenario: &Scenario, table: &Table) -> Vec<Self> {
+    fn by(scenario: &Scenario, table: &Table, solved: &Arc<AtomicU64>) -> Vec<Self> {
         let model = Model::new(&table.applied_to(scenario));
         let calibration = calibrate(&model, &scenario.free, &table.points, Tolerance::FIT, 0);
         let law = free_form::left_by_amplitude(&judge(scenario, table, &calibration, None));
-        let (Hypothesis { fit, .. }, looked_at) = explain(scenario, table, &SHORT);
+        let (Hypothesis { fit, .. }, looked_at) = explain(scenario, table, &SHORT, solved);
         let freedom = table.freedom;
         let effects =
             Self { residuals: fit.evaluation.residuals, parameters: fit.parameters.len(), freedom, looked_at };
@@ -81,11 +83,11 @@ pub fn execute(table: &Path, output: Option<&Path>, global: &Global) -> Result<(
         return Err(Error::Input(whole_file(&title, "name another file with -o, or move it away")));
     }
     let draft = Draft::new(&seen, table, &modes)?;
-    let (text, chosen) = draft.best_scenario(&target)?;
-    files::create(&target, text.as_bytes())?;
     for line in draft.description() {
         say(global, &line)?;
     }
+    let (text, chosen) = draft.best_scenario(&target, global)?;
+    files::create(&target, text.as_bytes())?;
     if let Some(chosen) = chosen {
         say(global, &format!("  note: {chosen}"))?;
     }
@@ -294,31 +296,33 @@ impl<'a> Draft<'a> {
     /// The scenario that explains the readings best with what it lacks, and what was chosen between, in words: of a
     /// reading in volts it is not said whether it is of displacement, velocity or acceleration, and of a rig on a
     /// moving base not whether its motion is read relative to that; they differ in shape and phase.
-    fn best_scenario(&self, target: &Path) -> Result<(String, Option<String>)> {
+    fn best_scenario(&self, target: &Path, global: &Global) -> Result<(String, Option<String>)> {
         let kinds = self.kinds();
         if let [only] = kinds[..] {
             return Ok((self.scenario(target, only), None));
         }
-        let (mut drafts, mut explained) = (Vec::new(), Vec::new());
+        let mut drafts = Vec::new();
         for kind in kinds {
             let text = self.scenario(target, kind);
             let scenario = crate::scenario::load_text(target, &text)?;
             if let Some(table) = load(&scenario)? {
-                drafts.push((kind, text));
-                explained.push(Left::by(&scenario, &table));
+                drafts.push((kind, text, scenario, table));
             }
         }
+        let explained: Vec<Vec<Left>> = of_search(global, SHORT.budget * drafts.len() as u64, |solved| {
+            drafts.iter().map(|(.., scenario, table)| Left::by(scenario, table, solved)).collect()
+        });
         let typical = |left: &Left| typical_of(&left.residuals);
         let unit = explained.iter().flatten().map(typical).fold(f64::INFINITY, f64::min).powi(2);
         let least = |all: &Vec<Left>| all.iter().map(|left| left.criterion(unit)).fold(f64::INFINITY, f64::min);
         // What explains nothing is no testimony against what the phase at resonance says.
-        let first = drafts.first().map(|(kind, _)| kind.order);
+        let first = drafts.first().map(|(kind, ..)| kind.order);
         let by_phase = unit > EXCESS && self.resonance.phase.is_some();
         let eligible = |at: usize| !by_phase || Some(drafts[at].0.order) == first;
         let mut criteria: Vec<f64> = explained.iter().map(least).collect();
         let better = |best: usize, at: usize| eligible(at) && criteria[at] + MARGIN < criteria[best];
         let best = (1..criteria.len()).fold(0, |best, at| if better(best, at) { at } else { best });
-        let (kind, text) = drafts.remove(best);
+        let (kind, text, ..) = drafts.remove(best);
         let own = criteria.remove(best);
         let margin = criteria.iter().map(|other| other - own).fold(f64::INFINITY, f64::min);
         let by = if margin > MARGIN && unit <= EXCESS {
@@ -330,7 +334,7 @@ impl<'a> Draft<'a> {
         } else {
             "is an assumption, the readings do not decide".into()
         };
-        let others: Vec<String> = drafts.iter().map(|(other, _)| self.words(*other)).collect();
+        let others: Vec<String> = drafts.iter().map(|(other, ..)| self.words(*other)).collect();
         let chosen = format!("the reading is taken as {}, not {}: that {by}", self.words(kind), others.join(" or "));
         Ok((text, Some(chosen)))
     }

@@ -58,10 +58,17 @@ pub fn discover_counted(
 
 /// What explains the measurements of a scenario as far as the forward selection goes, and what the criterion charges it
 /// for having looked at many additions.
-pub fn explain(scenario: &Scenario, table: &Table, options: &SearchOptions) -> (Hypothesis, f64) {
+///
+/// `solved` counts the steady states that were solved, those of its own calls before too: the budget is of each.
+pub fn explain(
+    scenario: &Scenario,
+    table: &Table,
+    options: &SearchOptions,
+    solved: &Arc<AtomicU64>,
+) -> (Hypothesis, f64) {
     let scenario = table.applied_to(scenario);
     let table = &table.estimated(compare::understated(table));
-    let (search, start) = Search::begin(&scenario, table, options, &Arc::default());
+    let (search, start) = Search::begin(&scenario, table, options, solved);
     let found = search.forward(&start, &mut Known::default());
     let charge = search.looked_at(&found);
     (found, charge)

@@ -109,7 +109,7 @@ fn is_held(sheet: &Sheet, frame: &Frame<'_>, sweep: Option<&Sweep>, filled: &[us
         let (name, bracket) = header::split(&sheet.header.cells[*index]);
         let near = [frame.standard(DRIVE), COLUMNS[DRIVE]].iter().any(|key| nearest(key, [name]).is_some());
         let own = header::plain(name);
-        let is_deviation = sheet.header.cells.iter().any(|of| is_deviation(&own, &header::plain(header::split(of).0)));
+        let is_deviation = sheet.names().any(|of| is_deviation(&own, &of));
         near || !is_deviation && !is_setting(&own) && bracket.is_some_and(|unit| wanted.unit(unit).is_ok())
     };
     frame.serving(DRIVE).contains(&"V") && sweep_values(DRIVE, sweep).is_empty() && !filled.iter().any(may_be)

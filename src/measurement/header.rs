@@ -1,7 +1,7 @@
 //! What a header says: which column it is and in which unit its numbers are.
 
 use super::frame::{DRIVES, Frame, READINGS, kind};
-use super::likely::likely;
+use super::likely::{MEANS, likely};
 use super::names::{ALIASES, AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, MEAN, NAMES, SAYING, SERIES, SWEEP};
 use super::unit::{Unit, Wanted, electrical, gravity, known, suffix};
 use crate::scenario::parameters::MEASURED;
@@ -36,15 +36,16 @@ pub(crate) fn meaning(header: &str, frame: &Frame<'_>) -> Meaning {
     let header = header.split_once(": ").map_or(header, |(_, name)| name);
     let (name, bracket) = split(header);
     let name = plain(name);
-    if let (Some(column), None) = (words(&name), bracket) {
+    let name = averaged(&name);
+    if let (Some(column), None) = (words(name), bracket) {
         return Meaning::Words(column);
     }
-    if is_harmonic(&name) {
+    if is_harmonic(name) {
         return Meaning::Harmonic;
     }
-    match by_name(header, &name, bracket, frame) {
-        Meaning::Unknown => by_alias(header, &name, bracket, frame)
-            .or_else(|| likely(&name, bracket).map(|(column, unit)| Meaning::Likely(column, unit)))
+    match by_name(header, name, bracket, frame) {
+        Meaning::Unknown => by_alias(header, name, bracket, frame)
+            .or_else(|| likely(name, bracket).map(|(column, unit)| Meaning::Likely(column, unit)))
             .unwrap_or(Meaning::Unknown),
         found => found,
     }
@@ -256,7 +257,15 @@ pub(crate) fn split(header: &str) -> (&str, Option<&str>) {
 
 /// Lower case, words joined by underscores.
 pub(crate) fn plain(name: &str) -> String {
-    name.to_lowercase().replace([' ', '-'], "_")
+    name.to_lowercase().replace([' ', '-', '.'], "_").trim_end_matches('_').to_string()
+}
+
+/// A name without the word for a mean, of what a mean is the same: of a displacement it is the place about which that
+/// swings.
+fn averaged(name: &str) -> &str {
+    let of = ["amp", "ampl", "amplitude", "mag", "magnitude", "phi", "φ", "phase"];
+    let rest = name.rsplit_once('_').filter(|(rest, word)| MEANS.contains(word) && of.contains(rest));
+    rest.map_or(name, |(rest, _)| rest)
 }
 
 #[cfg(test)]

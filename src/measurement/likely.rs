@@ -2,7 +2,7 @@
 
 use super::frame::{DRIVES, READINGS};
 use super::names::{AMPLITUDE, DRIVE, FREQUENCY, PHASE};
-use super::unit::{Unit, Wanted, suffix};
+use super::unit::{Unit, Wanted, known, suffix};
 
 /// Beginnings of words of a column that is none of the four: statistics, harmonics, swings that are no amplitudes, a
 /// lag whose sign is another, the sampling.
@@ -92,13 +92,32 @@ pub(crate) fn is_time(name: &str) -> bool {
     name.split('_').any(|word| TIMES.iter().any(|beginning| word.starts_with(beginning)))
 }
 
-/// Whether a name is that of the deviation of what has the other one.
+/// Words for the deviation of what the rest of a name, or the letter after them, stands for.
+const DEVIATES: &[&str] = &[
+    "d", "δ", "delta", "σ", "s", "sigma", "sd", "std", "stdev", "u", "unc", "err", "error", "noise", "ruido",
+    "rauschen", "fehler",
+];
+/// Words for a mean, which is of the same quantity.
+pub(crate) const MEANS: &[&str] = &["mean", "avg", "average", "mittel", "mittelwert"];
+/// Words for how a phase counts.
+const COUNTS: &[&str] = &["lag", "shift", "difference", "diff"];
+
+/// Whether a name is that of the deviation of what has the other one: `dA` and `A`, `amp_err` and `amp_mm`,
+/// `Amp.std` and `Amp.mittel`.
 pub(crate) fn is_deviation(name: &str, of: &str) -> bool {
-    let rest = name.strip_suffix(of).map(|mark| mark.trim_end_matches('_'));
-    rest.is_some_and(|mark| {
-        ["d", "δ", "delta", "σ", "s", "sigma", "sd", "std", "u", "err", "error", "noise", "ruido", "rauschen", "fehler"]
-            .contains(&mark)
-    })
+    let words = |name: &str| -> Vec<String> {
+        name.split('_').filter(|word| ![MEANS, COUNTS].concat().contains(word)).map(str::to_string).collect()
+    };
+    let quantity = |mut words: Vec<String>| {
+        while words.len() > 1 && words.last().is_some_and(|word| known(word)) {
+            words.pop();
+        }
+        words
+    };
+    let glued = name.strip_suffix(of).is_some_and(|mark| DEVIATES.contains(&mark.trim_end_matches('_')));
+    let (mut rest, of) = (words(name), quantity(words(of)));
+    let mark = rest.iter().position(|word| DEVIATES.contains(&word.as_str()));
+    glued || mark.is_some_and(|at| rest.len() > 1 && !rest.remove(at).is_empty() && quantity(rest) == of)
 }
 
 /// The unit of a column in hertz, whatever its name is but one of the others: nothing else is measured in that.

@@ -142,6 +142,8 @@ impl Search<'_, '_> {
                 continue;
             }
             match header::meaning(&self.sheet.headed(index), self.frame) {
+                // Of what deviates its unit is known.
+                Meaning::NoUnit(AMPLITUDE_SD | PHASE_SD) | Meaning::Column(AMPLITUDE_SD | PHASE_SD, _, false) => {}
                 Meaning::Column(column, unit, stated) if !self.told[column] => {
                     let unit = self.of_numbers(index, column, unit, stated);
                     if self.frame.serving(column).contains(&unit.si) {
@@ -276,7 +278,7 @@ impl Search<'_, '_> {
             return;
         }
         let all = self.unnamed();
-        let deviation = |name: &str| all.iter().any(|(_, of, _)| is_deviation(name, of));
+        let deviation = |name: &str| self.sheet.names().any(|of| is_deviation(name, &of));
         let whole = |index: usize| is_peak_to_peak(&self.sheet.header.cells[index]);
         let serves = |(_, name, unit): &&(usize, String, Unit)| {
             self.frame.serving(AMPLITUDE).contains(&unit.si) && !deviation(name)
@@ -318,7 +320,7 @@ impl Search<'_, '_> {
         }
         let all = self.unnamed();
         let voltage = |(_, name, unit): &&(usize, String, Unit)| {
-            unit.is_voltage() && !is_other(name) && !all.iter().any(|(_, of, _)| is_deviation(name, of))
+            unit.is_voltage() && !is_other(name) && !self.sheet.names().any(|of| is_deviation(name, &of))
         };
         if let [(index, _, unit)] = all.iter().filter(voltage).collect::<Vec<_>>()[..]
             && !self.sheet.follows(*index, *reading)
@@ -328,20 +330,22 @@ impl Search<'_, '_> {
         }
     }
 
-    /// Drive and reading where none has a unit: the one that has its name, of two columns the reading by what the other
-    /// is; without a scenario that says what they are.
+    /// Drive and reading where none has a unit: the one that has its name or letter, of two columns the reading by what the
+    /// other is; without a scenario that says what they are.
     fn find_without_unit(&mut self, mut named: [Vec<Candidate>; NUMBERS]) {
         if !self.frame.is_free() {
             return;
         }
-        if named[AMPLITUDE].is_empty() && self.slots[FREQUENCY].is_some() && self.taken.len() == 2 {
+        if named[AMPLITUDE].is_empty() && self.slots[FREQUENCY].is_some() {
+            let (sheet, both) = (self.sheet, self.taken.len() == 2);
             let is_bare = |index: &usize| {
-                let header = self.sheet.headed(*index);
+                let header = sheet.headed(*index);
                 let (name, unit) = header::split(&header);
-                !self.taken[*index] && unit.is_none() && !is_time(&header::plain(name))
+                let name = header::plain(name);
+                !self.taken[*index] && unit.is_none() && if both { !is_time(&name) } else { name == "a" }
             };
-            if let Some(index) = (0..2).find(is_bare) {
-                self.choices.push((COLUMNS[AMPLITUDE].into(), self.sheet.header.cells[index].clone()));
+            if let Some(index) = (0..self.taken.len()).find(is_bare) {
+                self.choices.push((COLUMNS[AMPLITUDE].into(), sheet.header.cells[index].clone()));
                 named[AMPLITUDE].push(Candidate { index, unit: Unit::of("V"), stated: false });
             }
         }
@@ -352,20 +356,32 @@ impl Search<'_, '_> {
         }
     }
 
-    /// Standard deviations by the names of what they are of, `dA` beside `A`, `Δφ` beside `φ`.
+    /// Standard deviations by the names of what they are of, `dA` beside `A`, `Δφ` beside `φ`; in the unit of that where
+    /// they state none.
     fn find_deviations(&mut self) {
         for (column, of) in [(AMPLITUDE_SD, AMPLITUDE), (PHASE_SD, PHASE)] {
             let Some(Slot::Cells(at, unit)) = &self.slots[of] else { continue };
             if self.slots[column].is_some() || self.told[column] {
                 continue;
             }
-            let (header, si) = (self.sheet.headed(*at), unit.si);
-            let name = header::plain(header::split(&header).0);
-            let mut found = self.unnamed();
-            found.retain(|(_, other, unit)| is_deviation(other, &name) && unit.si == si);
-            if let [(index, _, unit)] = &found[..] {
-                let likely = vec![Candidate { index: *index, unit: unit.clone(), stated: true }];
-                self.choose_alias(column, likely, true);
+            let (sheet, its) = (self.sheet, unit.clone().counted(false));
+            let name = header::plain(header::split(&sheet.headed(*at)).0);
+            let candidate = |index: usize| {
+                let header = sheet.headed(index);
+                let own = header::plain(header::split(&header).0);
+                if own != COLUMNS[column] && !is_deviation(&own, &name) {
+                    return None;
+                }
+                let (unit, stated) = header::mapped(&header, COLUMNS[column], column, self.frame).ok()?;
+                let unit = if stated { unit } else { its.clone() };
+                // A level deviates by a factor.
+                let serves = unit.relative || unit.si == its.si && !unit.is_level();
+                serves.then_some(Candidate { index, unit, stated })
+            };
+            let unused = (0..self.taken.len()).filter(|index| !self.taken[*index] && !self.tallies[*index].is_zero());
+            let found: Vec<Candidate> = unused.filter_map(candidate).collect();
+            if found.len() == 1 {
+                self.choose_alias(column, found, true);
             }
         }
     }

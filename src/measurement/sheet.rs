@@ -68,6 +68,11 @@ impl Sheet {
         }
     }
 
+    /// The names of all columns without their units, plain.
+    pub fn names(&self) -> impl Iterator<Item = String> {
+        self.header.cells.iter().map(|header| super::header::plain(super::header::split(header).0))
+    }
+
     /// The numbers of a column, of any decimal mark; what is none is left out.
     pub fn numbers(&self, index: usize) -> impl Iterator<Item = f64> {
         self.rows().filter_map(move |row| number(row.cells.get(index)?))

@@ -102,6 +102,11 @@ impl Unit {
         Ok(if self.negated { -value } else { value })
     }
 
+    /// Whether its numbers are levels in decibels.
+    pub fn is_level(&self) -> bool {
+        self.decibel
+    }
+
     /// Whether its numbers are voltages, of none other of the electrical signals that stand for one.
     pub fn is_voltage(&self) -> bool {
         self.si == "V" && self.foreign.is_none() && !self.decibel && self.over.is_none()

@@ -52,6 +52,34 @@ fn headers_of_many_kinds_are_one_table() {
 }
 
 #[test]
+fn deviations_are_known_by_the_names_of_what_they_are_of() {
+    let of = |header: &str, cells: &str| {
+        let table = load("t.csv", format!("{header}\n{cells}\n").as_bytes(), "", "");
+        let mut table = table.unwrap_or_else(|error| panic!("{header}: {error}"));
+        let point = table.points.swap_remove(0);
+        [point.amplitude_sd / point.amplitude, point.phase_sd.unwrap_or(0.0).to_degrees()]
+    };
+    for (header, cells) in [
+        ("frequency_hz,force_n,amplitude_mm,amplitude_sd,phase_deg,phase_sd", "80,0.5,2,0.02,-90,0.5"),
+        ("f [Hz],F [N],A [mm],dA,φ [°],Δφ [°]", "80,0.5,2,0.02,-90,0.5"),
+        ("freq_hz,force_n,amp_mm,amp_err,phase_deg,phase_err", "80,0.5,2,0.02,-90,0.5"),
+        ("freq_hz,force_n,amp_mm,amp_err_percent,phase_deg,phase_err_rad", "80,0.5,2,1,-90,0.0087266"),
+        ("Freq. [Hz],Force [N],AMPLITUDE [MM],AMPLITUDE ERROR,PHASE LAG [deg],PHASE ERROR", "80,0.5,2,0.02,90,0.5"),
+        ("F Hz,force_n,Amp.mittel [mm],Amp.std,Phi-mittel [°],Phi-std", "80,0.5,2,0.02,-90,0.5"),
+        ("F Hz,force_n,Amplitude [mmpp],Amplitude std,Phi [°],Phi std", "80,0.5,4,0.04,-90,0.5"),
+    ] {
+        let [amplitude, phase] = of(header, cells);
+        assert!((amplitude - 0.01).abs() < 1e-12 && (phase - 0.5).abs() < 1e-4, "{header}: {amplitude} {phase}");
+    }
+    // A level deviates by a factor, and what states a unit of another kind is another thing.
+    for header in ["f [Hz],F [N],amplitude [dB re 1 mm],damplitude,n", "f [Hz],F [N],A [mm],dA [Hz],n"] {
+        let table = load("t.csv", format!("{header}\n80,0.5,2,0.02,1\n").as_bytes(), "", "");
+        let notes = table.map_or_else(|error| error.to_string(), |table| table.notes.join("\n"));
+        assert!(notes.contains("states no noise of the amplitude"), "{header}: {notes}");
+    }
+}
+
+#[test]
 fn what_was_made_of_the_headers_is_said() {
     let text = "\u{feff}f / Hz;F / mN;a / (m/s²);phi / °;Temperatur / °C\n80;0,5;2;-90;21\n81;0,5;2;-90;21\n";
     let text = format!("{text}{}", (0..6).map(|n| format!("{};0,5;2,{n};-9{n};21\n", 82 + n)).collect::<String>());
