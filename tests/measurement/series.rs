@@ -246,6 +246,8 @@ fn repeated_sweeps_of_a_rig_that_has_changed_are_series_of_their_own() {
             .collect();
         let table = oscillator(&format!("frequency_hz,force_n,amplitude_m\n{rows}"));
         assert_eq!(found(&table).len(), series, "{shift}: {:?}", table.notes);
+        let said = table.notes.iter().any(|note| note.contains("they are 3 series, not pooled"));
+        assert_eq!(said, series == 3, "{:?}", table.notes);
     }
 }
 
