@@ -232,7 +232,7 @@ impl Search<'_, '_> {
         }
     }
 
-    /// The frequency by its unit alone, where one column has it and none a name.
+    /// The frequency by its unit alone, where one column has it and none a name, or by its letter.
     fn find_hertz(&mut self) {
         if self.slots[FREQUENCY].is_some() || self.told[FREQUENCY] {
             return;
@@ -243,10 +243,19 @@ impl Search<'_, '_> {
             let (name, bracket) = header::split(&header);
             in_hertz(&header::plain(name), bracket)
         };
-        let all = (0..self.taken.len()).filter(|index| !self.taken[*index]);
-        let found: Vec<(usize, Unit)> = all.filter_map(|index| Some((index, unit(&index)?))).collect();
-        if let [(index, unit)] = found.as_slice() {
-            let likely = vec![Candidate { index: *index, unit: unit.clone(), stated: true }];
+        let unused = || (0..self.taken.len()).filter(|index| !self.taken[*index]);
+        let mut found: Vec<(usize, Unit, bool)> =
+            unused().filter_map(|index| Some((index, unit(&index)?, true))).collect();
+        // What has a phase is no force: an F beside it that states no unit.
+        if found.is_empty() && self.frame.is_free() && self.slots[PHASE].is_some() {
+            let bare = unused().filter(|index| sheet.headed(*index).trim() == "F");
+            found = bare.map(|index| (index, Unit::of("Hz"), false)).collect();
+        }
+        if let [(index, unit, stated)] = found.as_slice() {
+            if !stated {
+                self.choices.push((COLUMNS[FREQUENCY].into(), sheet.header.cells[*index].clone()));
+            }
+            let likely = vec![Candidate { index: *index, unit: unit.clone(), stated: *stated }];
             self.choose_alias(FREQUENCY, likely, true);
         }
     }
