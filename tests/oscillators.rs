@@ -200,8 +200,7 @@ fn what_is_read_beside_the_motion_decides_no_kind_of_reading() {
     assert!(text.contains("drive = \"U_0 [V]\""), "{text}");
 }
 
-/// A sharp resonance whose signal comes through a long cable: the phase turns by many times in the readings, and where
-/// it is at none is known only from the slope. Twenty readings of a linear resonance by hand, with the deviations of
+/// Twenty readings of a linear resonance by hand, with the deviations of
 /// the meter: what they really scatter by is nine times as much.
 #[test]
 fn deviations_that_are_stated_too_small_make_nothing_missing() {
@@ -245,6 +244,34 @@ fn what_is_missing_is_found_beside_deviations_that_are_stated_too_small() {
     assert!(d.noise.amplitude > 5.0 && d.noise.amplitude < 20.0, "{:?}", d.noise);
 }
 
+/// Two sweeps by hand at one drive, no frequency twice, of a rig that was damped four times as much in the second: along
+/// the frequency what is left of both alternates. The same rig in both is explained.
+#[test]
+fn two_sweeps_that_differ_are_never_called_noise() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (number, (quality, differ)) in [(7.0, true), (28.0, false)].into_iter().enumerate() {
+        for (stated, more) in [("", ""), (",amplitude_sd_percent", ",0.6")] {
+            let mut noise = noise(0.006);
+            let mut row = |quality: f64, frequency: f64| {
+                let ratio = frequency / 0.519;
+                let amplitude = 0.06 / (1.0 - ratio * ratio).hypot(ratio / quality) * (1.0 + noise());
+                format!("{frequency},{amplitude:.6}{more}\n")
+            };
+            let places = [0.2, 0.3, 0.4, 0.47, 0.49, 0.51, 0.525, 0.545, 0.585, 0.685, 0.79, 0.9, 1.0];
+            let first: String = places.iter().map(|f| row(28.0, *f)).collect();
+            let second: String = places.iter().map(|f| row(quality, f - 0.003)).collect();
+            let path = folder.path().join(format!("{number}{}.csv", more.len()));
+            std::fs::write(&path, format!("f [Hz],amplitude_rad{stated}\n{first}{second}")).expect("written");
+            let scenario = path.with_extension("toml");
+            new(&path, &scenario);
+            let d = found(&scenario);
+            assert_eq!(d.verdict == Verdict::NothingMissing, !differ, "{quality} {stated}: {:?}", d.verdict);
+        }
+    }
+}
+
+/// A sharp resonance whose signal comes through a long cable: the phase turns by many times in the readings, and where
+/// it is at none is known only from the slope.
 #[test]
 fn a_long_cable_is_a_delay() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -206,8 +206,12 @@ pub(super) fn interval_words(c: &Comparison) -> &'static str {
 pub(super) fn verdict(c: &Comparison) -> String {
     let w = &c.whiteness;
     let tests = format!(
-        "runs {} of {:.0} expected, autocorrelation {:.2}, smooth part {:.1} times the rest",
-        w.runs, w.runs_expected, w.autocorrelation, w.smooth_ratio
+        "{}runs {} of {:.0} expected, autocorrelation {:.2}, smooth part {:.1} times the rest",
+        if w.as_read { "in the order of the rows: " } else { "" },
+        w.runs,
+        w.runs_expected,
+        w.autocorrelation,
+        w.smooth_ratio
     );
     if !w.testable {
         "whether the misfit has structure cannot be tested: the series have too few neighbouring readings".into()

@@ -1,4 +1,4 @@
-//! Whether residuals look like noise: runs of signs, autocorrelation along the frequency, smooth components.
+//! Whether residuals look like noise: runs of signs, autocorrelation of neighbours, smooth components.
 
 use super::Compared;
 use super::calibrate::outliers;
@@ -17,13 +17,14 @@ const MEDIAN_EFFICIENCY: f64 = 0.3675;
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 // Wide: a field is a key of the file, where they stand side by side.
 pub struct Whiteness {
-    /// Runs of equal sign along the frequency, over all curves.
+    /// Runs of equal sign along the frequency or, where that tells nothing and the order of the rows does, in that, over
+    /// all curves.
     pub runs: usize,
     /// Runs that noise would have on average.
     pub runs_expected: f64,
     /// Probability of so few runs.
     pub runs_p: f64,
-    /// Correlation of neighbours along the frequency.
+    /// Correlation of neighbours.
     pub autocorrelation: f64,
     /// Probability of so much of it.
     pub autocorrelation_p: f64,
@@ -41,6 +42,9 @@ pub struct Whiteness {
     /// Whether that is told by its size alone: it is larger than the scatter of the readings along their series.
     #[serde(skip)]
     pub exceeds: bool,
+    /// Whether that is told in the order of the rows: along the frequency there is none.
+    #[serde(skip)]
+    pub as_read: bool,
     /// Whether there are neighbours enough along series for the tests to find structure at all.
     pub testable: bool,
     /// Whether the noise is that of the readings' own scatter along series, so that a larger misfit is none of it.
@@ -119,16 +123,27 @@ pub fn scatter(points: &[Compared], table: &Table, fitted: usize) -> Option<Nois
     (noise != Noise::STATED).then_some(noise)
 }
 
-/// Tests the residuals of all series. `fitted` parameters have absorbed as many components.
+/// Tests the residuals of all series along the frequency and, where these show nothing, in the order of the rows: two
+/// sweeps of one series that differ alternate along the frequency. `fitted` parameters have absorbed as many components.
 pub fn whiteness(points: &[Compared], table: &Table, fitted: usize) -> Whiteness {
     let own_scatter = table.amplitude_noise == NoiseSource::Estimated;
-    let mut curves: Vec<Vec<f64>> = Vec::new();
-    for condition in 0..table.series.len() {
-        let of = || points.iter().filter(move |p| p.condition == condition);
-        curves.push(of().map(|p| p.amplitude_residual).collect());
-        curves.push(of().filter_map(|p| p.phase_residual).collect());
-    }
+    let along = |key: fn(&Compared) -> usize| {
+        let mut curves: Vec<Vec<f64>> = Vec::new();
+        for condition in 0..table.series.len() {
+            let mut of: Vec<&Compared> = points.iter().filter(|p| p.condition == condition).collect();
+            of.sort_by_key(|p| key(p));
+            curves.push(of.iter().map(|p| p.amplitude_residual).collect());
+            curves.push(of.iter().filter_map(|p| p.phase_residual).collect());
+        }
+        curves
+    };
+    // Points stand in the order of the frequency, and sorting leaves those of one key as they are.
+    let curves = along(|_| 0);
     let mut found = test(&curves, fitted);
+    if !found.structured {
+        let read = Whiteness { as_read: true, ..test(&along(|p| p.point.row), fitted) };
+        found = if read.structured { read } else { found };
+    }
     found.own_scatter = own_scatter;
     found.exceeds =
         own_scatter && excess_p(&curves.concat(), fitted, table.freedom) < SIGNIFICANCE && !found.structured;
@@ -188,6 +203,7 @@ fn test(curves: &[Vec<f64>], fitted: usize) -> Whiteness {
         rough_freedom: rough_n,
         structured,
         exceeds: false,
+        as_read: false,
         testable,
         own_scatter: false,
     }

@@ -136,8 +136,9 @@ fn sentence(c: &Comparison, verdict: Match) -> String {
 fn tests(c: &Comparison) -> String {
     let w = &c.whiteness;
     format!(
-        "Tests of the residuals along the frequency: {} runs of equal sign where noise has about {:.0}; correlation of neighbours {}; \
+        "Tests of the residuals {}: {} runs of equal sign where noise has about {:.0}; correlation of neighbours {}; \
          smooth part {} times the rest.",
+        if w.as_read { "in the order of the rows" } else { "along the frequency" },
         w.runs,
         w.runs_expected,
         quantity(w.autocorrelation, "1", 2),
