@@ -263,6 +263,8 @@ try {
     for (const name of ["trials.html", "checks.html"]) {
       const page = await open(folder, {}, name);
       check((await page.locator("h1").innerText()).length > 5 && (await page.locator("table tbody tr").count()) > 3, name);
+      const [main, window] = await page.evaluate(() => [document.querySelector("main").offsetWidth, innerWidth]);
+      check(main > 0.6 * window, `${name}: the text is ${main} px of ${window} px wide`);
       await narrow(page, name);
       await violations(page);
       await page.finish();
