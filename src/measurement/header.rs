@@ -2,7 +2,9 @@
 
 use super::frame::{DRIVES, Frame, READINGS, kind};
 use super::likely::{MEANS, likely};
-use super::names::{ALIASES, AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, MEAN, NAMES, SAYING, SERIES, SWEEP};
+use super::names::{
+    ALIASES, AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, MEAN, NAMES, SAYING, SCATTERING, SERIES, SWEEP,
+};
 use super::unit::{Unit, Wanted, electrical, gravity, known, suffix};
 use crate::scenario::parameters::MEASURED;
 
@@ -101,6 +103,8 @@ fn by_suffix(header: &str, name: &str, frame: &Frame<'_>) -> Option<(Wanted, Mea
 
 /// One of [`ALIASES`], also as an amplitude of it.
 fn by_alias(header: &str, name: &str, bracket: Option<&str>, frame: &Frame<'_>) -> Option<Meaning> {
+    let is_scattering = matches!(name.as_bytes(), [b's', b'1'..=b'9', b'1'..=b'9']);
+    let name = if is_scattering { SCATTERING } else { name };
     let swings = |rest: &'_ str| ["_amplitude", "_ampl"].iter().find_map(|end| rest.strip_prefix(end).map(str::len));
     for alias in ALIASES {
         let Some(rest) = name.strip_prefix(alias.name) else { continue };

@@ -105,19 +105,24 @@ const COUNTS: &[&str] = &["lag", "shift", "difference", "diff"];
 /// Whether a name is that of the deviation of what has the other one: `dA` and `A`, `amp_err` and `amp_mm`,
 /// `Amp.std` and `Amp.mittel`.
 pub(crate) fn is_deviation(name: &str, of: &str) -> bool {
-    let words = |name: &str| -> Vec<String> {
-        name.split('_').filter(|word| ![MEANS, COUNTS].concat().contains(word)).map(str::to_string).collect()
-    };
-    let quantity = |mut words: Vec<String>| {
-        while words.len() > 1 && words.last().is_some_and(|word| known(word)) {
-            words.pop();
-        }
-        words
-    };
     let glued = name.strip_suffix(of).is_some_and(|mark| DEVIATES.contains(&mark.trim_end_matches('_')));
-    let (mut rest, of) = (words(name), quantity(words(of)));
-    let mark = rest.iter().position(|word| DEVIATES.contains(&word.as_str()));
-    glued || mark.is_some_and(|at| rest.len() > 1 && !rest.remove(at).is_empty() && quantity(rest) == of)
+    let mut own: Vec<&str> = name.split('_').collect();
+    // A letter behind a name is of another of its kind: `U_s` is the voltage of a source.
+    let is_mark = |(at, word): (usize, &&str)| DEVIATES.contains(word) && (at == 0 || word.chars().count() > 1);
+    glued
+        || own.iter().enumerate().position(is_mark).is_some_and(|at| {
+            own.remove(at);
+            !own.is_empty() && quantity(own) == quantity(of.split('_').collect())
+        })
+}
+
+/// Words of a name without what says no more of the quantity, and without the unit behind them.
+fn quantity(mut words: Vec<&str>) -> Vec<&str> {
+    words.retain(|word| !MEANS.contains(word) && !COUNTS.contains(word));
+    while words.len() > 1 && words.last().is_some_and(|word| known(word)) {
+        words.pop();
+    }
+    words
 }
 
 /// The unit of a column in hertz, whatever its name is but one of the others: nothing else is measured in that.
@@ -170,6 +175,19 @@ mod tests {
             ("remark", None),
         ] {
             assert_eq!(likely(name, bracket).map(|(column, _)| column), None, "{name}");
+        }
+    }
+
+    #[test]
+    fn a_deviation_has_the_name_of_what_it_is_of() {
+        for (name, of) in
+            [("da", "a"), ("δφ", "φ"), ("sd_amplitude", "amplitude"), ("amp_err", "amp_mm"), ("amp_std", "amp_mittel")]
+        {
+            assert!(is_deviation(name, of), "{name} {of}");
+        }
+        for (name, of) in [("u_s", "u"), ("amplitude", "amplitude"), ("phase_err", "amplitude"), ("error", "amplitude")]
+        {
+            assert!(!is_deviation(name, of), "{name} {of}");
         }
     }
 }

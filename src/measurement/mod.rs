@@ -302,7 +302,7 @@ fn read(wanted: &MeasurementSource, bytes: &[u8], frame: &Frame<'_>, sweep: Opti
     let (sweeps, agree) = if readings.drive_assumed { series::sweeps(&readings.list) } else { (1, true) };
     if sweeps > 1 && agree {
         notes.push(format!(
-            "no column states the drive of the {sweeps} sweeps: they agree where they meet, as those of one drive do"
+            "no column states the drive of the {sweeps} sweeps: where they meet they are mostly as large, as those of one drive are"
         ));
     } else if sweeps > 1 {
         let title = format!("`{}` holds {sweeps} sweeps, and no column states their drives", wanted.file.display());

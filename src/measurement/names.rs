@@ -47,6 +47,8 @@ const fn alias(name: &'static str, column: usize, units: &'static [&'static str]
     Alias { name, column, units, bare }
 }
 
+/// Any element of a scattering matrix, `s11` to `s99`.
+pub(crate) const SCATTERING: &str = "s21";
 /// A phase that is positive where the reading lags.
 pub(crate) const LAG: &str = "phase_lag";
 
@@ -117,8 +119,8 @@ pub(crate) const ALIASES: &[Alias] = &[
     alias("admittance", AMPLITUDE, &[], false),
     alias("gain", PHASE, RADIAN, false),
     alias("gain", AMPLITUDE, &[], false),
-    alias("s11", AMPLITUDE, &[], false),
-    alias("s21", AMPLITUDE, &[], false),
+    alias(SCATTERING, PHASE, RADIAN, false),
+    alias(SCATTERING, AMPLITUDE, &[], false),
     alias("h", AMPLITUDE, &[], false),
     alias("|h|", AMPLITUDE, &[], false),
     alias("frf", AMPLITUDE, &[], false),

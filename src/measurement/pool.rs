@@ -52,16 +52,7 @@ pub(crate) fn pool(readings: Readings, arm: bool, notes: &mut Vec<String>) -> Re
     for axis in axes {
         snap(&mut list, axis);
     }
-    let series = series::group(&mut list, arm);
-    let setting = |of: &Series| (of.direction, [of.load, of.speed, of.drive]);
-    let again = |one: &&Series| one.name.is_empty() && series.iter().filter(|s| setting(s) == setting(one)).count() > 1;
-    let apart = series.iter().filter(again).count();
-    if apart > 0 {
-        notes.push(format!(
-            "sweeps that were repeated differ by more than they scatter: they are {apart} series, not pooled; \
-             what changed between them may be a drift"
-        ));
-    }
+    let series = series::group(&mut list, arm, notes);
     list.sort_by(|a, b| {
         let keys = key(a).into_iter().zip(key(b)).map(|(a, b)| a.total_cmp(&b));
         keys.fold(std::cmp::Ordering::Equal, std::cmp::Ordering::then).then_with(|| a.row.cmp(&b.row))

@@ -70,18 +70,19 @@ const JUMP: f64 = 8.0;
 const ONE_WAY: f64 = 0.8;
 
 /// Finds the sweeps that the readings belong to, which stand in the order of the file, and numbers them by load, speed
-/// and drive. `arm` tells the paper's rig, whose drive is set: rows that share it are one sweep whatever their order.
+/// and drive; says which were kept apart though they repeat each other. `arm` tells the paper's rig, whose drive is set: rows that share it are one sweep whatever their order.
 ///
 /// What the table says of series and directions comes first. Else rows that share load, speed and drive belong together
 /// where most rows do so in groups. Else the drive was measured: rows at one load and speed that follow each other are
 /// one sweep as long as the frequency goes one way.
-pub(super) fn group(list: &mut [Reading], arm: bool) -> Vec<Series> {
+pub(super) fn group(list: &mut [Reading], arm: bool, notes: &mut Vec<String>) -> Vec<Series> {
     let named = list.iter().any(|reading| !reading.name.is_empty());
     let all: Vec<usize> = (0..list.len()).collect();
     let way = |reading: &Reading| reading.sweep.map(|sweep| sweep == Direction::Up);
     let bases = split(list, &all, |r| (r.name.clone(), way(r), r.load.to_bits(), r.speed.to_bits()));
     let set = named || is_set(list, &bases) || bases.iter().all(|rows| frequencies(list, rows) < SEVERAL);
     let mut sweeps: Vec<(Vec<usize>, bool)> = Vec::new();
+    let mut apart = 0;
     for rows in bases {
         let levels = split(list, &rows, |reading| reading.drive.to_bits());
         let alike = is_set(list, std::slice::from_ref(&rows));
@@ -98,9 +99,16 @@ pub(super) fn group(list: &mut [Reading], arm: bool) -> Vec<Series> {
             let ways = if both.is_empty() { vec![part] } else { both };
             for way in ways {
                 let parts = if named || unordered { vec![way] } else { changed(list, &way) };
+                apart += if parts.len() > 1 { parts.len() } else { 0 };
                 sweeps.extend(parts.into_iter().map(|part| (part, unordered)));
             }
         }
+    }
+    if apart > 0 {
+        notes.push(format!(
+            "sweeps that were repeated differ by more than they scatter: they are {apart} series, not pooled; \
+             what changed between them may be a drift"
+        ));
     }
     let mut series: Vec<(Series, Vec<usize>)> =
         sweeps.into_iter().map(|(rows, unordered)| (one(list, &rows, unordered), rows)).collect();

@@ -20,6 +20,7 @@ fn headers_of_many_kinds_are_one_table() {
         ("FREQUENCY_HZ,FORCE_N,AMPLITUDE_MM,PHASE_RAD", "80,0.5,2,-1"),
         ("Drive frequency (Hz),Shaker force (mN),Tip displacement (mm),Phase of tip (rad)", "80,500,2,-1"),
         ("Frequency (Hertz),Force (millinewton),Displacement (Millimeters),Phase (Radians)", "80,500,2,-1"),
+        ("f [Hz],F [N],x [mm],Phase (Grad)", "80,0.5,2,-57.29577951308232"),
         ("Frequenz f / Hz;Erregerkraft F / N;Auslenkung der Spitze / mm;Phase φ / rad", "80;0,5;2;-1"),
     ];
     for (header, cells) in cases {
@@ -76,6 +77,17 @@ fn deviations_are_known_by_the_names_of_what_they_are_of() {
         let table = load("t.csv", format!("{header}\n80,0.5,2,0.02,1\n").as_bytes(), "", "");
         let notes = table.map_or_else(|error| error.to_string(), |table| table.notes.join("\n"));
         assert!(notes.contains("states no noise of the amplitude"), "{header}: {notes}");
+    }
+}
+
+#[test]
+fn an_element_of_a_scattering_matrix_is_amplitude_or_phase_by_its_unit() {
+    for (level, turn) in [("S34(DB)", "S34(DEG)"), ("S21 [dB]", "S21 [deg]"), ("s11 (dB)", "s11 (rad)")] {
+        let rows: String = (0..8).map(|n| format!("{}e9,1.5,-2{n}\n", 5 + n)).collect();
+        let text = format!("Freq(Hz),{turn},{level}\n{rows}");
+        let seen = survey_bytes("t.csv", text.as_bytes()).unwrap_or_else(|error| panic!("{error}"));
+        let keys: Vec<_> = seen.columns.iter().map(|column| column.key).collect();
+        assert_eq!(keys, [Some("frequency"), Some("phase"), Some("amplitude")], "{level}");
     }
 }
 
@@ -411,7 +423,7 @@ fn sweeps_that_agree_are_of_one_drive() {
     let read = |text: String| survey_bytes("t.csv", format!("f [Hz],A [cm]\n{text}").as_bytes());
     for text in [sweep(0, 24, 0.2) + &back(0.201), sweep(5, 24, 0.2) + &sweep(0, 5, 0.2)] {
         let table = read(text).unwrap_or_else(|error| panic!("{error}")).table;
-        assert!(table.notes.iter().any(|note| note.contains("2 sweeps: they agree")), "{:?}", table.notes);
+        assert!(table.notes.iter().any(|note| note.contains("2 sweeps: where they meet")), "{:?}", table.notes);
     }
     for text in [sweep(0, 24, 0.2) + &back(0.3), sweep(5, 24, 0.2) + &sweep(0, 5, 0.3)] {
         let refused = read(text).expect_err("two drives").to_string();
