@@ -83,11 +83,11 @@ pub fn execute(table: &Path, output: Option<&Path>, global: &Global) -> Result<(
         return Err(Error::Input(whole_file(&title, "name another file with -o, or move it away")));
     }
     let draft = Draft::new(&seen, table, &modes)?;
+    let (text, chosen) = draft.best_scenario(&target, global)?;
+    files::create(&target, text.as_bytes())?;
     for line in draft.description() {
         say(global, &line)?;
     }
-    let (text, chosen) = draft.best_scenario(&target, global)?;
-    files::create(&target, text.as_bytes())?;
     if let Some(chosen) = chosen {
         say(global, &format!("  note: {chosen}"))?;
     }
