@@ -57,6 +57,27 @@ fn what_the_generator_hid_is_found_from_the_table_alone() {
     }
 }
 
+/// Tables with a law that is none of the catalogue (`tests/data/free-form`): of the second a drift follows what is left
+/// of each series, and says nothing of another one.
+#[test]
+fn what_predicts_left_out_series_worse_is_no_part_of_what_helps() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for name in ["01", "14"] {
+        let path = folder.path().join(name).with_extension("toml");
+        new(
+            &PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/free-form").join(name).with_extension("csv"),
+            &path,
+        );
+        let d = found(&path);
+        assert_eq!(d.verdict, Verdict::Unexplained, "{name}");
+        let left_out: Vec<f64> = d.steps.iter().map(|s| s.held_out.expect("several series").chi2_per_point).collect();
+        let best = left_out.iter().copied().fold(f64::INFINITY, f64::min);
+        assert!(left_out.len() > 1 && left_out[left_out.len() - 1] == best, "{name}: {left_out:?}");
+        let why = d.notes.iter().find(|note| note.contains("series that are left out are predicted worse with"));
+        assert!(why.is_some(), "{name}: {:?}", d.notes);
+    }
+}
+
 /// What follows the amplitudes of one sweep is a law of the amplitude or one of the frequency: without phases, a second
 /// drive or two stable states nothing is named.
 #[test]

@@ -87,7 +87,7 @@ pub(super) fn fall(d: &Discovery) -> Option<Fall> {
         let hypothesis = step.map_or_else(|| search.refit(end, of), |step| step.hypothesis.clone());
         let last = step.map_or_else(|| hypothesis.fit.evaluation.predictions.clone(), predicted);
         let between = (1..STRENGTHS - 1).into_par_iter().map(|k| {
-            let values = along(&hypothesis, base, k as f64 / (STRENGTHS - 1) as f64);
+            let values = along(&hypothesis, &base.hypothesis, k as f64 / (STRENGTHS - 1) as f64);
             let points: Vec<&Point> = table.points.iter().collect();
             let model = hypothesis.model.clone();
             let mut problem = Problem::new(model, points, hypothesis.fit.parameters.clone(), Tolerance::FIT);
@@ -123,13 +123,13 @@ fn state(base: &[Compared], points: &[Point], predictions: Vec<Prediction>) -> S
 }
 
 /// Values of the parameters of a fit at a share of the way from the base.
-fn along(hypothesis: &Hypothesis, base: &Step, share: f64) -> Vec<f64> {
+pub(super) fn along(hypothesis: &Hypothesis, base: &Hypothesis, share: f64) -> Vec<f64> {
     let fit = &hypothesis.fit;
     fit.parameters.iter().zip(&fit.values).map(|(p, &end)| start(p, base).at(share, end)).collect()
 }
 
-fn start(parameter: &Parameter, base: &Step) -> Start {
-    let (model, fit) = (&base.hypothesis.model, &base.hypothesis.fit);
+fn start(parameter: &Parameter, base: &Hypothesis) -> Start {
+    let Hypothesis { model, fit, .. } = base;
     if let Some(own) = fit.parameters.iter().position(|p| p.key == parameter.key) {
         return Start::Value(fit.values[own]);
     }

@@ -4,7 +4,8 @@ use super::hypothesis::{Addition, Hypothesis, compatible, extended};
 use super::known::Known;
 use super::options::MARGIN;
 use super::select::{CONTINUED, Search};
-use crate::fit::Problem;
+use crate::fit::{Fit, Problem};
+use crate::measurement::Point;
 use crate::model::Model;
 use crate::solver::cycle::Tolerance;
 
@@ -59,7 +60,7 @@ impl Search<'_> {
 
     /// The hypothesis with these additions in place of its own, at the values that it has and that effects have in a
     /// model.
-    fn moved(&self, from: &Hypothesis, fitted: &Model, additions: Vec<Addition>) -> Hypothesis {
+    pub(super) fn moved(&self, from: &Hypothesis, fitted: &Model, additions: Vec<Addition>) -> Hypothesis {
         let mut model = extended(&self.data.base, &additions);
         for (effect, values) in &mut model.effects {
             if let Some((_, own)) = fitted.effects.iter().find(|(e, _)| e.name() == effect.name()) {
@@ -70,13 +71,20 @@ impl Search<'_> {
         let at = Model { effects: model.effects.clone(), ..from.fitted() };
         fit.parameters = self.data.movable(&at, &additions);
         let value = |key: &str| from.fit.parameters.iter().position(|p| p.key == key).map(|i| from.fit.values[i]);
+        let none: [&Point; 0] = [];
+        let own = Problem::new(model.clone(), none, fit.parameters.clone(), Tolerance::FIT).values();
+        let values = fit.parameters.iter().zip(own).map(|(p, own)| value(&p.key).unwrap_or(own)).collect();
+        self.at(&Hypothesis { additions, model, fit, estimate: None, bic: f64::INFINITY }, values)
+    }
+
+    /// A hypothesis at other values of its parameters, at all points.
+    pub(super) fn at(&self, hypothesis: &Hypothesis, values: Vec<f64>) -> Hypothesis {
+        let Hypothesis { model, fit, .. } = hypothesis;
         let points = self.data.some(self.data.points.len());
         let mut problem = Problem::new(model.clone(), points, fit.parameters.clone(), Tolerance::FIT);
-        let own = fit.parameters.iter().zip(problem.values());
-        fit.values = own.map(|(parameter, own)| value(&parameter.key).unwrap_or(own)).collect();
-        fit.evaluation = problem.evaluate(&fit.values, true);
+        let evaluation = problem.evaluate(&values, true);
         self.data.count(problem.solved);
-        Hypothesis { additions, model, fit, estimate: None, bic: f64::INFINITY }
+        Hypothesis { fit: Fit { values, evaluation, ..fit.clone() }, ..hypothesis.clone() }
     }
 
     /// Puts the simpler effect that one is with a parameter at a value, or acts like, in its place, fitted from where

@@ -99,7 +99,7 @@ impl<'a> Search<'a> {
     }
 
     /// A search, and the calibrated base that it begins with.
-    fn begin(
+    pub(super) fn begin(
         scenario: &'a Scenario,
         table: &'a Table,
         options: &'a SearchOptions,

@@ -248,7 +248,9 @@ pub(crate) fn split(header: &str) -> (&str, Option<&str>) {
     }
     if let Some((name, unit)) = header.split_once('/') {
         let spaced = name.ends_with(char::is_whitespace) && !name.trim().is_empty();
-        let short = !name.is_empty() && !name.contains(|c: char| c.is_whitespace() || c == '_') && known(unit);
+        // Of `speed_mm/s` the unit is the speed's.
+        let begun = name.rsplit_once('_').is_some_and(|(_, end)| known(end));
+        let short = !name.is_empty() && !name.contains(char::is_whitespace) && !begun && known(unit);
         if spaced || short {
             return (name.trim_end(), Some(unit.trim()).filter(|unit| !unit.is_empty()));
         }

@@ -52,6 +52,8 @@ pub(crate) const SCATTERING: &str = "s21";
 /// A phase that is positive where the reading lags.
 pub(crate) const LAG: &str = "phase_lag";
 
+/// A power that is stated as a level.
+pub(crate) const POWER: &[&str] = &["mW"];
 const LENGTH: &[&str] = &["m"];
 const VELOCITY: &[&str] = &["m/s"];
 const ACCELERATION: &[&str] = &["m/s^2"];
@@ -96,6 +98,9 @@ pub(crate) const ALIASES: &[Alias] = &[
     alias("base_displacement", DRIVE, &["m", "rad"], false),
     alias("base_acceleration", DRIVE, ANY_ACCELERATION, false),
     alias("base_accel", DRIVE, ANY_ACCELERATION, false),
+    alias("power", DRIVE, POWER, false),
+    alias("p", DRIVE, POWER, false),
+    alias("leistung", DRIVE, POWER, false),
     alias("input", DRIVE, &[], true),
     alias("in", DRIVE, &[], true),
     alias("v_in", DRIVE, VOLT, true),

@@ -1,6 +1,7 @@
 //! Units as headers state them: in brackets or as the end of a name, in the spellings of laboratories.
 
 use super::frame::{DRIVES, kind};
+use super::names::POWER;
 use super::swings::Swing;
 use crate::units::{self, UnitError};
 
@@ -13,6 +14,9 @@ const SYMBOLS: &[&str] = &[
 
 /// Standard gravity \[m/s^2\].
 const GRAVITY: f64 = 9.806_65;
+
+/// Amplitude of a voltage that takes a milliwatt at the 50 ohms that levels of powers are stated for \[V\].
+const MILLIWATT: f64 = 0.316_227_766_016_837_94;
 
 /// The unit of a column's numbers.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,6 +72,11 @@ impl Unit {
         Self { over: Some(Over { si: None, size: 1.0, text: String::new() }), decibel: true, ..Self::of("V") }
     }
 
+    /// A level of a power, which goes with the square of an amplitude: as that of a voltage at a load.
+    fn power() -> Self {
+        Self { text: "dBm".into(), foreign: Some(("V".into(), MILLIWATT)), decibel: true, ..Self::of("V") }
+    }
+
     /// The same, its numbers counted the other way round if so.
     pub fn counted(self, negated: bool) -> Self {
         Self { negated, ..self }
@@ -120,6 +129,7 @@ impl Unit {
         let over = self.over.as_ref().filter(|over| over.si.is_some());
         let ratio = over.map_or_else(|| self.text.clone(), |over| format!("{} per {}", self.text, over.text));
         match (self.decibel, &self.over) {
+            (true, None) if self.foreign.is_some() => "dBm, a voltage at 50 ohms".into(),
             (true, Some(Over { si: None, .. })) => "dB".into(),
             (true, _) => format!("dB re 1 {ratio}"),
             (false, _) => ratio,
@@ -175,13 +185,16 @@ pub(crate) struct Wanted {
 impl Wanted {
     /// The unit that a text stands for, or why it does not serve.
     pub fn unit(&self, text: &str) -> Result<Unit, String> {
+        let is_power = self.possible == POWER && text.eq_ignore_ascii_case("db");
+        if is_power || text.eq_ignore_ascii_case("dbm") && (self.possible == POWER || self.possible.contains(&"V")) {
+            return Ok(Unit::power());
+        }
         if !self.per_drive {
             return self.plain(text);
         }
         match level(text) {
             Some("") if self.possible.contains(&"V") => Ok(Unit::level()),
             Some("") => Err("a level needs what it refers to, such as dB re 1 m".into()),
-            Some("m") if text.eq_ignore_ascii_case("dbm") => Err("dBm is the level of a power".into()),
             Some(of) => Ok(Unit { decibel: true, ..self.ratio(of)? }),
             None => self.ratio(text),
         }

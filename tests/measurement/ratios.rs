@@ -98,9 +98,7 @@ fn readings_outside_the_frequencies_of_the_scenario_are_not_used() {
 
 #[test]
 fn a_level_needs_what_it_refers_to() {
-    for (header, says) in [("amplitude [dBm]", "level of a power"), ("phase [dB]", "dB")] {
-        let text = format!("f [Hz],force_n,{header}\n80,1,-3\n81,1,-3\n");
-        let error = load("t.csv", text.as_bytes(), "", "").unwrap_err();
-        assert!(error.contains(says), "{header}: {error}");
-    }
+    let text = "f [Hz],force_n,phase [dB]\n80,1,-3\n81,1,-3\n";
+    let error = load("t.csv", text.as_bytes(), "", "").unwrap_err();
+    assert!(error.contains("dB"), "{error}");
 }

@@ -144,3 +144,26 @@ fn what_a_survey_cannot_tell_is_an_error() {
         survey("t.uff", include_str!("../data/frf.uff")).expect_err("too short")
     );
 }
+
+/// Twenty decibels of a power are ten times the amplitude.
+#[test]
+fn levels_of_a_power_drive() {
+    for header in ["Power (dBm)", "P/dB", "drive [dBm]", "P [dBm]", "Leistung / dBm"] {
+        let of = |level: i32| (80..88).map(move |f| format!("{f};{level};-{}\n", 3 + f * f % 7)).collect::<String>();
+        let text = format!("f [Hz];{header};S21 [dB]\n{}{}", of(-20), of(0));
+        let table = survey("t.csv", &text).expect("sound").table;
+        let drives: Vec<f64> = table.series.iter().map(|series| series.drive).collect();
+        // A milliwatt at 50 ohms.
+        assert!((drives[1].powi(2) / (2.0 * 50.0) / 1e-3 - 1.0).abs() < 1e-12, "{header}: {drives:?}");
+        assert!((drives[1] / drives[0] - 10.0).abs() < 1e-12, "{header}: {drives:?}");
+        // What is read is a ratio.
+        assert!((table.points[8].amplitude / table.points[0].amplitude - 10.0).abs() < 1e-9, "{header}");
+    }
+}
+
+#[test]
+fn a_name_with_an_index_has_its_unit_behind_a_stroke() {
+    let rows = "12;3.1;2.9\n15;3.6;2.9\n17;4.4;2.9\n20;5.4;2.9\n22;7.2;2.9\n25;5.1;2.9\n28;4.1;2.9\n";
+    let table = survey("t.csv", &format!("f/kHz;U_C/V;U/V\n{rows}")).expect("sound").table;
+    assert_eq!((table.points[0].amplitude, table.points[0].drive), (3.1, 2.9));
+}
