@@ -573,7 +573,7 @@
     }
     // The drawing as the page brought it, without anything that was added to it.
     end() {
-      all(".watch, .tools", this.figure).forEach((node) => node.remove());
+      all(".watch, .watched, .tools", this.figure).forEach((node) => node.remove());
       this.frame.replaceWith(this.pristine);
       plots.splice(plots.indexOf(this), 1);
     }
@@ -625,9 +625,9 @@
       return { one, input };
     });
     const output = element("output", { "aria-live": "polite" });
-    const note = element("p", { class: "small" }, `Drawn are solutions of the model at ${last + 1} strengths, through the readings' frequencies: from `
+    const note = element("p", { class: "small watched" }, `Drawn are solutions of the model at ${last + 1} strengths, through the readings' frequencies: from `
       + "the calibrated base to the fit all parameters go in equal steps. Nothing is interpolated between two laws.");
-    box.append(label1, ...switches.map(({ one }) => one), output, note);
+    box.append(label1, ...switches.map(({ one }) => one), output);
     const data = (value, text) => element("data", { value }, text);
     const digits = (value) => written(value, 10 ** (Math.floor(Math.log10(value || 1)) - 2));
     const draw = () => {
@@ -657,7 +657,7 @@
         draw();
       });
     }
-    plot.figure.querySelector(".tools").before(box);
+    plot.figure.querySelector(".tools").before(box, note);
     draw();
   };
 

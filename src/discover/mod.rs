@@ -35,7 +35,7 @@ pub use next::{Bounds, NextMeasurement, farthest};
 pub use options::{MARGIN, SearchOptions};
 pub use select::{discover, discover_counted, explain};
 pub use verdict::{Evidence, verdict};
-pub use words::{identified, open_ends, sentence};
+pub use words::{how_sure, identified, open_ends, sentence};
 
 use crate::compare::{Comparison, Outlier};
 use crate::fit::{Correlation, Interval};

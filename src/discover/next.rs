@@ -58,9 +58,7 @@ impl NextMeasurement {
     pub fn meaning(&self) -> String {
         match self.ruled_out_by {
             Some(behind) if self.decides() => format!("only to confirm: BIC already prefers the first by {behind:.0}"),
-            Some(behind) => {
-                format!("one reading would add little; it need not, since BIC already prefers the first by {behind:.0}")
-            }
+            Some(behind) => format!("nothing to decide: BIC already prefers the first by {behind:.0}"),
             None if self.decides() => "one reading there decides".into(),
             None => "too little for one reading within these ranges: repeat it, or go beyond them".into(),
         }

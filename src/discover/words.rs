@@ -1,7 +1,8 @@
 //! What a discovery says, in words that the terminal and the report share.
 
 use super::conclude::is_decidable;
-use super::{Discovery, Step, Verdict};
+use super::hypothesis::Basis;
+use super::{Candidate, Discovery, MARGIN, Step, Verdict};
 use crate::compare::outlier_words;
 use crate::fit::{Identified, Interval, Parameter};
 use crate::units::readable::percent;
@@ -55,6 +56,49 @@ pub fn sentence(d: &Discovery) -> String {
             }
         }
     }
+}
+
+/// How sure the verdict is: the test that could have failed, and the closest rival.
+pub fn how_sure(d: &Discovery) -> String {
+    let end = d.explanation();
+    let white = &end.comparison.whiteness;
+    if d.verdict == Verdict::Unexplained {
+        return if !white.testable {
+            "how sure cannot be said: there are too few neighbouring readings to test what is left".into()
+        } else if white.structured {
+            let noise = end.comparison.unit().sqrt();
+            let size = if noise > 1.0 { format!(", {noise:.1} times the noise") } else { String::new() };
+            format!("no cause is named, since a test finds structure in what is left{size}")
+        } else {
+            "no cause is named, since these readings could not contradict it".into()
+        };
+    }
+    let tested = "what is left passes a test for structure that could have failed";
+    let tied = d.indistinguishable.iter().find(|group| group.len() > 1);
+    if let Some(group) = tied {
+        return format!("{tested}; these data do not tell {} from {}", group[0], group[1..].join(" or "));
+    }
+    let own = d.candidates.iter().find(|c| c.hypothesis.same_additions(&end.hypothesis)).map_or(0.0, |c| c.delta_bic);
+    // What contains the explanation is no rival of it, but where that is nothing.
+    let contains = |c: &Candidate| end.hypothesis.within(&c.hypothesis);
+    let is_rival = |c: &&Candidate| {
+        if end.hypothesis.additions.is_empty() { !c.hypothesis.additions.is_empty() } else { !contains(c) }
+    };
+    let rivals = || d.candidates.iter().filter(is_rival);
+    let is_whole = |c: &&Candidate| !matches!(c.hypothesis.basis(), Basis::Linear | Basis::SomePoints(_));
+    let Some(rival) = rivals().find(is_whole).or_else(|| rivals().next()) else { return tested.into() };
+    let about = if is_whole(&rival) { "" } else { " by an estimate" };
+    let alone = rival.hypothesis.additions.is_empty();
+    let label = if alone { "the calibrated model alone".into() } else { rival.hypothesis.label() };
+    let behind = rival.delta_bic - own;
+    let rival = match behind {
+        b if b >= MARGIN => {
+            format!("the closest rival, {label}, is {b:.0} behind in BIC{about} ({MARGIN:.0} is 20 to 1)")
+        }
+        b if b >= 0.0 => format!("{label} is only {b:.1} behind in BIC{about}, which does not rule it out"),
+        b => format!("{label} is {:.1} ahead in BIC, too little to decide for it among so many", -b),
+    };
+    format!("{tested}; {rival}")
 }
 
 /// What the data are explained within: their noise, or their scatter where that contradicts it; and what stands out.

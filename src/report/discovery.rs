@@ -11,8 +11,12 @@ use super::verdict::Found;
 use super::view::{FigureView, Quantity, ScenarioView};
 use crate::compare::{Comparison, outlier_words};
 use crate::discover::{
-    self, Candidate, Discovery, Fall, NextMeasurement, NotTestable, Part, STRENGTHS, Step, Verdict, identified,
+    self, Addition, Candidate, Discovery, Fall, NextMeasurement, NotTestable, Part, STRENGTHS, Step, Verdict,
+    identified,
 };
+use crate::fit::{Identified, Interval, Parameter, Problem, parameter};
+use crate::measurement::Point;
+use crate::solver::cycle::Tolerance;
 use crate::units::Frequencies;
 
 /// Figures shown at once; the others are folded.
@@ -21,6 +25,8 @@ const FIRST: [&str; 5] = ["before-after", "ladder", "ladder-overlay", "fingerpri
 const CANDIDATES: usize = 12;
 const REGIONS: usize = 8;
 const OUTLIERS: usize = 24;
+/// Most numbers of an explanation that its head tells.
+const AMOUNTS: usize = 4;
 
 impl ScenarioView {
     /// The section with a discovery in it.
@@ -42,6 +48,8 @@ pub fn discovery_view(d: &Discovery, figures: &[FigureInput]) -> DiscoveryView {
         anchor: anchor::discovery(id),
         verdict: Found::of(d.verdict),
         sentence: capital(&discover::sentence(d)),
+        sure: capital(&discover::how_sure(d)),
+        amounts: amounts(d),
         story: story(d),
         added: if end.hypothesis.additions.is_empty() { String::new() } else { end.hypothesis.label() },
         before: shown(d.steps[0].comparison.overall.chi2_per_point, "1", 3),
@@ -60,11 +68,12 @@ pub fn discovery_view(d: &Discovery, figures: &[FigureInput]) -> DiscoveryView {
         not_testable: d.not_testable.iter().map(not_testable).collect(),
         outliers: d.outliers.iter().take(OUTLIERS).map(outlier).collect(),
         more_outliers: d.outliers.len().saturating_sub(OUTLIERS),
-        // Where nothing is missing, a rival that cannot be told apart is no news.
+        // Where nothing is missing, a rival that cannot be told apart is no news, nor is one that is ruled out and would
+        // hardly be told.
         next: d
             .next_measurement
             .as_ref()
-            .filter(|n| d.verdict != Verdict::NothingMissing || n.decides())
+            .filter(|n| n.decides() || d.verdict != Verdict::NothingMissing && n.ruled_out_by.is_none())
             .map(|n| next(n, &end.comparison)),
         notes: d.notes.clone(),
         regions: c.regions.iter().take(REGIONS).map(|region| region.sentence.clone()).collect(),
@@ -74,6 +83,29 @@ pub fn discovery_view(d: &Discovery, figures: &[FigureInput]) -> DiscoveryView {
         figures: first,
         more,
     }
+}
+
+/// Numbers of what was added, with their intervals; of a recalibrated number what was stated. Nothing where there are
+/// too many to be read at once.
+fn amounts(d: &Discovery) -> Vec<String> {
+    let end = d.explanation();
+    let (c, base) = (&end.comparison, &d.steps[0].hypothesis.model);
+    let keys: Vec<String> = end.hypothesis.additions.iter().flat_map(Addition::keys).collect();
+    let added = c.fit.parameters.iter().zip(&c.intervals).filter(|(p, _)| keys.contains(&p.key));
+    let line = |(p, interval): (&Parameter, &Interval)| {
+        let view = fitted(p, interval);
+        let name = p.key.trim_start_matches("effect.");
+        if interval.identified == Identified::No {
+            return format!("{name} is not determined");
+        }
+        let stated = parameter(base, &p.key).filter(|_| !p.key.starts_with("effect."));
+        let none: [&Point; 0] = [];
+        let stated = stated.map(|p| Problem::new(base.clone(), none, vec![p], Tolerance::FIT).values()[0]);
+        let stated = stated.map_or(String::new(), |value| format!(", {} stated", quantity(value, p.unit, 4)));
+        format!("{name} = {} ({} to {}{stated})", view.value.text, view.low.text, view.high.text)
+    };
+    let lines: Vec<String> = added.map(line).collect();
+    if lines.len() > AMOUNTS { Vec::new() } else { lines }
 }
 
 fn fall(fall: &Fall) -> FallView {

@@ -17,7 +17,13 @@ pub struct DiscoveryView {
     pub verdict: Found,
     /// The verdict in a sentence.
     pub sentence: String,
-    /// The same for readers without the words of the program, with its numbers.
+    /// How sure that is, in a sentence.
+    #[serde(default)]
+    pub sure: String,
+    /// By how much what was added changes the model: numbers with intervals.
+    #[serde(default)]
+    pub amounts: Vec<String>,
+    /// The verdict for readers without the words of the program, with its numbers.
     pub story: Vec<String>,
     /// Names of what the explanation adds; empty where nothing.
     pub added: String,

@@ -217,10 +217,11 @@ fn of_discovery(scenario: &ScenarioView, d: &DiscoveryView) -> Headline {
             format!("explained by{by}: χ² per reading {} → {}", d.before.text, d.after.text)
         }
     };
+    let amounts = if d.amounts.is_empty() { String::new() } else { format!(". {}", d.amounts.join(", ")) };
     Headline {
         verdict: d.verdict.words().into(),
         subject: scenario.title.clone(),
-        detail: numbers,
+        detail: format!("{numbers}{amounts}. {}", d.sure),
         anchor: d.anchor.clone(),
     }
 }

@@ -222,7 +222,7 @@ try {
       assert.deepEqual(await numbers(), [whole.chi2_per_point[0], whole.rms_error_percent[0]]);
       for (const box of boxes) await box.check();
       check(seen.has(await curve()), "the switches do not bring the curve back");
-      check((await root.locator(".watch").innerText()).includes("Nothing is interpolated"), "what is drawn is not said");
+      check((await root.locator(".watched").innerText()).includes("Nothing is interpolated"), "what is drawn is not said");
     }
     await page.finish();
   });
