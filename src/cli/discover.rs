@@ -172,7 +172,7 @@ pub(super) fn words(d: &Discovery, output: Option<&Path>) -> Vec<String> {
     }
     lines.extend(not_testable(d));
     lines.extend(misfits(d, c));
-    if let Some(next) = &d.next_measurement {
+    if let Some(next) = d.next_worth() {
         let [one, other] = &next.separates;
         lines.push(format!(
             "measure next: {}, f = {}: {one} and {other} differ by {:.1} sigma there, {}",

@@ -167,6 +167,13 @@ impl Discovery {
         self.fall.get().and_then(Option::as_ref)
     }
 
+    /// What to measure next, where that has something to decide: where nothing is missing a rival that cannot be told
+    /// apart is no news, nor is one that is ruled out and would hardly be told.
+    pub fn next_worth(&self) -> Option<&NextMeasurement> {
+        let open = |n: &&NextMeasurement| self.verdict != Verdict::NothingMissing && n.ruled_out_by.is_none();
+        self.next_measurement.as_ref().filter(|n| n.decides() || open(n))
+    }
+
     /// The last rung: the explanation, or the calibrated base.
     pub fn explanation(&self) -> &Step {
         &self.steps[self.steps.len() - 1]

@@ -68,13 +68,7 @@ pub fn discovery_view(d: &Discovery, figures: &[FigureInput]) -> DiscoveryView {
         not_testable: d.not_testable.iter().map(not_testable).collect(),
         outliers: d.outliers.iter().take(OUTLIERS).map(outlier).collect(),
         more_outliers: d.outliers.len().saturating_sub(OUTLIERS),
-        // Where nothing is missing, a rival that cannot be told apart is no news, nor is one that is ruled out and would
-        // hardly be told.
-        next: d
-            .next_measurement
-            .as_ref()
-            .filter(|n| n.decides() || d.verdict != Verdict::NothingMissing && n.ruled_out_by.is_none())
-            .map(|n| next(n, &end.comparison)),
+        next: d.next_worth().map(|n| next(n, &end.comparison)),
         notes: d.notes.clone(),
         regions: c.regions.iter().take(REGIONS).map(|region| region.sentence.clone()).collect(),
         more_regions: c.regions.len().saturating_sub(REGIONS),
