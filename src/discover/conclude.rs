@@ -45,21 +45,29 @@ fn beyond_prediction(steps: &mut Vec<Step>) -> Option<String> {
             });
             steps.truncate(least + 1);
         }
-        return first;
     }
+    let single = steps.iter().all(|step| step.held_out.is_none());
     while let [.., before, last] = &steps[..]
-        && !pays(before, last)
+        && (chi2(last) >= chi2(before) || single && !pays(before, last))
     {
         first = steps.pop()?.added.map(|name| format!("{name} gains no more than its price"));
     }
     first
 }
 
+fn chi2(step: &Step) -> f64 {
+    step.comparison.overall.chi2_per_point
+}
+
 /// Whether a step of a ladder gains more than its price.
 fn pays(before: &Step, last: &Step) -> bool {
     let parameters = last.hypothesis.fit.parameters.len() - before.hypothesis.fit.parameters.len();
-    let [chi2, less] = [before, last].map(|step| step.comparison.overall.chi2_per_point);
-    is_worth(chi2 / less, parameters, last.comparison.overall.readings, last.comparison.whiteness.autocorrelation)
+    is_worth(
+        chi2(before) / chi2(last),
+        parameters,
+        last.comparison.overall.readings,
+        last.comparison.whiteness.autocorrelation,
+    )
 }
 
 /// Whether a misfit so many times as small is worth so many parameters: Schwarz's criterion, squares counted in what is

@@ -28,6 +28,8 @@ pub use words::lines;
 
 use crate::compare::{Comparison, units_of_force};
 use crate::discover::{Discovery, Verdict};
+use crate::fit::operation;
+use crate::model::alone::Alone;
 use crate::model::lumps::Lumps;
 use class::Class;
 use fit::Fitted;
@@ -125,7 +127,34 @@ impl FreeForm {
 /// The free form beside a discovery: where that leaves something unexplained, or where it is `wanted` whatever it
 /// found. It stands on the calibrated base, not on what helps.
 pub fn beside(discovery: &Discovery, wanted: bool) -> Option<FreeForm> {
-    (wanted || discovery.verdict == Verdict::Unexplained).then(|| analyse(&discovery.steps[0].comparison))
+    (wanted || discovery.verdict == Verdict::Unexplained).then(|| {
+        let mut found = analyse(&discovery.steps[0].comparison);
+        if let Some(text) = contradicted(discovery, &found) {
+            found.classes.iter_mut().for_each(|class| class.standing = Standing::Undecided);
+            found.shapes.clear();
+            found.statement = text;
+        }
+        found
+    })
+}
+
+/// That a law of the amplitude which was found explains most of what the class of the amplitude, which contains it,
+/// could not: that was not followed to its minimum, and tells nothing. In words, where it is so.
+fn contradicted(discovery: &Discovery, found: &FreeForm) -> Option<String> {
+    let [base, first, ..] = &discovery.steps[..] else { return None };
+    let class = found.classes.iter().find(|class| class.variables == [Variable::Amplitude])?;
+    let at = operation(base.comparison.table.points.first()?);
+    let is_law = !base.hypothesis.model.has_contact && !Alone::new(&first.hypothesis.model, &at).is_linear();
+    let [before, left] = [base, first].map(|step| step.comparison.overall.rms_error_percent);
+    let explained = 100.0 * (1.0 - (left / before).powi(2));
+    (is_law && explained >= judge::MOST && class.explained_percent < judge::MOST).then(|| {
+        format!(
+            "on which variable what is missing depends is not told: smooth curves of the amplitude leave {:.1} % from the \
+             calibrated base on, where {} leaves {left:.1} %",
+            class.left_rms_percent,
+            first.hypothesis.label()
+        )
+    })
 }
 
 /// On which variable depends what the calibrated model of a comparison leaves.

@@ -63,7 +63,10 @@ pub(crate) fn layout(
     }
     // What else lacks is told without it.
     let filled: Vec<usize> = aside.iter().copied().filter(|index| !tallies[*index].is_zero()).collect();
-    let drive_assumed = lacking.contains(&DRIVE) && is_held(sheet, frame, sweep, &filled);
+    let perhaps = perhaps_drive(sheet, frame, &filled);
+    // One setting is taken for all rows where the rig may be driven by a voltage.
+    let may_be_held = frame.serving(DRIVE).contains(&"V") && sweep_values(DRIVE, sweep).is_empty();
+    let drive_assumed = lacking.contains(&DRIVE) && may_be_held && perhaps.is_none();
     if drive_assumed {
         lacking.retain(|column| *column != DRIVE);
         slots[DRIVE] = Some(Slot::Value(1.0, "V"));
@@ -72,7 +75,7 @@ pub(crate) fn layout(
         );
     }
     if !lacking.is_empty() {
-        missing(sheet, frame, &lacking, sweep, &aside, complaints);
+        missing(sheet, frame, (&lacking, perhaps), sweep, &aside, complaints);
     }
     name_aside(sheet, frame, &slots, &aside, notes);
     without_contact(sheet, frame, &slots, notes);
@@ -101,9 +104,8 @@ fn is_recording(
     !mapped && !(0..sheet.header.cells.len()).any(frequency) && samples::refuse(sheet, complaints)
 }
 
-/// Whether a drive that nothing states may be taken as one setting: the rig may be driven by a voltage, and none of the
-/// columns that are left and hold numbers looks like its drive.
-fn is_held(sheet: &Sheet, frame: &Frame<'_>, sweep: Option<&Sweep>, filled: &[usize]) -> bool {
+/// The column that may be the drive by its name or its unit, of those that are left and hold numbers.
+fn perhaps_drive(sheet: &Sheet, frame: &Frame<'_>, filled: &[usize]) -> Option<usize> {
     let wanted = Wanted { possible: DRIVES, natural: None, share: false, per_drive: false };
     let may_be = |index: &usize| {
         let (name, bracket) = header::split(&sheet.header.cells[*index]);
@@ -112,7 +114,7 @@ fn is_held(sheet: &Sheet, frame: &Frame<'_>, sweep: Option<&Sweep>, filled: &[us
         let is_deviation = sheet.names().any(|of| is_deviation(&own, &of));
         near || !is_deviation && !is_setting(&own) && bracket.is_some_and(|unit| wanted.unit(unit).is_ok())
     };
-    frame.serving(DRIVE).contains(&"V") && sweep_values(DRIVE, sweep).is_empty() && !filled.iter().any(may_be)
+    filled.iter().copied().find(may_be)
 }
 
 /// A frequency response function is of one drive, of a size that it does not tell: where nothing states it, it is one.
@@ -213,7 +215,7 @@ pub(crate) fn only_value(
 fn missing(
     sheet: &Sheet,
     frame: &Frame<'_>,
-    lacking: &[usize],
+    (lacking, perhaps): (&[usize], Option<usize>),
     sweep: Option<&Sweep>,
     aside: &[usize],
     complaints: &mut Complaints<'_>,
@@ -252,7 +254,12 @@ fn missing(
         };
         help += &format!("; one value for all rows may stand in [sweep]: {}", join(fixed.iter().map(one).collect()));
     }
-    if frame.is_free() && lacking.contains(&DRIVE) {
+    if let Some(index) = perhaps.filter(|_| frame.is_free() && lacking.contains(&DRIVE)) {
+        let header = quote(&sheet.header.cells[index]);
+        help += &format!(
+            "; if {header} is the drive, name it `drive`; if it is not, take it out: one drive is then taken for all rows"
+        );
+    } else if frame.is_free() && lacking.contains(&DRIVE) {
         help +=
             "; of a drive that was held and not measured, its setting will do: drive_v, the same number in every row";
     }

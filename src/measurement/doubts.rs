@@ -33,7 +33,10 @@ pub(super) fn doubts(points: &[Point], arm: bool) -> Vec<String> {
             if arm { "arm" } else { "oscillator" }
         ));
     }
-    let rows = off(points);
+    let (apart, signal): (Vec<Vec<usize>>, Vec<bool>) = points.chunk_by(same_curve).map(far_off).unzip();
+    // A branch of smaller amplitudes is no slip.
+    let of_branch = |row: &usize| apart.iter().zip(&signal).any(|(rows, is)| *is && rows.contains(row));
+    let rows: Vec<usize> = off(points).into_iter().filter(|row| !of_branch(row)).collect();
     if !rows.is_empty() {
         let named: Vec<String> = rows.iter().take(NAMED).map(usize::to_string).collect();
         let more = if rows.len() > NAMED { format!(" and {} more", rows.len() - NAMED) } else { String::new() };
@@ -50,13 +53,20 @@ pub(super) fn doubts(points: &[Point], arm: bool) -> Vec<String> {
                 .into(),
         );
     }
-    for curve in points.chunk_by(same_curve) {
-        let rows = dead(curve);
-        if !rows.is_empty() {
-            doubts.push(format!("{}: was there a signal? Take these rows out if not", far_below(&rows)));
-        }
+    for (rows, _) in apart.iter().zip(&signal).filter(|(rows, signal)| !rows.is_empty() && !**signal) {
+        doubts.push(format!("{}: was there a signal? Take these rows out if not", far_below(rows)));
     }
     doubts
+}
+
+/// Rows of the smallest amplitudes of a curve, as [`dead`], and whether they follow a curve of their own, as a second
+/// stable branch does.
+fn far_off(curve: &[Point]) -> (Vec<usize>, bool) {
+    let rows = dead(curve);
+    let mut own: Vec<&Point> = curve.iter().filter(|point| rows.contains(&point.row)).collect();
+    own.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
+    let sizes: Vec<f64> = own.iter().map(|point| (point.amplitude / point.drive).ln()).collect();
+    (rows, is_curve(&sizes))
 }
 
 /// Whether any series is a curve, and not scatter alone; what is too short to tell is taken for one.

@@ -34,8 +34,8 @@ const DRIVES_IT: &[&str] = &[
 ];
 /// Beginnings of words that say what is read of it.
 const READS: &[&str] = &[
-    "amplit", "displ", "deflect", "auslenk", "respon", "antwort", "output", "veloc", "geschw", "accel", "beschl",
-    "angle", "winkel", "tip", "motion", "laser", "vibrom", "sensor", "magnit",
+    "amplit", "ampiez", "displ", "deflect", "auslenk", "respon", "antwort", "output", "veloc", "geschw", "accel",
+    "beschl", "angle", "winkel", "tip", "motion", "laser", "vibrom", "sensor", "magnit",
 ];
 
 /// The column that words and unit of a header speak for, and the unit; none where no unit is stated, or too little
@@ -65,7 +65,7 @@ pub(crate) fn likely(name: &str, bracket: Option<&str>) -> Option<(usize, Unit)>
     }
     let column = if says(&["freq"]) || ends_so("frequency") || ends_so("frequenz") {
         return unit(&["Hz"]).map(|unit| (FREQUENCY, unit));
-    } else if says(&["phas"]) || words.contains(&"arg") {
+    } else if says(&["phas", "fase", "desfas", "sfas"]) || words.contains(&"arg") {
         return unit(&["rad"]).map(|unit| (PHASE, unit));
     } else if says(DRIVES_IT) || ends_so("kraft") || ends_so("moment") {
         (DRIVE, unit(DRIVES)?)

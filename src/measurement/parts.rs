@@ -12,6 +12,9 @@ const WORDS: [&[&str]; 2] = [&["re", "real", "inphase"], &["im", "imag", "imagin
 /// Names that are a part as they stand: of a lock-in amplifier, of an admittance.
 const ALONE: [[&str; 3]; 2] = [["x", "g", "vx"], ["y", "b", "vy"]];
 
+/// Rows that are looked at for complex numbers.
+const SEEN: usize = 16;
+
 /// Columns of both parts, and the unit of both. Of complex numbers both are the same column.
 #[derive(Debug, Clone)]
 pub(crate) struct Parts {
@@ -54,8 +57,10 @@ pub(crate) fn parts(sheet: &Sheet, frame: &Frame<'_>, taken: &[bool], tallies: &
 
 /// The one column of complex numbers.
 fn complex(sheet: &Sheet, frame: &Frame<'_>, taken: &[bool]) -> Option<Parts> {
-    let first = sheet.rows().next()?;
-    let is_complex = |index: &usize| first.cells.get(*index).is_some_and(|cell| split_complex(cell).is_some());
+    // What is real is written as a real number.
+    let rows: Vec<_> = sheet.rows().take(SEEN).collect();
+    let is_complex =
+        |index: &usize| rows.iter().filter_map(|row| row.cells.get(*index)).any(|cell| split_complex(cell).is_some());
     let mut all = (0..taken.len()).filter(|index| !taken[*index]).filter(is_complex);
     let (index, None) = (all.next()?, all.next()) else { return None };
     let header = sheet.headed(index);

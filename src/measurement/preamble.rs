@@ -186,7 +186,8 @@ fn header_cells(line: &str, separator: u8) -> Vec<String> {
 /// A header with its cells parted as the numbers are, of the same length in bytes; without its remark sign.
 fn header_line(line: &str, separator: u8) -> String {
     let marks = line.len() - line.trim_start_matches('#').len();
-    let mut line = " ".repeat(marks) + &line[marks..];
+    // A mark between blanks parts names.
+    let mut line = " ".repeat(marks) + &line[marks..].replace(" # ", "   ");
     if separator == b' ' {
         return match SEPARATORS[..3].iter().find(|own| line.as_bytes().contains(own)) {
             Some(own) => line.replace(char::from(*own), "\t"),
@@ -198,7 +199,11 @@ fn header_line(line: &str, separator: u8) -> String {
         return parted(&line, if line.trim().contains("  ") { 2 } else { 1 });
     }
     // An attribute of the sweep, as some write it behind the names of the columns, is none of these.
-    while let Some(at) = line.rfind(char::from(separator)).filter(|at| line[*at..].contains('=')) {
+    let is_attribute = |cell: &str| {
+        let value = cell.split_once('=').map(|(_, value)| value.trim_start());
+        value.is_some_and(|value| value.is_empty() || value.starts_with(|c: char| c.is_ascii_digit() || c == '-'))
+    };
+    while let Some(at) = line.rfind(char::from(separator)).filter(|at| is_attribute(&line[*at..])) {
         line.replace_range(at.., &" ".repeat(line.len() - at));
     }
     line

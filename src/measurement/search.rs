@@ -208,6 +208,7 @@ impl Search<'_, '_> {
             self.find_reading(with_speed);
         }
         self.find_drive();
+        self.find_phase();
         self.find_without_unit(unstated);
         self.find_deviations();
         for (index, column, why) in unsuited {
@@ -289,8 +290,11 @@ impl Search<'_, '_> {
         let all = self.unnamed();
         let deviation = |name: &str| self.sheet.names().any(|of| is_deviation(name, &of));
         let whole = |index: usize| is_peak_to_peak(&self.sheet.header.cells[index]);
+        // An angle may be a phase as well.
+        let phased = named(PHASE) || self.taken.len() == 2;
         let serves = |(_, name, unit): &&(usize, String, Unit)| {
-            self.frame.serving(AMPLITUDE).contains(&unit.si) && !deviation(name)
+            let known = phased || unit.si != "rad";
+            known && self.frame.serving(AMPLITUDE).contains(&unit.si) && !deviation(name)
         };
         let (swings, others): (Vec<_>, Vec<_>) = all.iter().filter(serves).partition(|(index, ..)| whole(*index));
         let mut found: Vec<_> = others.into_iter().filter(|(_, name, _)| !is_other(name)).collect();
@@ -336,6 +340,23 @@ impl Search<'_, '_> {
         {
             let likely = vec![Candidate { index: *index, unit: unit.clone(), stated: true }];
             self.choose_alias(DRIVE, likely, true);
+        }
+    }
+
+    /// The phase by its unit alone: one angle beside a reading and a frequency, none of which has a phase.
+    fn find_phase(&mut self) {
+        let found = |column: usize| self.slots[column].is_some() || self.told[column];
+        if found(PHASE) || !found(AMPLITUDE) || !found(FREQUENCY) {
+            return;
+        }
+        let all = self.unnamed();
+        let angle = |(_, name, unit): &&(usize, String, Unit)| {
+            unit.si == "rad" && !is_other(name) && !self.sheet.names().any(|of| is_deviation(name, &of))
+        };
+        if let [(index, _, unit)] = all.iter().filter(angle).collect::<Vec<_>>()[..] {
+            self.choices.push((COLUMNS[PHASE].into(), self.sheet.header.cells[*index].clone()));
+            let likely = vec![Candidate { index: *index, unit: unit.clone(), stated: true }];
+            self.choose_alias(PHASE, likely, true);
         }
     }
 

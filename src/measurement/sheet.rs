@@ -59,12 +59,14 @@ impl Sheet {
         records(&self.source.text, self.delimiter).skip(1 + usize::from(!self.units.is_empty()))
     }
 
-    /// The header of a column with its unit, wherever that stands.
+    /// The header of a column with its unit, wherever that stands; without the trace that it is of, as in
+    /// `CH1_S11_1=S21_dB`.
     pub fn headed(&self, index: usize) -> String {
         let header = &self.header.cells[index];
+        let header = header.rsplit_once('=').map_or(header.as_str(), |(_, name)| name).to_string();
         match self.units.get(index).filter(|unit| !unit.is_empty()) {
             Some(unit) => format!("{header} [{unit}]"),
-            None => header.clone(),
+            None => header,
         }
     }
 

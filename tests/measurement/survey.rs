@@ -167,3 +167,63 @@ fn a_name_with_an_index_has_its_unit_behind_a_stroke() {
     let table = survey("t.csv", &format!("f/kHz;U_C/V;U/V\n{rows}")).expect("sound").table;
     assert_eq!((table.points[0].amplitude, table.points[0].drive), (3.1, 2.9));
 }
+
+/// A resonance of two numbers a row: frequency, amplitude and phase in degrees.
+fn resonance(row: impl Fn(f64, f64, f64) -> String) -> String {
+    let of = |k: u32| {
+        let f = 80.0 + 0.5 * f64::from(k);
+        let (along, across) = (1.0 - (f / 90.0).powi(2), f / 90.0 / 30.0);
+        row(f, 1.0 / along.hypot(across), (-across).atan2(along).to_degrees())
+    };
+    (0..40).map(of).collect()
+}
+
+#[test]
+fn an_angle_beside_a_reading_is_a_phase_and_never_the_reading() {
+    for header in
+        ["f [Hz];amplitud [mm];fase [deg]", "frequenza [Hz];ampiezza [mm];fase [deg]", "f [Hz];U [mV];ángulo [deg]"]
+    {
+        let text = format!("{header}\n{}", resonance(|f, a, phase| format!("{f};{a};{phase}\n")));
+        let point = &survey("t.csv", &text).unwrap_or_else(|error| panic!("{error}")).table.points[0];
+        assert!((point.amplitude - 4.76e-3).abs() < 1e-3 && point.phase.is_some(), "{header}: {point:?}");
+    }
+    // A unit that is none: refused, not the phase in the place of the amplitude.
+    let text = format!("f [Hz];ampiezza [giri];fase [deg]\n{}", resonance(|f, a, phase| format!("{f};{a};{phase}\n")));
+    assert!(survey("t.csv", &text).unwrap_err().contains("no column for amplitude"));
+}
+
+#[test]
+fn traces_marks_and_real_numbers_of_an_analyser() {
+    let text = format!(
+        "#f(Hz)\tCH1_S11_1=S21_dB\tCH1_S11_1=S21_deg\n{}",
+        resonance(|f, a, phase| { format!("{f}\t{}\t{phase}\n", 20.0 * a.log10()) })
+    );
+    assert!(survey("t.txt", &text).expect("sound").table.points[0].phase.is_some());
+    let text = format!("# f / Hz  #  U / mV\n\n{}", resonance(|f, a, _| format!("  {f}     {a}\n")));
+    assert!((survey("t.txt", &text).expect("sound").table.points[0].amplitude - 4.76e-3).abs() < 1e-3);
+    // What is real is written as a real number.
+    let text = format!(
+        "f [Hz],H [V/N]\n70,1.5\n{}",
+        resonance(|f, a, phase| {
+            let (re, im) = (a * phase.to_radians().cos(), a * phase.to_radians().sin());
+            format!("{f},{re}{im:+}i\n")
+        })
+    );
+    assert_eq!(survey("t.csv", &text).expect("sound").table.points[0].amplitude, 1.5);
+}
+
+#[test]
+fn a_lower_branch_is_no_lack_of_a_signal() {
+    let branches = |low: f64| resonance(|f, a, _| format!("{f};{}\n", if f > 91.0 { a * low } else { a }));
+    let doubted = |text: &str| {
+        let table = survey("t.csv", &format!("f [Hz];x [mm]\n{text}")).expect("sound").table;
+        table.notes.iter().any(|note| note.contains("was there a signal"))
+    };
+    assert!(!doubted(&branches(0.01)));
+}
+
+#[test]
+fn what_may_be_the_drive_is_named() {
+    let text = format!("Punkt;Frequenz;Amplitude;I_B (A)\n{}", resonance(|f, a, _| format!("1;{f};{a};0.2\n")));
+    assert!(survey("t.csv", &text).unwrap_err().contains("if `I_B (A)` is the drive"));
+}
