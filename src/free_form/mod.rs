@@ -255,3 +255,31 @@ fn curve(axis: &class::Axis, fitted: &Fitted, scale: f64, (units, lever): ([f64;
     let part = |i: usize| bands.iter().map(|band| band[i]).collect();
     Curve { variable: axis.variable, values, stiffness: part(0), damping: part(1) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::discover::{SearchOptions, discover};
+    use crate::{measurement, scenario};
+
+    #[test]
+    fn a_class_that_is_worse_than_a_law_in_it_tells_nothing() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let table = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/oscillators/d.csv");
+        std::fs::copy(table, folder.path().join("d.csv")).expect("a copy");
+        let text = "title = 'd'\n[rig]\nkind = 'oscillator'\ndrive = 'force'\nmass = '3.02e-6 kg'\nnatural_frequency = '7957.7 Hz'\n\
+             quality_factor = 300\n[measurement]\nfile = 'd.csv'\n[fit]\nfree = ['rig.mass', 'rig.natural_frequency', \
+             'rig.quality_factor']\n";
+        let path = folder.path().join("a.toml");
+        std::fs::write(&path, text).expect("a file");
+        let scenario = scenario::load(&path).expect("a scenario");
+        let table = measurement::load(&scenario).expect("a table").expect("measurements");
+        let d = discover(&scenario, &table, &SearchOptions::default());
+        let mut found = beside(&d, true).expect("asked for");
+        assert_eq!(found.leading().map(Dependence::name).as_deref(), Some("amplitude"));
+        let class = found.classes.iter_mut().find(|class| class.variables == [Variable::Amplitude]);
+        class.expect("the class").explained_percent = 0.0;
+        let text = contradicted(&d, &found).expect("a damping explains more");
+        assert!(text.contains("quadratic-damping leaves"), "{text}");
+    }
+}

@@ -36,7 +36,7 @@ pub fn statement(found: &FreeForm, judged: &Judged<'_>) -> String {
         return "on which variable anything missing depends cannot be told: the series have too few neighbouring readings".into();
     }
     if !judged.structured {
-        return "no dependence is claimed: what recalibration cannot explain is no more than noise".into();
+        return "no dependence is claimed: no structure is seen in what recalibration cannot explain".into();
     }
     let Some(leading) = found.leading() else {
         let most = found.classes.iter().filter(|c| c.standing == Standing::Undecided);
