@@ -78,6 +78,31 @@ fn what_predicts_left_out_series_worse_is_no_part_of_what_helps() {
     }
 }
 
+/// A resonance whose table states no drive, read relative to a base that moves by the same at all frequencies: taken for
+/// a force something seems to be missing, and `new` says what to change.
+#[test]
+fn a_base_that_nothing_states_is_hinted_at() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (table, path) = (folder.path().join("t.csv"), folder.path().join("t.toml"));
+    let mut noise = noise(0.002);
+    let row = |k: u32| {
+        let f = 0.7 + 0.01 * f64::from(k);
+        let (along, across) = (1.0 - f * f, f / 8.0);
+        let amplitude = 20.0 * f * f / along.hypot(across) * (1.0 + noise());
+        format!("{f:.2},{amplitude:.5},{:.3}\n", (-across).atan2(along).to_degrees() + 100.0 * noise())
+    };
+    let rows: String = (0..60).map(row).collect();
+    std::fs::write(&table, format!("f [Hz],amplitude [mm],phase [deg]\n{rows}")).expect("a table");
+    let new = assert_cmd::Command::cargo_bin("stickslip").expect("built").arg("new").arg(&table).assert().success();
+    let said = String::from_utf8(new.get_output().stdout.clone()).expect("text");
+    assert!(said.contains("write drive = \"base\" under [rig] and V/m as the unit of drive_sensitivity"), "{said}");
+    let text = std::fs::read_to_string(&path).expect("a scenario");
+    assert_ne!(found(&path).verdict, Verdict::NothingMissing);
+    let base = text.replace("drive = \"force\" ", "drive = \"base\" ").replace("V/N", "V/m");
+    std::fs::write(&path, base).expect("a scenario");
+    assert_eq!(found(&path).verdict, Verdict::NothingMissing);
+}
+
 /// What follows the amplitudes of one sweep is a law of the amplitude or one of the frequency: without phases, a second
 /// drive or two stable states nothing is named.
 #[test]

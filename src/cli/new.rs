@@ -275,6 +275,15 @@ impl<'a> Draft<'a> {
                 others.join(", ")
             ));
         }
+        let (drive, reading) = self.signals();
+        if drive.unit == "V" && reading.unit != "V" && !self.seen.has("drive") {
+            let motion = if self.coordinate == Coordinate::Angle { "rad" } else { "m" };
+            lacking.push(format!(
+                "what drives is not stated: it is taken as a force of one size; where a base moves by the same at all frequencies, \
+                 write drive = \"base\" under [rig] and V/{motion} as the unit of drive_sensitivity: that bends the shape of a \
+                 resonance as a missing effect does"
+            ));
+        }
         if self.resonance.phase.is_none() {
             lacking.push("no phases: delays cannot be told, damping and nonlinearity less well".into());
         }
