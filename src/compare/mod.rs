@@ -335,7 +335,11 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
     let outliers = (0..settings.len()).flat_map(|i| standing_out(&of(i), column, noise)).collect();
     let at_bounds = Calibration { fit: fit.clone(), ..calibration.clone() };
     let mut notes = notes(&at_bounds.at_bounds(), unfinished, &points, table);
-    notes.extend(resonance::left_readings(&model, &table.points).map(|(own, seen)| {
+    // A joint or a hardening spring resonates higher than the rig by itself.
+    let says = |p: &Compared| Point { amplitude: p.model.amplitude, ..p.point.clone() };
+    let among = || resonance::is_spanned(&points.iter().map(says).collect::<Vec<_>>(), table.signals.reading.order);
+    let left = resonance::left_readings(&model, &table.points).filter(|_| !among());
+    notes.extend(left.map(|(own, seen)| {
         // Digits enough to tell the two apart.
         let digits = (2.0 - (own / seen - 1.0).abs().log10()).ceil().clamp(3.0, 12.0) as usize;
         let [own, seen] = [own, seen].map(|f| quantity(f, "Hz", digits));

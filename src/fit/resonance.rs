@@ -248,6 +248,11 @@ pub fn left_readings(model: &Model, points: &[Point]) -> Option<(f64, f64)> {
     seen.spanned.then_some((own, seen.frequency))
 }
 
+/// Whether points show a resonance among them.
+pub fn is_spanned(points: &[Point], order: u8) -> bool {
+    of_all(points, order).is_some_and(|seen| seen.spanned)
+}
+
 /// Gives a rig a natural frequency \[Hz\] and a quality factor as far as its numbers are `free`.
 fn put(rig: &mut Oscillator, free: &[String], frequency: f64, quality: f64) {
     let is_free = |key: &str| free.iter().any(|k| k == key);

@@ -112,6 +112,8 @@ pub(crate) fn is_deviation(name: &str, of: &str) -> bool {
     glued
         || own.iter().enumerate().position(is_mark).is_some_and(|at| {
             own.remove(at);
+            // Of `std dev` both are the mark.
+            own.retain(|word| !matches!(*word, "dev" | "deviation"));
             !own.is_empty() && quantity(own) == quantity(of.split('_').collect())
         })
 }
@@ -180,9 +182,14 @@ mod tests {
 
     #[test]
     fn a_deviation_has_the_name_of_what_it_is_of() {
-        for (name, of) in
-            [("da", "a"), ("δφ", "φ"), ("sd_amplitude", "amplitude"), ("amp_err", "amp_mm"), ("amp_std", "amp_mittel")]
-        {
+        for (name, of) in [
+            ("da", "a"),
+            ("δφ", "φ"),
+            ("sd_amplitude", "amplitude"),
+            ("amp_err", "amp_mm"),
+            ("amp_std", "amp_mittel"),
+            ("x1_std_dev", "x1_avg"),
+        ] {
             assert!(is_deviation(name, of), "{name} {of}");
         }
         for (name, of) in [("u_s", "u"), ("amplitude", "amplitude"), ("phase_err", "amplitude"), ("error", "amplitude")]

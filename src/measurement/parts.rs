@@ -3,6 +3,7 @@
 
 use super::frame::{Frame, READINGS};
 use super::header::split;
+use super::likely::MEANS;
 use super::names::AMPLITUDE;
 use super::sheet::{Sheet, Tally};
 use super::unit::{Unit, Wanted, suffix};
@@ -108,7 +109,11 @@ fn part(header: &str, frame: &Frame<'_>) -> Option<Part> {
         None => (name.to_string(), bracket),
     };
     let name = name.to_lowercase().replace("in-phase", "inphase").replace("in phase", "inphase");
-    let words: Vec<&str> = name.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).collect();
+    let words = name.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty() && !MEANS.contains(word));
+    // The channel of an amplifier: `X1` and `Y1`.
+    let bare = |word: &'_ str| word.strip_suffix(|c: char| c.is_ascii_digit()).map_or(word.len(), str::len);
+    let is_channel = |word: &str| matches!(&word[..bare(word)], "x" | "y");
+    let words: Vec<&str> = words.map(|word| if is_channel(word) { &word[..bare(word)] } else { word }).collect();
     let at = |imaginary: usize| match words.as_slice() {
         [only] if ALONE[imaginary].contains(only) => Some(0),
         _ => words.iter().position(|word| WORDS[imaginary].contains(word)),

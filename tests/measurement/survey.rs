@@ -213,6 +213,17 @@ fn traces_marks_and_real_numbers_of_an_analyser() {
 }
 
 #[test]
+fn channels_of_a_lock_in_amplifier_are_parts() {
+    let row = |f: f64, a: f64, phase: f64| {
+        let (re, im) = (a * phase.to_radians().cos(), a * phase.to_radians().sin());
+        format!("{f},{re},0.01,{im},0.01\n")
+    };
+    let text = format!("f (Hz),X1 avg (V),X1 std dev (V),Y1 avg (V),Y1 std dev (V)\n{}", resonance(row));
+    let point = &survey("t.csv", &text).unwrap_or_else(|error| panic!("{error}")).table.points[0];
+    assert!((point.amplitude - 4.76).abs() < 0.1 && point.phase.is_some(), "{point:?}");
+}
+
+#[test]
 fn a_lower_branch_is_no_lack_of_a_signal() {
     let branches = |low: f64| resonance(|f, a, _| format!("{f};{}\n", if f > 91.0 { a * low } else { a }));
     let doubted = |text: &str| {
