@@ -10,6 +10,7 @@
 static const double TWO_PI = 6.283185307179586476925;
 
 #define POT 48
+#define JOINT 200
 
 static double power(double x, double p) { return copysign(pow(fabs(x), p), x); }
 
@@ -161,7 +162,23 @@ void contact(const rig *r, long steps, long cycles, double *out)
 
 /* ---------------------------------------------------------------- an oscillator by itself */
 
-typedef struct { double M, C, K, f, omega, K2, K3, K5, kg, g, D, v0, p, Fc; } oscillator;
+typedef struct {
+    double M, C, K, f, omega, K2, K3, K5, kg, g, D, v0, p, Fc;
+    double elements, k_e, slip[JOINT]; /* a joint: elements of one stiffness, each slips beyond its own stretch */
+} oscillator;
+
+/* Force of the joint's elements after the body has moved on; their own forces then go to `n` where that is wanted. */
+static double joint(const oscillator *o, const double *e, double moved, double *n)
+{
+    double sum = 0.0;
+    for (int i = 0; i < (int)o->elements; i++) {
+        double most = o->k_e * o->slip[i], force = e[i] + o->k_e * moved;
+        force = force > most ? most : force < -most ? -most : force;
+        if (n) n[i] = force;
+        sum += force;
+    }
+    return sum;
+}
 
 /* Force of everything but what opposes the velocity by a law of its own. */
 static double pull(const oscillator *o, double t, double x, double v)
@@ -180,10 +197,11 @@ static double held(const oscillator *o, double v, double sign)
 }
 
 /* Velocity at the end of a step of length h: monotone, by regula falsi. `sign`: that of dry friction. */
-static double moved(const oscillator *o, double t, double h, double x, double v, double sign)
+static double moved(const oscillator *o, const double *e, double t, double h, double x, double v, double sign)
 {
-    double now = pull(o, t, x, v) - held(o, v, sign), low, high, f_low, f_high, wide;
-#define LEFT(u) (o->M * ((u) - v) - 0.5 * h * (now + pull(o, t + h, x + 0.5 * h * (v + (u)), (u)) - held(o, (u), sign)))
+    double now = pull(o, t, x, v) - held(o, v, sign) - joint(o, e, 0.0, 0), low, high, f_low, f_high, wide;
+#define LEFT(u) (o->M * ((u) - v) - 0.5 * h * (now + pull(o, t + h, x + 0.5 * h * (v + (u)), (u)) - held(o, (u), sign) \
+                                               - joint(o, e, 0.5 * h * (v + (u)), 0)))
     wide = h * fabs(now) / o->M + h * (o->f + o->Fc + o->D) / o->M + 1e-30;
     low = v - wide, high = v + wide;
     while ((f_low = LEFT(low)) > 0.0) low -= wide, wide *= 2.0;
@@ -202,27 +220,28 @@ static double moved(const oscillator *o, double t, double h, double x, double v,
 
 void alone(const oscillator *o, long steps, long cycles, double *out)
 {
-    double h = TWO_PI / o->omega / steps, sum[3] = { 0.0, 0.0, 0.0 }, x = 0.0, v = 0.0, sign = 0.0;
+    double h = TWO_PI / o->omega / steps, sum[3] = { 0.0, 0.0, 0.0 }, x = 0.0, v = 0.0, sign = 0.0, e[JOINT] = { 0.0 };
     for (long c = 0; c < cycles; c++) {
         for (long j = 0; j < steps; j++) {
             double t = h * j, left = h;
             for (int part = 0; part < 4 && left > 0.0; part++) {
                 if (v == 0.0) {
-                    double force = pull(o, t, x, 0.0);
+                    double force = pull(o, t, x, 0.0) - joint(o, e, 0.0, 0);
                     if (fabs(force) <= o->Fc) break;
                     sign = force > 0.0 ? 1.0 : -1.0;
                 }
-                double u = moved(o, t, left, x, v, sign), took = left;
+                double u = moved(o, e, t, left, x, v, sign), took = left;
                 if (o->Fc > 0.0 && v != 0.0 && u * v < 0.0) { /* split where it comes to rest */
                     double from = 0.0, to = left, f_from = v, f_to = u;
                     for (int i = 0; i < 60 && to - from > 1e-14 * h; i++) {
                         took = from + (to - from) * f_from / (f_from - f_to);
-                        u = moved(o, t, took, x, v, sign);
+                        u = moved(o, e, t, took, x, v, sign);
                         if (u * v > 0.0) { from = took, f_from = u, f_to *= 0.5; } else { to = took, f_to = u, f_from *= 0.5; }
                         if (fabs(u) < 1e-13 * fabs(v)) break;
                     }
                     u = 0.0;
                 }
+                joint(o, e, 0.5 * took * (v + u), e);
                 x += 0.5 * took * (v + u);
                 v = u;
                 t += took;

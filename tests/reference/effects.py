@@ -28,6 +28,7 @@ BESIDE, ALONE = os.path.join(DATA, "effects.csv"), os.path.join(DATA, "effects-a
 STEPS, CYCLES, CYCLES_OF_BERG = 4000, 110, 600
 POT, POT_STEP, POT_RANGE = 48, 0.5, 1e4
 STEPS_ALONE = 20000
+ELEMENTS, STEPS_OF_JOINT = 200, 4000
 CLOSE = 1e-4
 
 PAPER = dict(J=5.0e-3, K0=990.0, C0=0.43, k0=1.6e4, c0=12.0, a=0.030, b=0.060, kc=8.9e4, cc=26.0, mu=0.5)
@@ -59,6 +60,9 @@ NEW_ALONE = [
     ("power-damping", dict(D=0.6, p=1.5, v_0=0.02)),
     ("power-damping", dict(D=0.5, p=3.2, v_0=0.03)),
     ("power-damping", dict(D=0.7, p=0.0, v_0=1.0)),
+    ("friction-joint", dict(k_t=1.2e5, F_s=3.0, n=1.0)),
+    ("friction-joint", dict(k_t=1.2e5, F_s=3.0, n=2.5)),
+    ("friction-joint", dict(k_t=8e4, F_s=5.0, n=1.6)),
     ("pivot-friction", dict(F_c=0.4)),
     ("pivot-friction", dict(F_c=0.9)),
     ("pivot-friction", dict(F_c=1.2)),
@@ -147,6 +151,16 @@ def beside(effect, p, speed, load, u0, frequency):
     return *read(complex(re, im), effect, p, w, drive, stiffness), mean
 
 
+def joint(p):
+    """Elements of a joint with F_s (1 - (1 - x/x_m)^n) on the way out, x_m = n F_s/k_t: their stiffness and the stretch at which
+    each slips, the middle ones of so many equal parts of k_t."""
+    most, count = p["n"] * p["F_s"] / p["k_t"], 1 if p["n"] == 1.0 else ELEMENTS
+    if count == 1:
+        return p["k_t"], [most]
+    shares = [(i + 0.5) / count for i in range(count)]
+    return p["k_t"] / count, [most * (1.0 - (1.0 - share) ** (1.0 / (p["n"] - 1.0))) for share in shares]
+
+
 def alone(effect, p, force, frequency):
     """(amplitude, phase, mean) of the oscillator."""
     mass, f0, quality = OSCILLATOR.values()
@@ -161,11 +175,16 @@ def alone(effect, p, force, frequency):
     elif effect == "power-damping":
         dry, power = (p["D"], power) if p["p"] == 0.0 else (0.0, (p["D"], p["v_0"], p["p"]))
     numbers = [mass, damping, stiffness, force, w, springs["K_2"], springs["K_3"], springs["K_5"], *stop, *power, dry]
-    re, im, mean, change = integrate(LIBRARY.alone, numbers, STEPS_ALONE, int(9 * quality))
+    k_e, slips = joint(p) if effect == "friction-joint" else (0.0, [])
+    numbers += [len(slips), k_e, *slips, *[0.0] * (ELEMENTS - len(slips))]
+    steps = STEPS_OF_JOINT if len(slips) > 1 else STEPS_ALONE
+    re, im, mean, change = integrate(LIBRARY.alone, numbers, steps, int(9 * quality))
     if re == im == 0.0:
         return 0.0, 0.0, 0.0  # it sticks
     if change > 1e-7:
         raise ArithmeticError(f"{effect} {p} at {force} {frequency}: not settled, {change:.1e}")
+    if effect == "friction-joint":
+        mean = 0.0  # what the start leaves in elements that slip no more
     return *read(complex(re, im), effect, p, w, force, stiffness), mean
 
 
