@@ -634,6 +634,7 @@
       const chosen = switches.filter(({ input }) => input.checked).map(({ input }) => input.value).join(" + ");
       const states = parts.get(chosen);
       now = states ? states[slider.value] : parts.get(whole)[0];
+      slider.disabled = !states;
       const { strength, chi2, error } = now;
       const drawn = chosen === whole && strength === 100;
       for (const panel of new Set(place)) {

@@ -298,6 +298,23 @@ pub fn unit(whiteness: &Whiteness, fit: &Fit, readings: usize) -> f64 {
     if whiteness.structured { left().max(1.0) } else { 1.0 }
 }
 
+/// That a model resonates where nothing was read, and not among its readings, in words.
+fn flank(model: &Model, points: &[Compared], table: &Table) -> Option<String> {
+    let (own, seen) = resonance::left_readings(model, &table.points)?;
+    // A joint or a hardening spring resonates higher than the rig by itself.
+    let says = |p: &Compared| Point { amplitude: p.model.amplitude, ..p.point.clone() };
+    let told: Vec<Point> = points.iter().map(says).collect();
+    if resonance::is_spanned(&told, table.signals.reading.order) {
+        return None;
+    }
+    // Digits enough to tell the two apart.
+    let digits = (2.0 - (own / seen - 1.0).abs().log10()).ceil().clamp(3.0, 12.0) as usize;
+    let [own, seen] = [own, seen].map(|f| quantity(f, "Hz", digits));
+    Some(format!(
+        "the model resonates at {own}, where nothing was read, the readings near {seen}: it follows a flank of theirs"
+    ))
+}
+
 /// Compares a model whose calibration is done with the measurements; intervals are by profile likelihood where
 /// `profiles` says how many steady states these may take, else from the curvature; where profiles find a better
 /// calibration it is taken. Where nothing but noise is left and its scatter contradicts the stated standard deviations,
@@ -335,16 +352,7 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
     let outliers = (0..settings.len()).flat_map(|i| standing_out(&of(i), column, noise)).collect();
     let at_bounds = Calibration { fit: fit.clone(), ..calibration.clone() };
     let mut notes = notes(&at_bounds.at_bounds(), unfinished, &points, table);
-    // A joint or a hardening spring resonates higher than the rig by itself.
-    let says = |p: &Compared| Point { amplitude: p.model.amplitude, ..p.point.clone() };
-    let among = || resonance::is_spanned(&points.iter().map(says).collect::<Vec<_>>(), table.signals.reading.order);
-    let left = resonance::left_readings(&model, &table.points).filter(|_| !among());
-    notes.extend(left.map(|(own, seen)| {
-        // Digits enough to tell the two apart.
-        let digits = (2.0 - (own / seen - 1.0).abs().log10()).ceil().clamp(3.0, 12.0) as usize;
-        let [own, seen] = [own, seen].map(|f| quantity(f, "Hz", digits));
-        format!("the model resonates at {own}, where nothing was read, the readings near {seen}: it follows a flank of theirs")
-    }));
+    notes.extend(flank(&model, &points, table));
     Comparison {
         scenario: scenario.clone(),
         table: table.clone(),

@@ -73,7 +73,10 @@ pub fn how_sure(d: &Discovery) -> String {
             "no cause is named, since these readings could not contradict it".into()
         };
     }
-    let tested = "what is left passes a test for structure that could have failed";
+    let chi2 = end.comparison.overall.chi2_per_point;
+    let tested = format!(
+        "a test that could have found structure in what is left finds none (χ² per reading {chi2:.2}, noise alone 1)"
+    );
     let tied = d.indistinguishable.iter().find(|group| group.len() > 1);
     if let Some(group) = tied {
         return format!("{tested}; these data do not tell {} from {}", group[0], group[1..].join(" or "));
@@ -84,21 +87,35 @@ pub fn how_sure(d: &Discovery) -> String {
     let is_rival = |c: &&Candidate| {
         if end.hypothesis.additions.is_empty() { !c.hypothesis.additions.is_empty() } else { !contains(c) }
     };
-    let rivals = || d.candidates.iter().filter(is_rival);
-    let is_whole = |c: &&Candidate| !matches!(c.hypothesis.basis(), Basis::Linear | Basis::SomePoints(_));
-    let Some(rival) = rivals().find(is_whole).or_else(|| rivals().next()) else { return tested.into() };
-    let about = if is_whole(&rival) { "" } else { " by an estimate" };
+    let Some(rival) = d.candidates.iter().find(is_rival) else { return tested };
     let alone = rival.hypothesis.additions.is_empty();
     let label = if alone { "the calibrated model alone".into() } else { rival.hypothesis.label() };
-    let behind = rival.delta_bic - own;
-    let rival = match behind {
-        b if b >= MARGIN => {
-            format!("the closest rival, {label}, is {b:.0} behind in BIC{about} ({MARGIN:.0} is 20 to 1)")
+    let from = match rival.hypothesis.basis() {
+        Basis::AllPoints => String::new(),
+        basis => format!(", estimated ({})", basis.words(end.comparison.table.points.len())),
+    };
+    let rival = match rival.delta_bic - own {
+        b if b >= MARGIN => format!("the closest rival, {label}, is {b:.0} behind in BIC{}{from}", odds(b)),
+        b if b >= 0.0 => {
+            format!("{label} is only {b:.1} behind in BIC{}{from}, which does not rule it out", odds(b))
         }
-        b if b >= 0.0 => format!("{label} is only {b:.1} behind in BIC{about}, which does not rule it out"),
         b => format!("{label} is {:.1} ahead in BIC, too little to decide for it among so many", -b),
     };
     format!("{tested}; {rival}")
+}
+
+/// The odds that a difference in Schwarz's criterion stands for, where they can be said in words.
+fn odds(behind: f64) -> String {
+    let odds = (0.5 * behind).exp();
+    match odds {
+        odds if odds < 10.0 => format!(" ({odds:.0} to 1)"),
+        odds if odds < 1e6 => {
+            // To one digit.
+            let size = 10f64.powf(odds.log10().floor());
+            format!(" (about {} to 1)", (odds / size).round() * size)
+        }
+        _ => " (more than a million to 1)".into(),
+    }
 }
 
 /// What the data are explained within: their noise, or their scatter where that contradicts it; and what stands out.

@@ -95,8 +95,8 @@ fn amounts(d: &Discovery) -> Vec<String> {
         let stated = parameter(base, &p.key).filter(|_| !p.key.starts_with("effect."));
         let none: [&Point; 0] = [];
         let stated = stated.map(|p| Problem::new(base.clone(), none, vec![p], Tolerance::FIT).values()[0]);
-        let stated = stated.map_or(String::new(), |value| format!(", {} stated", quantity(value, p.unit, 4)));
-        format!("{name} = {} ({} to {}{stated})", view.value.text, view.low.text, view.high.text)
+        let stated = stated.map_or(String::new(), |value| format!("; stated {}", quantity(value, p.unit, 4)));
+        format!("{name} = {} (95 %: {} to {}{stated})", view.value.text, view.low.text, view.high.text)
     };
     let lines: Vec<String> = added.map(line).collect();
     if lines.len() > AMOUNTS { Vec::new() } else { lines }

@@ -218,9 +218,10 @@ fn of_discovery(scenario: &ScenarioView, d: &DiscoveryView) -> Headline {
         }
     };
     let amounts = if d.amounts.is_empty() { String::new() } else { format!(". {}", d.amounts.join(", ")) };
+    let made = if scenario.provenance.starts_with("synthetic") { " (synthetic readings)" } else { "" };
     Headline {
         verdict: d.verdict.words().into(),
-        subject: scenario.title.clone(),
+        subject: format!("{}{made}", scenario.title),
         detail: format!("{numbers}{amounts}. {}", d.sure),
         anchor: d.anchor.clone(),
     }
