@@ -61,7 +61,7 @@ fn chi2(step: &Step) -> f64 {
 
 /// Whether a step of a ladder gains more than its price.
 fn pays(before: &Step, last: &Step) -> bool {
-    let parameters = last.hypothesis.fit.parameters.len() - before.hypothesis.fit.parameters.len();
+    let parameters = last.hypothesis.fit.parameters.len().saturating_sub(before.hypothesis.fit.parameters.len());
     is_worth(
         chi2(before) / chi2(last),
         parameters,
