@@ -53,8 +53,12 @@ pub(super) fn doubts(points: &[Point], arm: bool) -> Vec<String> {
                 .into(),
         );
     }
-    for (rows, _) in apart.iter().zip(&signal).filter(|(rows, signal)| !rows.is_empty() && !**signal) {
-        doubts.push(format!("{}: was there a signal? Take these rows out if not", far_below(rows)));
+    for (rows, signal) in apart.iter().zip(&signal).filter(|(rows, _)| !rows.is_empty()) {
+        let asked = match signal {
+            true => "on a curve of their own: a lower stable branch, or no signal?",
+            false => "was there a signal? Take these rows out if not",
+        };
+        doubts.push(format!("{}: {asked}", far_below(rows)));
     }
     doubts
 }
