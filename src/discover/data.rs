@@ -2,7 +2,7 @@
 
 use super::hypothesis::{Addition, Hypothesis};
 use crate::compare::TIGHTER;
-use crate::fit::{Fit, Parameter, Problem, Settings, TAIL, cost, minimise, parameter, price, typical_of};
+use crate::fit::{Fit, Parameter, Problem, Settings, TAIL, cost, minimise, parameter, price, typical_of, values_in};
 use crate::measurement::{Noise, Point};
 use crate::model::Model;
 use crate::solver::cycle::Tolerance;
@@ -59,9 +59,8 @@ impl<'a> Data<'a> {
         (points, freedom): (&'a [Point], f64),
         (budget, counter): (u64, &Arc<AtomicU64>),
     ) -> Self {
-        let parameters = free.iter().filter_map(|key| parameter(&base, key)).collect();
-        let none: [&Point; 0] = [];
-        let stated = Problem::new(base.clone(), none, parameters, Tolerance::default()).values();
+        let parameters: Vec<Parameter> = free.iter().filter_map(|key| parameter(&base, key)).collect();
+        let stated = values_in(&base, &parameters);
         Self {
             base,
             points,
@@ -180,8 +179,7 @@ impl<'a> Data<'a> {
     fn about(&self, model: &Model, key: &str) -> Option<Parameter> {
         let own = parameter(model, key)?;
         let of_base = parameter(&self.base, key).filter(|_| !key.starts_with("effect."));
-        let none: [&Point; 0] = [];
-        let value = Problem::new(model.clone(), none, vec![own.clone()], Tolerance::COARSE).values()[0];
+        let value = values_in(model, std::slice::from_ref(&own))[0];
         Some(of_base.filter(|of_base| of_base.reaches(value)).unwrap_or(own))
     }
 

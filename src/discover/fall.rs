@@ -8,7 +8,7 @@ use super::hypothesis::{Addition, Hypothesis};
 use super::select::Search;
 use super::{Discovery, SearchOptions, Step};
 use crate::compare::{self, Compared, Metrics};
-use crate::fit::{Parameter, Prediction, Problem};
+use crate::fit::{Parameter, Prediction, Problem, values_in};
 use crate::measurement::Point;
 use crate::solver::cycle::Tolerance;
 use rayon::prelude::*;
@@ -135,9 +135,9 @@ fn start(parameter: &Parameter, base: &Hypothesis) -> Start {
     }
     let Some(key) = parameter.key.strip_prefix("effect.") else {
         // A number of rig or instrument that the calibration left as stated.
-        let none: [&Point; 0] = [];
-        let stated = Problem::new(model.clone(), none, vec![parameter.clone()], Tolerance::FIT).values();
-        return stated.first().map_or(Start::End, |value| Start::Value(*value));
+        return values_in(model, std::slice::from_ref(parameter))
+            .first()
+            .map_or(Start::End, |value| Start::Value(*value));
     };
     let zero = key.rsplit_once('.').and_then(|(name, key)| {
         let effect = model.catalogue().find(|effect| effect.name() == name)?;

@@ -3,11 +3,9 @@
 
 use super::candidates::Candidates;
 use crate::effects::{self, Effect, find, middle};
-use crate::fit::{Fit, Problem, parameter, robust_square, typical_of};
-use crate::measurement::Point;
+use crate::fit::{Fit, model_with, parameter, robust_square, typical_of};
 use crate::model::Model;
 use crate::scenario::parameters::base_keys;
-use crate::solver::cycle::Tolerance;
 use nalgebra::DVector;
 
 /// One thing to add to a model.
@@ -173,9 +171,7 @@ pub struct Hypothesis {
 impl Hypothesis {
     /// The fitted model.
     pub fn fitted(&self) -> Model {
-        let none: [&Point; 0] = [];
-        Problem::new(self.model.clone(), none, self.fit.parameters.clone(), Tolerance::default())
-            .model(&self.fit.values)
+        model_with(&self.model, &self.fit.parameters, &self.fit.values)
     }
 
     /// Whether its fit is to all of so many points.

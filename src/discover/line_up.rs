@@ -10,10 +10,8 @@ use super::options::{MARGIN, MISTAKE};
 use super::race::{Competitor, Race, Round};
 use super::runner::{Bar, COSTLY, Runner};
 use super::select::{CONTINUED, Search};
-use crate::fit::{Problem, cost, resonance, robust_square};
-use crate::measurement::Point;
+use crate::fit::{cost, resonance, robust_square, values_in};
 use crate::model::Model;
-use crate::solver::cycle::Tolerance;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
@@ -266,8 +264,7 @@ impl<'a> Search<'a> {
         // led the fit.
         let keys: Vec<String> = from.fit.parameters.iter().map(|p| p.key.clone()).collect();
         if let Some(seen) = resonance::started(&from.model, &keys, self.data.points) {
-            let none: [&Point; 0] = [];
-            let values = Problem::new(seen, none, from.fit.parameters.clone(), Tolerance::COARSE).values();
+            let values = values_in(&seen, &from.fit.parameters);
             let place = Parent::new(&self.data, from, values, points);
             let has_left = resonance::left_readings(&from.fitted(), self.data.points).is_some();
             places.push(if has_left { place } else { place.for_what_is_read_beside() });

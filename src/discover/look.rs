@@ -7,7 +7,9 @@ use super::data::{Data, readings};
 use super::hypothesis::{Addition, Hypothesis, extended};
 use crate::effects::Effect;
 use crate::fit::resonance;
-use crate::fit::{Evaluation, Parameter, Prediction, Problem, TAIL, parameter, robust_chi2, typical_of};
+use crate::fit::{
+    Evaluation, Parameter, Prediction, Problem, TAIL, model_with, parameter, robust_chi2, typical_of, values_in,
+};
 use crate::linear::{least_squares, svd};
 use crate::measurement::Point;
 use crate::model::Model;
@@ -177,10 +179,7 @@ impl<'a> Parent<'a> {
         addition: Addition,
         (model, evaluation): (&Model, &Evaluation),
     ) -> (Start, f64) {
-        let values = |model: &Model| {
-            let none: [&Point; 0] = [];
-            Problem::new(model.clone(), none, data.beside(model, from, addition), Tolerance::COARSE).values()
-        };
+        let values = |model: &Model| values_in(model, &data.beside(model, from, addition));
         let rest = self.rest();
         let change = self.without(&(&evaluation.residuals - &self.evaluation.residuals));
         let drawn = self.without(&evaluation.residuals);
@@ -332,11 +331,7 @@ impl Sample {
     fn of(&self, data: &Data<'_>, parent: &Parent<'_>, addition: Addition) -> Model {
         let model = extended(&parent.model, &[addition]);
         let parameters: Vec<Parameter> = addition.keys().iter().filter_map(|key| parameter(&model, key)).collect();
-        let none: [&Point; 0] = [];
-        let with = |model: &Model, parameters: Vec<Parameter>, values: &[f64]| {
-            Problem::new(model.clone(), none, parameters, Tolerance::COARSE).model(values)
-        };
-        let stated = Problem::new(model.clone(), none, parameters.clone(), Tolerance::COARSE).values();
+        let stated = values_in(&model, &parameters);
         match self {
             Self::Known(values) => {
                 let mut model = model;
@@ -354,18 +349,18 @@ impl Sample {
                 };
                 let parameters: Vec<Parameter> = parameters.iter().map(turned).collect();
                 let values: Vec<f64> = parameters.iter().zip(shares).map(|(p, &share)| p.within(share)).collect();
-                with(&model, parameters, &values)
+                model_with(&model, &parameters, &values)
             }
             Self::Step(step) => {
                 let moved = parameters[0].moved(stated[0], *step);
-                with(&model, parameters, &[moved])
+                model_with(&model, &parameters, &[moved])
             }
-            Self::OfSeries => with(&model, parameters, &parent.of_series(stated.len() / 2)),
+            Self::OfSeries => model_with(&model, &parameters, &parent.of_series(stated.len() / 2)),
             Self::Smallest => {
                 let least = |(effect, p): &(&'static dyn Effect, Vec<f64>)| -> Vec<f64> {
                     (0..p.len()).map(|number| effect.search_range(number, &model.scales).0).collect()
                 };
-                with(&model, parameters, &model.effects.last().map_or(stated, least))
+                model_with(&model, &parameters, &model.effects.last().map_or(stated, least))
             }
             Self::Resonance => resonance::started(&model, &addition.keys(), data.points).unwrap_or(model),
         }
@@ -380,16 +375,14 @@ fn radical(number: usize) -> f64 {
 /// The model with the strength of the addition times `share`, or with a number moved so much further from where it is
 /// `before`, within its bounds; `None` where a law states no single strength that vanishes with the effect.
 fn strengthened(before: &Model, model: &Model, addition: Addition, share: f64) -> Option<Model> {
-    let none: [&Point; 0] = [];
     let effect = match addition {
         Addition::Effect(effect) => effect,
         Addition::Recalibration(key) => {
             let number = parameter(before, key)?;
-            let value =
-                |model: &Model| Problem::new(model.clone(), none, vec![number.clone()], Tolerance::COARSE).values()[0];
+            let value = |model: &Model| values_in(model, std::slice::from_ref(&number))[0];
             let step = share * number.natural_step(value(before), value(model));
             let moved = number.moved(value(before), step);
-            return Some(Problem::new(before.clone(), none, vec![number], Tolerance::COARSE).model(&[moved]));
+            return Some(model_with(before, &[number], &[moved]));
         }
     };
     let [zero] = effect.zero() else { return None };
@@ -399,6 +392,6 @@ fn strengthened(before: &Model, model: &Model, addition: Addition, share: f64) -
         _ => return None,
     };
     let strength = parameter(model, &addition.keys()[zero.parameter]).filter(|_| step.is_finite())?;
-    let problem = Problem::new(model.clone(), none, vec![strength.clone()], Tolerance::COARSE);
-    Some(problem.model(&[strength.moved(problem.values()[0], step)]))
+    let value = values_in(model, std::slice::from_ref(&strength))[0];
+    Some(model_with(model, std::slice::from_ref(&strength), &[strength.moved(value, step)]))
 }

@@ -4,8 +4,7 @@ use super::hypothesis::{Addition, Hypothesis, compatible, extended};
 use super::known::Known;
 use super::options::MARGIN;
 use super::select::{CONTINUED, Search};
-use crate::fit::{Fit, Problem};
-use crate::measurement::Point;
+use crate::fit::{Fit, Problem, values_in};
 use crate::model::Model;
 use crate::solver::cycle::Tolerance;
 
@@ -71,8 +70,7 @@ impl Search<'_> {
         let at = Model { effects: model.effects.clone(), ..from.fitted() };
         fit.parameters = self.data.movable(&at, &additions);
         let value = |key: &str| from.fit.parameters.iter().position(|p| p.key == key).map(|i| from.fit.values[i]);
-        let none: [&Point; 0] = [];
-        let own = Problem::new(model.clone(), none, fit.parameters.clone(), Tolerance::FIT).values();
+        let own = values_in(&model, &fit.parameters);
         let values = fit.parameters.iter().zip(own).map(|(p, own)| value(&p.key).unwrap_or(own)).collect();
         self.at(&Hypothesis { additions, model, fit, estimate: None, bic: f64::INFINITY }, values)
     }

@@ -69,6 +69,8 @@ pub fn how_sure(d: &Discovery) -> String {
             let noise = end.comparison.unit().sqrt();
             let size = if noise > 1.0 { format!(", {noise:.1} times the noise") } else { String::new() };
             format!("no cause is named, since a test finds structure in what is left{size}")
+        } else if is_decidable(&d.steps[0], end) {
+            "no cause is named, since too few of the readings have a steady state".into()
         } else {
             "no cause is named, since these readings could not contradict it".into()
         };

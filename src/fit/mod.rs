@@ -12,5 +12,7 @@ pub use least_squares::{
     CONVERGED, Fit, MARGIN, Settings, TAIL, deviance, minimise, price, robust_chi2, robust_square, typical_of,
 };
 pub use parameter::{Parameter, parameter};
-pub use problem::{Evaluation, Prediction, Problem, TROUBLED, cost, is_lost, operation, read_all};
+pub use problem::{
+    Evaluation, Prediction, Problem, TROUBLED, cost, is_lost, model_with, operation, read_all, values_in,
+};
 pub use profile::{Correlation, Identified, Interval, Profiles, approximate_intervals, correlations, profiled};

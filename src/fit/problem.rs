@@ -96,6 +96,21 @@ pub struct Problem<'a> {
     pub solved: u64,
 }
 
+/// Values of parameters in a model.
+pub fn values_in(model: &Model, parameters: &[Parameter]) -> Vec<f64> {
+    let mut model = model.clone();
+    parameters.iter().filter_map(|p| with_parameter(&mut model, p.index, |x| *x)).collect()
+}
+
+/// A model with these values of its parameters.
+pub fn model_with(model: &Model, parameters: &[Parameter], values: &[f64]) -> Model {
+    let mut model = model.clone();
+    for (parameter, &value) in parameters.iter().zip(values) {
+        with_parameter(&mut model, parameter.index, |slot| *slot = value);
+    }
+    model
+}
+
 impl<'a> Problem<'a> {
     /// A problem over `points`.
     pub fn new(
@@ -133,17 +148,12 @@ impl<'a> Problem<'a> {
 
     /// Values of the parameters in the model as it was given.
     pub fn values(&self) -> Vec<f64> {
-        let mut model = self.model.clone();
-        self.parameters.iter().filter_map(|p| with_parameter(&mut model, p.index, |x| *x)).collect()
+        values_in(&self.model, &self.parameters)
     }
 
     /// The model with these values.
     pub fn model(&self, values: &[f64]) -> Model {
-        let mut model = self.model.clone();
-        for (parameter, &value) in self.parameters.iter().zip(values) {
-            with_parameter(&mut model, parameter.index, |slot| *slot = value);
-        }
-        model
+        model_with(&self.model, &self.parameters, values)
     }
 
     /// Residuals at these values, and with `derivatives` their Jacobian (otherwise without columns).

@@ -323,6 +323,14 @@ impl Search<'_, '_> {
         }
     }
 
+    /// The one column without a use and of no statistics whose unit fits.
+    fn only(&self, fits: impl Fn(&Unit) -> bool) -> Option<(usize, Unit)> {
+        let is_plain = |name: &str| !is_other(name) && !self.sheet.names().any(|of| is_deviation(name, &of));
+        let mut all = self.unnamed().into_iter().filter(|(_, name, unit)| fits(unit) && is_plain(name));
+        let (index, _, unit) = all.next()?;
+        all.next().is_none().then_some((index, unit))
+    }
+
     /// The drive by its unit alone: one voltage beside a reading that is none, unless it follows that as the signal of
     /// its sensor.
     fn find_drive(&mut self) {
@@ -331,14 +339,10 @@ impl Search<'_, '_> {
         if driven || read.is_voltage() || !self.frame.serving(DRIVE).contains(&"V") {
             return;
         }
-        let all = self.unnamed();
-        let voltage = |(_, name, unit): &&(usize, String, Unit)| {
-            unit.is_voltage() && !is_other(name) && !self.sheet.names().any(|of| is_deviation(name, &of))
-        };
-        if let [(index, _, unit)] = all.iter().filter(voltage).collect::<Vec<_>>()[..]
-            && !self.sheet.follows(*index, *reading)
+        if let Some((index, unit)) = self.only(Unit::is_voltage)
+            && !self.sheet.follows(index, *reading)
         {
-            let likely = vec![Candidate { index: *index, unit: unit.clone(), stated: true }];
+            let likely = vec![Candidate { index, unit, stated: true }];
             self.choose_alias(DRIVE, likely, true);
         }
     }
@@ -349,13 +353,9 @@ impl Search<'_, '_> {
         if found(PHASE) || !found(AMPLITUDE) || !found(FREQUENCY) {
             return;
         }
-        let all = self.unnamed();
-        let angle = |(_, name, unit): &&(usize, String, Unit)| {
-            unit.si == "rad" && !is_other(name) && !self.sheet.names().any(|of| is_deviation(name, &of))
-        };
-        if let [(index, _, unit)] = all.iter().filter(angle).collect::<Vec<_>>()[..] {
-            self.choices.push((COLUMNS[PHASE].into(), self.sheet.header.cells[*index].clone()));
-            let likely = vec![Candidate { index: *index, unit: unit.clone(), stated: true }];
+        if let Some((index, unit)) = self.only(|unit| unit.si == "rad") {
+            self.choices.push((COLUMNS[PHASE].into(), self.sheet.header.cells[index].clone()));
+            let likely = vec![Candidate { index, unit, stated: true }];
             self.choose_alias(PHASE, likely, true);
         }
     }

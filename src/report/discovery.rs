@@ -14,9 +14,7 @@ use crate::discover::{
     self, Addition, Candidate, Discovery, Fall, NextMeasurement, NotTestable, Part, STRENGTHS, Step, Verdict,
     identified,
 };
-use crate::fit::{Identified, Interval, Parameter, Problem, parameter};
-use crate::measurement::Point;
-use crate::solver::cycle::Tolerance;
+use crate::fit::{Identified, Interval, Parameter, parameter, values_in};
 use crate::units::Frequencies;
 
 /// Figures shown at once; the others are folded.
@@ -80,7 +78,7 @@ pub fn discovery_view(d: &Discovery, figures: &[FigureInput]) -> DiscoveryView {
 }
 
 /// Numbers of what was added, with their intervals; of a recalibrated number what was stated. Nothing where there are
-/// too many to be read at once.
+/// too many to be read at once, and where what is left contradicts the model that intervals rest on.
 fn amounts(d: &Discovery) -> Vec<String> {
     let end = d.explanation();
     let (c, base) = (&end.comparison, &d.steps[0].hypothesis.model);
@@ -89,17 +87,18 @@ fn amounts(d: &Discovery) -> Vec<String> {
     let line = |(p, interval): (&Parameter, &Interval)| {
         let view = fitted(p, interval);
         let name = p.key.trim_start_matches("effect.");
-        if interval.identified == Identified::No {
-            return format!("{name} is not determined");
+        match interval.identified {
+            Identified::Yes => {}
+            Identified::OneSided => return format!("{name} = {}, {}", view.value.text, identified(p, interval)),
+            Identified::No => return format!("{name} is not determined"),
         }
         let stated = parameter(base, &p.key).filter(|_| !p.key.starts_with("effect."));
-        let none: [&Point; 0] = [];
-        let stated = stated.map(|p| Problem::new(base.clone(), none, vec![p], Tolerance::FIT).values()[0]);
+        let stated = stated.and_then(|p| values_in(base, &[p]).pop());
         let stated = stated.map_or(String::new(), |value| format!("; stated {}", quantity(value, p.unit, 4)));
         format!("{name} = {} (95 %: {} to {}{stated})", view.value.text, view.low.text, view.high.text)
     };
     let lines: Vec<String> = added.map(line).collect();
-    if lines.len() > AMOUNTS { Vec::new() } else { lines }
+    if lines.len() > AMOUNTS || d.verdict == Verdict::Unexplained { Vec::new() } else { lines }
 }
 
 fn fall(fall: &Fall) -> FallView {

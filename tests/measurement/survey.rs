@@ -159,6 +159,10 @@ fn levels_of_a_power_drive() {
         // What is read is a ratio.
         assert!((table.points[8].amplitude / table.points[0].amplitude - 10.0).abs() < 1e-9, "{header}");
     }
+    // What is read in dBm is none: 20 dB more of it are ten times the voltage, whatever drives.
+    let rows: String = (80..88).map(|f| format!("{f};{};{}\n", if f % 2 == 0 { 0 } else { 20 }, f * f % 7)).collect();
+    let table = survey("t.csv", &format!("f [Hz];amplitude [dBm];phase [deg]\n{rows}")).expect("sound").table;
+    assert!((table.points[1].amplitude / table.points[0].amplitude - 10.0).abs() < 1e-9);
 }
 
 #[test]

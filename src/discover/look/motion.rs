@@ -9,13 +9,12 @@ use super::{Count, Parent, SINGULAR, Start};
 use crate::discover::data::Data;
 use crate::discover::hypothesis::{Addition, Hypothesis, compatible};
 use crate::effects::Effect;
-use crate::fit::{Parameter, Problem, TAIL, operation, parameter, robust_chi2, typical_of};
+use crate::fit::{Parameter, TAIL, model_with, operation, parameter, robust_chi2, typical_of, values_in};
 use crate::linear::svd;
 use crate::measurement::Point;
 use crate::model::Model;
 use crate::model::alone::Alone;
 use crate::parameter::Scales;
-use crate::solver::cycle::Tolerance;
 use crate::solver::describing::describing;
 use nalgebra::{Complex, DMatrix, DVector};
 use rayon::prelude::*;
@@ -175,9 +174,7 @@ impl Parent<'_> {
 
     /// A starting point of the second effect of a pair beside the first.
     pub fn start_of(&self, data: &Data<'_>, first: &Hypothesis, pair: &Pair) -> Start {
-        let none: [&Point; 0] = [];
-        let parameters = data.beside(&pair.model, first, pair.additions[1]);
-        let values = Problem::new(pair.model.clone(), none, parameters, Tolerance::COARSE).values();
+        let values = values_in(&pair.model, &data.beside(&pair.model, first, pair.additions[1]));
         Start { model: pair.model.clone(), values, residuals: self.evaluated(data, &pair.model).residuals }
     }
 
@@ -333,11 +330,9 @@ impl<'p> Numbers<'p> {
 
     /// A model with its numbers moved so far on their natural scales.
     fn moved(&self, model: &Model, steps: &[f64]) -> Model {
-        let none: [&Point; 0] = [];
-        let problem = Problem::new(model.clone(), none, self.parameters.to_vec(), Tolerance::COARSE);
-        let values = problem.values();
+        let values = values_in(model, self.parameters);
         let moved = self.parameters.iter().zip(&values).zip(steps).map(|((p, value), step)| p.moved(*value, *step));
-        problem.model(&moved.collect::<Vec<_>>())
+        model_with(model, self.parameters, &moved.collect::<Vec<_>>())
     }
 
     /// The steps of the numbers that take most of a change back.
@@ -434,6 +429,7 @@ mod tests {
     use super::*;
     use crate::compare::{Calibration, calibrate};
     use crate::effects::find;
+    use crate::solver::cycle::Tolerance;
     use crate::solver::{Warm, solve_steady};
     use std::sync::Arc;
 
