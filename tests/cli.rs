@@ -352,6 +352,28 @@ fn a_jump_is_a_step_that_stays_and_not_one_of_two_sweeps_that_differ() {
     }
 }
 
+/// Where nothing states the drive both are tried: a base that moves bends the shape of a resonance as effects do.
+#[test]
+fn a_drive_that_is_not_stated_may_be_a_force_or_a_base() {
+    let force = |r: f64| 1.0 / (1.0 - r * r).hypot(r / 8.0);
+    let base = |r: f64| r * r * force(r);
+    let cases: [(&dyn Fn(f64) -> f64, &str); 2] = [(&force, "drive = \"force\""), (&base, "drive = \"base\"")];
+    for (response, expected) in cases {
+        let dir = tempfile::tempdir().unwrap();
+        let row = |i: u32| {
+            let (f, noise) = (0.6 + 0.02 * f64::from(i), 1.0 + 0.005 * (f64::from(i * i) * 1.7).sin());
+            format!("{f:.2},{:.6}\n", 0.1 * noise * response(f))
+        };
+        let rows: String = (0..=40).map(row).collect();
+        std::fs::write(dir.path().join("t.csv"), "frequency_hz,theta_rad\n".to_string() + &rows).unwrap();
+        let output = stickslip(dir.path()).args(["new", "t.csv"]).output().unwrap();
+        let text = String::from_utf8(output.stdout).unwrap() + &String::from_utf8(output.stderr).unwrap();
+        let scenario = std::fs::read_to_string(dir.path().join("t.toml")).expect(&text);
+        assert!(scenario.contains(expected) && text.contains("better by"), "{text}{scenario}");
+        stickslip(dir.path()).args(["compare", "t.toml"]).assert().success();
+    }
+}
+
 /// What falls as a filter does, or does not change, has no resonance: not one with the least quality factor that is
 /// looked for.
 #[test]

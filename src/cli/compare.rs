@@ -170,8 +170,9 @@ pub(super) fn words(c: &Comparison) -> Vec<String> {
     ));
     let b = c.error_budget();
     lines.push(format!(
-        "error budget (squares add up): model {:.2} %, noise {:.2} %, numerics {}",
+        "error budget (squares add up): model {:.2} %, noise{} {:.2} %, numerics {}",
         b.model_percent,
+        if c.outliers.iter().any(|o| !o.is_phase()) { " and what stands out" } else { "" },
         b.noise_percent,
         budget_percent(b.numerical_percent)
     ));

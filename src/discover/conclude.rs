@@ -1,5 +1,6 @@
 //! What the rounds of a search say together: verdict, ladder, ranking, rivals, and what remains open.
 
+use super::criteria::is_worth;
 use super::hypothesis::{Addition, Basis, Estimate, Hypothesis, count, extended, not_searched};
 use super::known::{Entry, Known};
 use super::select::{CONTINUED, Search};
@@ -68,14 +69,6 @@ fn pays(before: &Step, last: &Step) -> bool {
         last.comparison.overall.readings,
         last.comparison.whiteness.autocorrelation,
     )
-}
-
-/// Whether a misfit so many times as small is worth so many parameters: Schwarz's criterion, squares counted in what is
-/// left, over as many readings as are independent in that, of which neighbours are alike (Bartlett 1935).
-fn is_worth(ratio: f64, parameters: usize, readings: usize, autocorrelation: f64) -> bool {
-    let alike = autocorrelation.clamp(0.0, 1.0);
-    let independent = (readings as f64 * (1.0 - alike) / (1.0 + alike)).max(1.0);
-    independent * ratio.ln() > parameters as f64 * independent.ln() + MARGIN
 }
 
 /// The figures that the verdict on an explanation follows from.
@@ -227,6 +220,7 @@ impl Search<'_> {
         }
         notes.extend(self.not_chosen(&candidates, &end.hypothesis, further.as_deref()));
         notes.extend(of_what_is_left(end, unit));
+        notes.extend(self.followed_alone(verdict, &end.comparison));
         Discovery {
             verdict,
             candidates,
@@ -303,7 +297,8 @@ impl Search<'_> {
         } else if above < takes {
             format!("too little to decide for it: among {pool} that were looked at it takes {takes:.1}")
         } else {
-            "and the search, which goes step by step, did not end there".into()
+            "but counted in the noise, as the search counts where a candidate leaves no structure, it gains too little"
+                .into()
         };
         Some(format!("{label} would be better by {above:.1} in BIC, {verdict}"))
     }
@@ -454,13 +449,6 @@ mod tests {
     use crate::discover::SearchOptions;
     use crate::{measurement, scenario};
     use std::sync::Arc;
-
-    #[test]
-    fn of_readings_that_are_alike_few_speak_for_an_addition() {
-        // A twentieth less of 4004 readings is worth three parameters, unless all neighbours are alike.
-        assert!(is_worth(1.063, 3, 4004, 0.0) && !is_worth(1.063, 3, 4004, 0.98));
-        assert!(is_worth(8.0, 2, 104, 0.84) && !is_worth(0.9, 1, 104, 0.0));
-    }
 
     #[test]
     fn what_contains_a_step_of_the_ladder_fits_no_worse() {

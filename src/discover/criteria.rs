@@ -3,7 +3,7 @@
 use super::hypothesis::Hypothesis;
 use super::select::Search;
 use crate::compare::{self, Whiteness};
-use crate::fit::deviance;
+use crate::fit::{MARGIN, deviance};
 use crate::measurement::Noise;
 
 impl Search<'_> {
@@ -55,5 +55,25 @@ impl Search<'_> {
     pub(super) fn unit(&self, hypothesis: &Hypothesis) -> f64 {
         let tested = self.whiteness(hypothesis);
         tested.map_or(1.0, |whiteness| compare::unit(&whiteness, &hypothesis.fit, self.readings()))
+    }
+}
+
+/// Whether a misfit so many times as small is worth so many parameters: Schwarz's criterion, squares counted in what is
+/// left, over as many readings as are independent in that, of which neighbours are alike (Bartlett 1935).
+pub(super) fn is_worth(ratio: f64, parameters: usize, readings: usize, autocorrelation: f64) -> bool {
+    let alike = autocorrelation.clamp(0.0, 1.0);
+    let independent = (readings as f64 * (1.0 - alike) / (1.0 + alike)).max(1.0);
+    independent * ratio.ln() > parameters as f64 * independent.ln() + MARGIN
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_worth;
+
+    #[test]
+    fn of_readings_that_are_alike_few_speak_for_an_addition() {
+        // A twentieth less of 4004 readings is worth three parameters, unless all neighbours are alike.
+        assert!(is_worth(1.063, 3, 4004, 0.0) && !is_worth(1.063, 3, 4004, 0.98));
+        assert!(is_worth(8.0, 2, 104, 0.84) && !is_worth(0.9, 1, 104, 0.0));
     }
 }

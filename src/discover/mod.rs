@@ -16,6 +16,7 @@ mod json;
 mod known;
 mod line_up;
 mod look;
+mod narrow;
 mod next;
 mod options;
 mod race;

@@ -35,8 +35,13 @@ pub fn sentence(d: &Discovery) -> String {
             )
         }
         Verdict::Unexplained if end.hypothesis.additions.is_empty() => {
-            "unexplained: structured misfit is left, and nothing of the catalogue takes off enough of it to count"
-                .into()
+            let nothing = match nearest(d) {
+                _ if d.candidates.len() < 2 && d.spent => "and the budget was spent before anything was tried".into(),
+                _ if d.candidates.len() < 2 => "and nothing was tried".into(),
+                Some(nearest) => nearest,
+                None => "and nothing of the catalogue takes off enough of it to count".into(),
+            };
+            format!("unexplained: structured misfit is left, {nothing}")
         }
         Verdict::Unexplained => {
             let error = |step: &Step| step.comparison.overall.rms_error_percent / 100.0;
@@ -56,6 +61,19 @@ pub fn sentence(d: &Discovery) -> String {
             }
         }
     }
+}
+
+/// What of the catalogue comes nearest to an explanation, where that was none.
+fn nearest(d: &Discovery) -> Option<String> {
+    let of = |c: &&Candidate| c.hypothesis.basis() == Basis::AllPoints;
+    let best = d.candidates.iter().find(of).filter(|c| !c.hypothesis.additions.is_empty())?;
+    let base = d.candidates.iter().find(|c| c.hypothesis.additions.is_empty());
+    let is_ahead = base.is_none_or(|base| base.delta_bic - best.delta_bic > MARGIN);
+    let [before, after] = [d.steps[0].comparison.overall.chi2_per_point, best.chi2_per_point];
+    (is_ahead && after < before).then(|| {
+        let label = best.hypothesis.label();
+        format!("and nothing of the catalogue accounts for it; nearest comes {label}, chi2 {before:.2} to {after:.2}")
+    })
 }
 
 /// How sure the verdict is: the test that could have failed, and the closest rival.

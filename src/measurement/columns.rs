@@ -10,7 +10,7 @@ use super::samples;
 use super::search::{Found, Slot, column_of, search};
 use super::sheet::{Complaints, Sheet};
 use super::swings::{is_effective, is_peak_to_peak};
-use super::unit::Wanted;
+use super::unit::{Wanted, is_unit};
 use crate::scenario::Sweep;
 use crate::scenario::diagnostic::{MAX_TOLD, nearest, quote};
 use crate::scenario::parameters::COLUMNS;
@@ -262,6 +262,11 @@ fn missing(
     } else if frame.is_free() && lacking.contains(&DRIVE) {
         help +=
             "; of a drive that was held and not measured, its setting will do: drive_v, the same number in every row";
+    }
+    let unread = |index: &&usize| header::split(&sheet.headed(**index)).1.is_some_and(|unit| !is_unit(unit));
+    let unread: Vec<String> = aside.iter().filter(unread).map(|index| quote(&sheet.header.cells[*index])).collect();
+    if !unread.is_empty() {
+        help += &format!("; what stands in brackets is no unit that is known: {}", join(unread));
     }
     let names = join(lacking.iter().map(|column| COLUMNS[*column].to_string()).collect());
     let title = format!("the table has no column for {names}");

@@ -8,6 +8,9 @@ use crate::scenario::diagnostic::{Place, whole_file};
 use crate::scenario::source::Source;
 use crate::units::count;
 
+/// Rows that are looked at to tell that a table lies on its side.
+const MOST_SEEN: usize = 32;
+
 /// Takes the text apart; the separator is told by the header line unless it is known.
 pub(crate) fn sheet(mut source: Source, delimiter: Option<u8>) -> Result<Sheet> {
     let told = bare(&mut source.text);
@@ -77,6 +80,12 @@ fn check_shape(sheet: &Sheet) -> Result<usize> {
         complaints.add(&place, "the table has no header", "numbers where names are needed", help);
         return complaints.check().map(|()| 0);
     }
+    if lies_on_its_side(sheet) {
+        let help = "turn it: a column for each quantity, named in the first row, and one row per steady state";
+        let place = sheet.row_place(&sheet.header);
+        complaints.add(&place, "the table lies on its side", "each row below begins with a name, numbers follow", help);
+        return complaints.check().map(|()| 0);
+    }
     let mut rows = 0;
     for row in sheet.untrimmed() {
         rows += 1;
@@ -93,6 +102,30 @@ fn check_shape(sheet: &Sheet) -> Result<usize> {
         complaints.add(&place, "the table has a header but no rows", "nothing follows", help);
     }
     complaints.check().map(|()| rows)
+}
+
+/// Whether most rows are a name with numbers behind it, below a header that names no columns of such numbers.
+fn lies_on_its_side(sheet: &Sheet) -> bool {
+    let number = |cell: &String| cell.replace(',', ".").parse::<f64>().is_ok();
+    let named = |cells: &[String]| match cells {
+        [name, numbers @ ..] => {
+            !name.is_empty()
+                && !number(name)
+                && numbers.iter().filter(|c| number(c)).count() >= 2
+                && numbers.iter().all(|c| c.is_empty() || number(c))
+        }
+        [] => false,
+    };
+    let header = &sheet.header.cells;
+    if header.len() > 1 && !named(header) {
+        return false;
+    }
+    let of = |row: Row| named(&row.cells);
+    let (mut rows, mut all) = (0, 0);
+    for is_named in sheet.untrimmed().take(MOST_SEEN).map(of) {
+        (rows, all) = (rows + usize::from(is_named), all + 1);
+    }
+    rows > 1 && 2 * rows >= all
 }
 
 /// A row has as many cells as the header; empty ones may follow.

@@ -111,10 +111,11 @@ fn by_alias(header: &str, name: &str, bracket: Option<&str>, frame: &Frame<'_>) 
         let rest = &rest[rest.len() - swings(rest).unwrap_or(rest.len())..];
         let possible = if alias.units.is_empty() { possible("", alias.column) } else { alias.units };
         let natural = frame.natural(alias.column).filter(|si| possible.contains(si));
-        // What is one over a time is so many radians of it where its name says so.
-        let spelt = |text: &str| match alias.column == FREQUENCY && !alias.bare && PER_SECOND.contains(&text) {
-            true => "rad/s".to_string(),
-            false => text.to_string(),
+        // What is one over a time is so many cycles or radians of it, as its name says.
+        let spelt = |text: &str| match (alias.column == FREQUENCY && PER_SECOND.contains(&text), alias.bare) {
+            (true, true) => "Hz".to_string(),
+            (true, false) => "rad/s".to_string(),
+            _ => text.to_string(),
         };
         let wanted = Wanted { possible, natural, share: false, per_drive: alias.column == AMPLITUDE };
         let negated = alias.name.ends_with("lag");

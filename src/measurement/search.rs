@@ -271,7 +271,9 @@ impl Search<'_, '_> {
             let unit = match bracket {
                 Some(text) => wanted.unit(text).ok()?,
                 // The end of a name is a word more often than a unit.
-                None => wanted.unit(name.rsplit_once('_')?.1).ok().filter(Unit::is_voltage)?,
+                None => {
+                    wanted.unit(name.rsplit_once('_')?.1).ok().filter(|unit| unit.is_voltage() || unit.si == "rad")?
+                }
             };
             Some((index, header::plain(name), unit))
         };
@@ -290,8 +292,10 @@ impl Search<'_, '_> {
         let all = self.unnamed();
         let deviation = |name: &str| self.sheet.names().any(|of| is_deviation(name, &of));
         let whole = |index: usize| is_peak_to_peak(&self.sheet.header.cells[index]);
-        // An angle may be a phase as well.
-        let phased = named(PHASE) || self.taken.len() == 2;
+        // An angle may be a phase as well, unless nothing else is there to be read.
+        let plain = |index: usize| header::plain(header::split(&self.sheet.headed(index)).0);
+        let is_left = |index: &usize| !self.taken[*index] && !deviation(&plain(*index));
+        let phased = named(PHASE) || (0..self.taken.len()).filter(is_left).count() == 1;
         let serves = |(_, name, unit): &&(usize, String, Unit)| {
             let known = phased || unit.si != "rad";
             known && self.frame.serving(AMPLITUDE).contains(&unit.si) && !deviation(name)
@@ -490,8 +494,9 @@ impl Search<'_, '_> {
             [first, second, ..] if column <= AMPLITUDE => {
                 let title = format!("which column is the {}?", COLUMNS[column]);
                 let label = format!("{}this or {}", sheet.cell_name(&sheet.header, second.index), header(first));
+                let more = if column == FREQUENCY { "; where it is their sum, add a column of that" } else { "" };
                 let help = format!(
-                    "name it {}, or say which with [measurement] columns = {{ {} = \"…\" }}",
+                    "name it {}, or say which with [measurement] columns = {{ {} = \"…\" }}{more}",
                     self.frame.standard(column),
                     COLUMNS[column]
                 );

@@ -66,9 +66,15 @@ impl Swing {
 pub(crate) fn is_peak_to_peak(name: &str) -> bool {
     let name = name.to_lowercase();
     let words: Vec<&str> = name.split(|c: char| !c.is_alphanumeric()).collect();
+    // A channel's number may stand before the mark.
+    let is_numbered = |word: &str| {
+        word.strip_suffix("pp")
+            .and_then(|name| name.strip_prefix(['v', 'u', 'a']))
+            .is_some_and(|name| name.chars().all(|c| c.is_ascii_digit()))
+    };
     words
         .iter()
-        .any(|word| ["pp", "p2p", "ptp", "pkpk", "vpp", "upp", "app"].contains(word) || word.ends_with("plitudepp"))
+        .any(|word| ["pp", "p2p", "ptp", "pkpk"].contains(word) || is_numbered(word) || word.ends_with("plitudepp"))
         || words.windows(2).any(|pair| matches!(pair, ["peak", "to" | "peak"] | ["pk", "pk"] | ["p", "p"]))
 }
 
@@ -127,6 +133,7 @@ mod tests {
             "amplitudePP_urad",
             "amplitude_p-p",
             "Vpp (V)",
+            "V1pp (mV)",
         ] {
             assert!(is_peak_to_peak(name), "{name}");
         }

@@ -161,6 +161,12 @@ pub(crate) fn known(text: &str) -> bool {
     !digits && matches!(units::parse(&format!("1 {}", spelt(text)), "m"), Ok(_) | Err(UnitError::Dimension { .. }))
 }
 
+/// Whether the text is a unit of anything, gravity, shares and what an instrument tells of a voltage among them.
+pub(super) fn is_unit(text: &str) -> bool {
+    let plain = Swing::marked(text).0;
+    text == "%" || known(plain) || gravity(plain).is_some() || electrical(plain).is_some()
+}
+
 /// The units that a row below the header states: nothing else stands in it.
 pub(super) fn units_of(row: &[String], width: usize) -> Option<Vec<String>> {
     let bare = |cell: &String| cell.trim_matches(['[', ']', '(', ')']).trim().to_string();

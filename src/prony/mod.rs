@@ -26,6 +26,8 @@ use std::ops::Range;
 pub const SCHEMA: &str = "stickslip.prony/1";
 /// Terms that are tried per decade: finer than this, neighbouring relaxations differ by less than any table resolves.
 const TERMS_PER_DECADE: f64 = 1.5;
+/// Series of more terms that are tried after the one that predicts best.
+const IN_VAIN: usize = 4;
 /// Mean squared relative residual that rounding alone leaves.
 const ROUNDING: f64 = f64::EPSILON;
 /// Places of the curve on which the band is drawn.
@@ -188,10 +190,9 @@ pub struct Analysis {
 impl Analysis {
     /// Fits and judges everything.
     pub fn of(moduli: Moduli) -> Self {
-        let laws: Vec<Law> = (1..=moduli.most_terms()).map(|terms| Law::series(terms, &moduli)).collect();
-        let scores: Vec<Score> = laws.par_iter().map(|law| blocks::held_out(law, &moduli)).collect();
-        let law = &laws[chosen(&scores)];
-        let fitted = law.fit(&moduli, &moduli.points);
+        let (fits, scores) = tried(&moduli);
+        let fitted = fits[chosen(&scores)].clone();
+        let law = &fitted.law.clone();
         let places = places(&moduli);
         let readings = |fitted: &Fitted| -> Vec<f64> {
             let logs = |x: &f64| fitted.value(moduli.kind, *x).map(|value| value.max(f64::MIN_POSITIVE).ln());
@@ -209,7 +210,7 @@ impl Analysis {
             Judged { score: scores[chosen(&scores)], amounts: intervals(&fitted, of_amounts, &moduli), fitted };
         let (spring_pot, exponent) = spring_pot(&moduli);
         let constant = (moduli.kind == Kind::Dynamic).then(|| blocks::held_out(&Law::Constant, &moduli));
-        let remarks = remarks::remarks(&moduli, &laws, &scores, (spring_pot.score, constant));
+        let remarks = remarks::remarks(&moduli, &fits, &scores, (spring_pot.score, constant));
         Self { moduli, scores, series, curve, spring_pot, exponent, constant, remarks }
     }
 
@@ -225,6 +226,26 @@ impl Analysis {
             Law::SpringPot | Law::Constant => &[],
         }
     }
+}
+
+/// Series of 1, 2, ... terms and their scores, until [`IN_VAIN`] more in turn predict no better.
+fn tried(moduli: &Moduli) -> (Vec<Fitted>, Vec<Score>) {
+    let (mut fits, mut scores) = (Vec::new(), Vec::<Score>::new());
+    let mut best = (f64::INFINITY, 0);
+    for terms in 1..=moduli.most_terms() {
+        let fitted = Law::series(terms, moduli).fit(moduli, &moduli.points).reduced();
+        // What is left out moves the times from there.
+        let score = blocks::held_out(&fitted.law, moduli);
+        fits.push(fitted);
+        scores.push(score);
+        if score.mean < best.0 {
+            best = (score.mean, terms);
+        }
+        if terms >= best.1 + IN_VAIN || best.0 <= ROUNDING {
+            break;
+        }
+    }
+    (fits, scores)
 }
 
 /// The fewest terms that are within a standard error of the best (Breiman et al., Classification and Regression Trees,

@@ -1,6 +1,6 @@
 //! What the data cannot tell, in sentences.
 
-use super::law::Law;
+use super::law::Fitted;
 use super::{Kind, Moduli, Score, chosen, reach};
 use crate::statistics::spread;
 use crate::units::readable::percent;
@@ -11,7 +11,7 @@ const CONTRADICTION: f64 = 3.0;
 /// Where another law does as well, and where none does.
 pub fn remarks(
     moduli: &Moduli,
-    laws: &[Law],
+    fits: &[Fitted],
     scores: &[Score],
     (spring_pot, constant): (Score, Option<Score>),
 ) -> Vec<String> {
@@ -42,14 +42,14 @@ pub fn remarks(
         ));
     }
     if moduli.kind == Kind::Dynamic {
-        remarks.extend(contradiction(moduli, &laws[laws.len() - 1]));
+        remarks.extend(contradiction(moduli, &fits[fits.len() - 1]));
     }
     remarks
 }
 
 /// Said where even all terms leave far more than the scatter between neighbours.
-fn contradiction(moduli: &Moduli, richest: &Law) -> Option<String> {
-    let left = moduli.rms(&richest.fit(moduli, &moduli.points));
+fn contradiction(moduli: &Moduli, richest: &Fitted) -> Option<String> {
+    let left = moduli.rms(richest);
     let scatter = [0, 1].map(|k| scatter(moduli, k));
     let beyond = (0..2).any(|k| left[k] > CONTRADICTION * scatter[k].max(f64::EPSILON.sqrt()));
     beyond.then(|| {

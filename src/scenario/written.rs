@@ -64,8 +64,12 @@ pub(crate) fn parse(source: &Source, file: usize) -> Result<Vec<Entry>> {
             Some((title, label)) => (title, label),
             None => (error.message(), "here"),
         };
-        let help = "scenario files are TOML: `key = value` lines under [table] headers, text in double quotes";
-        Error::Input(render(source, span, &format!("not valid TOML: {title}"), label, help))
+        let mut help =
+            "scenario files are TOML: `key = value` lines under [table] headers, text in double quotes".to_string();
+        if !source.text.contains('=') {
+            help += &format!("; of a measured table `stickslip new {}` writes one", source.name);
+        }
+        Error::Input(render(source, span, &format!("not valid TOML: {title}"), label, &help))
     })?;
     Ok(entries(table.into_inner(), file))
 }

@@ -191,6 +191,9 @@ fn an_angle_beside_a_reading_is_a_phase_and_never_the_reading() {
         let point = &survey("t.csv", &text).unwrap_or_else(|error| panic!("{error}")).table.points[0];
         assert!((point.amplitude - 4.76e-3).abs() < 1e-3 && point.phase.is_some(), "{header}: {point:?}");
     }
+    // Nothing else is read: what stands beside it is its deviation.
+    let text = format!("nu [Hz],theta [rad],sigma_theta [rad]\n{}", resonance(|f, a, _| format!("{f},{a},0.1\n")));
+    assert!(survey("t.csv", &text).unwrap_or_else(|error| panic!("{error}")).table.points[0].amplitude > 1.0);
     // A unit that is none: refused, not the phase in the place of the amplitude.
     let text = format!("f [Hz];ampiezza [giri];fase [deg]\n{}", resonance(|f, a, phase| format!("{f};{a};{phase}\n")));
     assert!(survey("t.csv", &text).unwrap_err().contains("no column for amplitude"));

@@ -1,0 +1,81 @@
+//! Readings far wider than a resonance: whether those about it are followed better alone.
+
+use super::Verdict;
+use super::criteria::is_worth;
+use super::select::Search;
+use crate::compare::{self, Compared, Comparison, calibrate};
+use crate::measurement::{Point, TOLD};
+use crate::model::Model;
+use crate::solver::cycle::Tolerance;
+use crate::statistics::median;
+use crate::units::readable::percent;
+
+impl Search<'_> {
+    /// Where nothing explains the readings of a rig without contact, though those about the resonance alone are followed
+    /// better by calibration than by the best explanation of all: which they are, in words.
+    pub(super) fn followed_alone(&self, verdict: Verdict, end: &Comparison) -> Option<String> {
+        let model = Model::new(self.scenario);
+        if verdict != Verdict::Unexplained || model.has_contact {
+            return None;
+        }
+        let (from, to) = about_the_peak(&self.table.points)?;
+        let inside = |p: &Point| (from..=to).contains(&p.frequency);
+        let points: Vec<Point> = self.table.points.iter().filter(|p| inside(p)).cloned().collect();
+        let alone = calibrate(&model, &self.scenario.free, &points, Tolerance::FIT, self.options.seed);
+        self.data.count(alone.solved);
+        let followed = compare::compared(&points, &alone.fit.evaluation.predictions);
+        let before: Vec<&Compared> = end.points.iter().filter(|p| inside(&p.point)).collect();
+        let [now, then] = [squares(followed.iter()), squares(before.iter().copied())];
+        let readings = points.iter().map(|p| 1 + usize::from(p.phase.is_some())).sum();
+        if !is_worth(then / now, alone.fit.parameters.len(), readings, end.whiteness.autocorrelation) {
+            return None;
+        }
+        let [now, then] = [error(followed.iter()), error(before.iter().copied())].map(|error| percent(error, 2));
+        Some(format!(
+            "the {} points from {from} to {to} Hz, about the resonance, are followed to {now} by calibration alone (here \
+             {then}): what lies beyond has another cause; for that resonance write frequency = {{ from = \"{from} Hz\", to = \
+             \"{to} Hz\" }} in [measurement]",
+            points.len()
+        ))
+    }
+}
+
+/// The frequencies \[Hz\] about the largest response per drive, on either side down to the geometric mean of it and the
+/// least there, over all series; `None` where these are all readings, or too few.
+fn about_the_peak(points: &[Point]) -> Option<(f64, f64)> {
+    let series = points.iter().map(|p| p.series).max()?;
+    let bands = (0..=series).filter_map(|series| {
+        let mut own: Vec<&Point> = points.iter().filter(|p| p.series == series && p.drive > 0.0).collect();
+        own.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
+        of_series(&own)
+    });
+    let (from, to) = bands.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))?;
+    let inside = points.iter().filter(|p| (from..=to).contains(&p.frequency)).count();
+    (inside > TOLD && inside < points.len()).then_some((from, to))
+}
+
+/// As [`about_the_peak`], of one series in the order of the frequency.
+fn of_series(points: &[&Point]) -> Option<(f64, f64)> {
+    // The median of three: one reading far off is no peak.
+    let sizes: Vec<f64> = points.iter().map(|p| (p.amplitude / p.drive).ln()).collect();
+    let y: Vec<f64> = (0..sizes.len())
+        .map(|i| median(sizes[i.saturating_sub(1)..(i + 2).min(sizes.len())].iter().copied()))
+        .collect();
+    let peak = (0..y.len()).max_by(|a, b| y[*a].total_cmp(&y[*b]))?;
+    let below = |side: &[f64]| 0.5 * (y[peak] + side.iter().copied().fold(y[peak], f64::min));
+    let (left, right) = (below(&y[..peak]), below(&y[peak..]));
+    let first = (0..peak).rev().take_while(|&i| y[i] >= left).last().unwrap_or(peak);
+    let last = (peak..y.len()).take_while(|&i| y[i] >= right).last().unwrap_or(peak);
+    Some((points[first].frequency, points[last].frequency))
+}
+
+/// Sum of squares in standard deviations.
+fn squares<'a>(points: impl Iterator<Item = &'a Compared>) -> f64 {
+    points.map(|p| p.amplitude_residual.powi(2) + p.phase_residual.map_or(0.0, |r| r * r)).sum()
+}
+
+/// Root mean square of the relative error of the amplitude.
+fn error<'a>(points: impl Iterator<Item = &'a Compared>) -> f64 {
+    let (count, sum) = points.fold((0.0, 0.0), |(n, sum), p| (n + 1.0, sum + (0.01 * p.error_percent()).powi(2)));
+    f64::sqrt(sum / count)
+}
