@@ -43,8 +43,8 @@
 //!
 //! * [`fit`] - parameters by least squares, their intervals by profiles of the likelihood.
 //! * [`compare`] - the model calibrated, and what it leaves judged.
-//! * [`discover`] - the search for a missing effect.
 //! * [`free_form`] - on which variable what is missing depends, before any law is named.
+//! * [`discover`] - the search for a missing effect.
 //! * [`question`] - which effects can make one curve look like another, ranked by how far they have to be strained.
 //! * [`prony`] - measured moduli of a material as a series of relaxations, and the branch of a contact nearest to it.
 //! * [`trial`] - blind trials of the discovery: planted causes, sealed answers, scores.

@@ -333,6 +333,26 @@ fn an_error_that_rose_is_not_told_as_one_that_fell() {
 }
 
 #[test]
+fn what_was_not_tried_is_not_said_to_have_failed() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::copy(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/oscillators/b.csv"), dir.path().join("b.csv"))
+        .unwrap();
+    stickslip(dir.path()).args(["new", "b.csv"]).assert().success();
+    for (how, expected) in
+        [(["--max-effects", "0"], "nothing was tried"), (["--search", "budget=1"], "budget was spent before")]
+    {
+        let output = stickslip(dir.path()).args(["discover", "b.toml"]).args(how).output().unwrap();
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert!(text.lines().next().unwrap().contains(expected), "{text}");
+    }
+    // A table where a scenario is asked for, and a folder that is not there.
+    let refused = stickslip(dir.path()).args(["discover", "b.csv"]).assert().failure();
+    refused.stderr(predicate::str::contains("`stickslip new b.csv` writes one"));
+    let refused = stickslip(dir.path()).args(["new", "b.csv", "-o", "nowhere/b.toml"]).assert().failure();
+    refused.stderr(predicate::str::contains("there is no folder nowhere"));
+}
+
+#[test]
 fn a_jump_is_a_step_that_stays_and_not_one_of_two_sweeps_that_differ() {
     let response = |f: f64, at: f64| 1.0 / ((1.0 - (f / at).powi(2)).powi(2) + (f / at / 30.0).powi(2)).sqrt();
     let grid = |offset: f64| (0..60).map(move |i| 70.0 + offset + f64::from(i) / 3.0);
@@ -371,6 +391,32 @@ fn a_drive_that_is_not_stated_may_be_a_force_or_a_base() {
         let scenario = std::fs::read_to_string(dir.path().join("t.toml")).expect(&text);
         assert!(scenario.contains(expected) && text.contains("better by"), "{text}{scenario}");
         stickslip(dir.path()).args(["compare", "t.toml"]).assert().success();
+    }
+}
+
+/// A resonance of a Q of 30 with another cause far from it: which readings calibration follows alone is said, and not
+/// where these are all there are.
+#[test]
+fn readings_about_a_resonance_that_are_followed_alone_are_told() {
+    let response = |r: f64| 1.0 / (1.0 - r * r).hypot(r / 30.0);
+    for (wide, told) in [(true, true), (false, false)] {
+        let dir = tempfile::tempdir().unwrap();
+        let row = |i: u32| {
+            let f = 60.0 + 0.5 * f64::from(i);
+            // Beyond the resonance, or where it is.
+            let other = if ((f - 80.0_f64).abs() > 8.0) == wide { 3.0 } else { 0.0 };
+            let beyond = 1.0 + other * (0.9 * f).sin().powi(2);
+            let noise = 1.0 + 0.002 * (f64::from(i * i) * 1.7).sin();
+            format!("{f},1,{:.7}\n", 0.1 * noise * beyond * response(f / 80.0))
+        };
+        let rows: String = (0..81).map(row).collect();
+        std::fs::write(dir.path().join("t.csv"), "frequency_hz,force_n,amplitude_mm\n".to_string() + &rows).unwrap();
+        stickslip(dir.path()).args(["new", "t.csv"]).assert().success();
+        let some = ["discover", "t.toml", "--max-effects", "1", "--candidates", "cubic-stiffness,crosstalk"];
+        let output = stickslip(dir.path()).args(some).output().unwrap();
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert!(text.contains("unexplained"), "{text}");
+        assert_eq!(text.contains("about the resonance, are followed to"), told, "{text}");
     }
 }
 

@@ -41,7 +41,7 @@ fn written(folder: &Path, series: usize) -> (Scenario, Table) {
 }
 
 fn asked(scenario: &Scenario, table: &Table) -> Discovery {
-    let candidates = Candidates::of(&["drift"]).unwrap();
+    let candidates = Candidates::of(&["drift"], &[]).unwrap();
     discover(scenario, table, &SearchOptions { candidates, ..SearchOptions::default() })
 }
 

@@ -340,6 +340,13 @@ fn discover_names_a_planted_formula_and_add_writes_it() {
     let found = json(dir.path(), &["discover", "mine.toml", "--max-effects", "1"]);
     assert_eq!(found["verdict"], "effect-missing", "{found}");
     assert_eq!(found["effects"], serde_json::json!(["my-quintic"]));
+    // By its name like any effect, in the catalogue with its law.
+    let named = json(dir.path(), &["discover", "mine.toml", "--candidates", "my-quintic"]);
+    assert_eq!(named["effects"], serde_json::json!(["my-quintic"]));
+    let listed = stickslip(dir.path()).args(["effects", "--of", "mine.toml"]).output().unwrap();
+    assert!(String::from_utf8_lossy(&listed.stdout).contains("my-quintic"));
+    let page = stickslip(dir.path()).args(["effects", "my-quintic", "--of", "mine.toml"]).output().unwrap();
+    assert!(String::from_utf8_lossy(&page.stdout).contains("k5*x^5"));
     let own = &found["candidates"][0]["parameters"]["effect.my-quintic.k5"];
     assert_eq!(own["unit"], "N/m^5", "{own}");
 
@@ -388,4 +395,5 @@ fn a_report_shows_the_formula_with_its_value() {
     stickslip(dir.path()).args(["report", "mine.toml", "--out", "told", "--quiet"]).assert().success();
     let report = std::fs::read_to_string(dir.path().join("told/report.json")).unwrap();
     assert!(report.contains("effect.my-quintic.k5") && report.contains("1e20 N/m^5"), "{report}");
+    assert!(report.contains("strength of the force -k5*x^5"), "{report}");
 }

@@ -10,6 +10,7 @@ use super::plot::{self, Plot};
 use super::{Global, Json, Stamped, page, progress, say, simulate};
 use crate::compare::{self, Comparison, outlier_words};
 use crate::discover::{self, Addition, Basis, Candidate, Discovery, SearchOptions, Verdict};
+use crate::effects::{self, Effect};
 use crate::error::Result;
 use crate::fit::Correlation;
 use crate::free_form::{self, FreeForm};
@@ -86,7 +87,7 @@ pub fn execute(
     let mut judged = gate::of_comparison(&scenario.gate, &discovery.steps[0].comparison);
     judged.extend(gate::of_discovery(&scenario.gate, &discovery));
     let asked = free_form;
-    let free_form = free_form::beside(&discovery, asked);
+    let free_form = discover::beside(&discovery, asked);
     if let Some(json) = json {
         let free_form = free_form::json(free_form.as_ref());
         let told = Told { discovery: &discover::json(&discovery), free_form };
@@ -170,6 +171,7 @@ pub(super) fn words(d: &Discovery, output: Option<&Path>) -> Vec<String> {
     for group in &d.indistinguishable {
         lines.push(format!("these data do not tell apart: {}", group.join(", ")));
     }
+    lines.extend(nested(d));
     lines.extend(not_testable(d));
     lines.extend(misfits(d, c));
     if let Some(next) = d.next_worth() {
@@ -216,6 +218,20 @@ fn candidates(d: &Discovery, points: usize) -> Vec<String> {
     }
     lines.push(LEGEND.into());
     lines
+}
+
+/// Effects of the explanation that are special cases of others that were asked for.
+fn nested(d: &Discovery) -> Vec<String> {
+    let containing = |name: &str| -> Vec<&str> {
+        let asked = d.asked.iter().filter_map(|other| effects::find(other));
+        asked.filter(|effect| effect.contains().contains(&name)).map(Effect::name).collect()
+    };
+    let named = d.explanation().hypothesis.effects();
+    let of = |name: &String| Some((name.clone(), containing(name))).filter(|(_, others)| !others.is_empty());
+    let say = |(name, others): (String, Vec<&str>)| {
+        format!("{name} is nested in {}: where the two do as well the simpler one is named", others.join(" and in "))
+    };
+    named.iter().filter_map(of).map(say).collect()
 }
 
 /// The effects that the data cannot show, on one line.

@@ -1,22 +1,34 @@
 //! `stickslip effects`: the catalogue, written from the registry.
 
 use std::fmt::Write as _;
+use std::path::Path;
 
 use crate::effects::{Effect, ParameterInfo, REGISTRY, find, fits_rig, typical};
 use crate::error::{Error, Result};
-use crate::scenario::Coordinate;
+use crate::scenario::{self, Coordinate};
 use crate::{terminal, units};
 
 /// Widest line of the output.
 const WIDTH: usize = 100;
 
-/// Prints the table of all effects, or the page of one.
-pub fn execute(name: Option<&str>) -> Result<()> {
+/// Prints the table of all effects, or the page of one; with the formulas of a scenario, if one is named.
+pub fn execute(name: Option<&str>, scenario: Option<&Path>) -> Result<()> {
+    let own = scenario.map(formulas).transpose()?.unwrap_or_default();
+    let of = |name: &str| find(name).or_else(|| own.iter().copied().find(|effect| effect.name() == name));
     let text = match name {
-        None => table(),
-        Some(name) => page(find(name).ok_or_else(|| unknown(name))?),
+        None => table(&own),
+        Some(name) => page(of(name).ok_or_else(|| unknown(name))?),
     };
     terminal::print(&text)
+}
+
+/// The formulas that a scenario states.
+///
+/// # Errors
+/// Of a scenario that is not sound.
+pub fn formulas(scenario: &Path) -> Result<Vec<&'static dyn Effect>> {
+    let effects = scenario::load(scenario)?.effects;
+    Ok(effects.into_iter().map(|setting| setting.effect).filter(|effect| effect.formula().is_some()).collect())
 }
 
 fn unknown(name: &str) -> Error {
@@ -31,10 +43,10 @@ fn unknown(name: &str) -> Error {
     ))
 }
 
-/// The catalogue, one line per parameter.
-pub fn table() -> String {
+/// The catalogue and a scenario's own effects, one line per parameter.
+pub fn table(own: &[&'static dyn Effect]) -> String {
     let mut rows = vec![["effect", "group", "parameter", "unit", "range of a search", "zero at"].map(String::from)];
-    for effect in REGISTRY {
+    for effect in REGISTRY.iter().chain(own) {
         for (index, info) in effect.parameters().iter().enumerate() {
             let first = |text: &str| if index == 0 { text.to_string() } else { String::new() };
             let [unit, other] = of_both(info);
@@ -55,7 +67,8 @@ pub fn table() -> String {
     }
     let mut text = aligned(&rows, "") + "\n";
     for (rigs, fits) in RIGS {
-        let names: Vec<_> = REGISTRY.iter().filter(|e| where_it_fits(**e) == *fits).map(|e| e.name()).collect();
+        let names: Vec<_> =
+            REGISTRY.iter().chain(own).filter(|e| where_it_fits(**e) == *fits).map(|e| e.name()).collect();
         if !names.is_empty() {
             text.push_str(&wrapped(&format!("For {rigs}: {}.", names.join(", ")), ""));
         }
@@ -65,7 +78,7 @@ pub fn table() -> String {
         A fit begins within the range of its search, and may go beyond it by a factor of 3.\n\
         A law of your own is a formula in the scenario, [[effect]] with formula = \"-k5*x^5\" and\n\
         name = \"my-quintic\", acts_on = \"force\" (of x, v), \"friction\" (of s) or \"contact-force\" (of\n\
-        stretch, stretch_rate), and a key for each parameter: k5 = { value = 0 }.\n\
+        stretch, stretch_rate), and a key for each parameter: k5 = { value = 0 }. --of SCENARIO lists it here.\n\
         stickslip effects NAME   equation, meaning, source, fingerprint and an example\n"
 }
 
@@ -98,6 +111,9 @@ pub fn page(effect: &dyn Effect) -> String {
     section("Parameters", parameters(effect));
     section("Returns the base at", wrapped(&zero(effect), "    "));
     section("What it does to a resonance curve", wrapped(effect.fingerprint(), "    "));
+    if !effect.impersonator().is_empty() {
+        section("What looks like it", wrapped(effect.impersonator(), "    "));
+    }
     section("Source", wrapped(effect.source(), "    "));
     section("In a scenario (values for the form, not for a material)", indented(&example(effect)));
     text.trim_end().to_string() + "\n"
@@ -215,23 +231,24 @@ mod tests {
 
     #[test]
     fn every_line_fits_100_columns_and_every_page_is_complete() {
-        let pages: Vec<_> = REGISTRY.iter().map(|effect| page(*effect)).chain([table()]).collect();
+        let pages: Vec<_> = REGISTRY.iter().map(|effect| page(*effect)).chain([table(&[])]).collect();
         for text in &pages {
             for line in text.lines() {
                 assert!(line.chars().count() <= WIDTH && line == line.trim_end(), "{line}");
             }
         }
         for effect in REGISTRY {
-            assert!(table().contains(effect.name()) && page(*effect).contains(&indented(&example(*effect))));
+            assert!(table(&[]).contains(effect.name()) && page(*effect).contains(&indented(&example(*effect))));
         }
     }
 
     #[test]
     fn a_misspelt_name_is_answered_with_the_nearest() {
-        let error = execute(Some("stribek")).expect_err("no such effect");
+        let error = execute(Some("stribek"), None).expect_err("no such effect");
         assert_eq!(error.exit_code(), 2);
         assert!(error.to_string().contains("did you mean `stribeck`?"), "{error}");
-        let error = execute(Some("\u{1b}[2Jgravity and everything else")).expect_err("no such effect").to_string();
+        let error =
+            execute(Some("\u{1b}[2Jgravity and everything else"), None).expect_err("no such effect").to_string();
         assert!(!error.contains('\u{1b}') && !error.contains("did you mean"), "{error}");
     }
 }

@@ -191,6 +191,9 @@ enum Command {
     Effects {
         /// Name of an effect
         name: Option<String>,
+        /// Scenario whose formulas are listed with them
+        #[arg(long, value_name = "SCENARIO")]
+        of: Option<PathBuf>,
     },
     /// Write the built-in scenarios and a commented template; never overwrites
     Init {
@@ -294,7 +297,8 @@ pub fn run(cli: Cli) -> Result<()> {
             verdict,
             limits,
         } => {
-            let options = trial::searched((&search, &candidates), max_effects, seed)?;
+            let own = if candidates.is_empty() { Vec::new() } else { effects::formulas(&scenario)? };
+            let options = trial::searched((&search, &candidates), &own, max_effects, seed)?;
             let json = json.map(Json::from);
             let out = out.as_deref().map(|out| (out, &drawn));
             let output = output.as_deref();
@@ -310,7 +314,7 @@ pub fn run(cli: Cli) -> Result<()> {
         Command::Trial(arguments) => trial::execute(&arguments, &global),
         Command::Prony(arguments) => prony::execute(&arguments, &global),
         Command::Check { scenarios } => check::execute(&scenarios),
-        Command::Effects { name } => effects::execute(name.as_deref()),
+        Command::Effects { name, of } => effects::execute(name.as_deref(), of.as_deref()),
         Command::Init { dir } => init::execute(&dir),
         Command::Completions { shell } => shell::completions(shell),
         Command::Man { out } => shell::man(out.as_deref(), &global),

@@ -39,7 +39,7 @@ pub fn execute(path: &Path, (out, drawn): (&Path, &FigureOutput), global: &Globa
             let discovery = discover::discover(scenario, table, &discover::SearchOptions::default());
             figures.extend(simulate::discovery(&discovery, results)?);
             super::discover::words(&discovery, None).iter().try_for_each(|line| say(global, line))?;
-            if let Some(found) = free_form::beside(&discovery, false) {
+            if let Some(found) = discover::beside(&discovery, false) {
                 figures.extend(simulate::free_form(&found, &scenario.id, results)?);
                 free_form::lines(&found, true).iter().try_for_each(|line| say(global, line))?;
             }

@@ -7,7 +7,7 @@ use crate::cache::{Cache, Key};
 use crate::compare::Comparison;
 use crate::discover::{self, Discovery};
 use crate::error::Result;
-use crate::free_form::{self, FreeForm};
+use crate::free_form::FreeForm;
 use crate::gate::{self, Judged};
 use crate::measurement::Table;
 use crate::report::{self, FigureInput, FigureView, ScenarioView};
@@ -115,7 +115,7 @@ fn discovered(work: &Work<'_>, out: &Folder) -> Result<Vec<Option<Discover>>> {
         let Some(table) = table else { return Ok(None) };
         let discovery = discover::discover(scenario, table, &discover::SearchOptions::default());
         let figures = simulate::discovery(&discovery, out)?;
-        let free_form = free_form::beside(&discovery, false);
+        let free_form = discover::beside(&discovery, false);
         let drawn = |found: FreeForm| simulate::free_form(&found, &scenario.id, out).map(|figures| (found, figures));
         Ok(Some((discovery, figures, free_form.map(drawn).transpose()?)))
     };

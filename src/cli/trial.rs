@@ -4,6 +4,7 @@ use super::figure_output::FigureOutput;
 use super::folder::Folder;
 use super::{Global, Json, say, simulate};
 use crate::discover::{Candidates, SearchOptions};
+use crate::effects::Effect;
 use crate::error::{Error, Result};
 use crate::trial::{self, Bench, Options, Record, Summary};
 use crate::{scenario, terminal, units};
@@ -62,16 +63,17 @@ pub struct Arguments {
     candidates: Vec<String>,
 }
 
-/// The options of a search with settings NAME=VALUE, and the effects that it asks for.
+/// The options of a search with settings NAME=VALUE, and the effects that it asks for, a scenario's `own` among them.
 ///
 /// # Errors
 /// [`Error::Input`] naming the first setting that is none, or the first effect.
 pub(super) fn searched(
     (settings, candidates): (&[String], &[String]),
+    own: &[&'static dyn Effect],
     max_effects: u8,
     seed: u32,
 ) -> Result<SearchOptions> {
-    let candidates = Candidates::of(candidates).map_err(|why| {
+    let candidates = Candidates::of(candidates, own).map_err(|why| {
         Error::Input(format!(
             "error: --candidates: {why}\n  = help: names of effects or `all`; `stickslip effects` lists them"
         ))
@@ -99,7 +101,7 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
         noise: a.noise.iter().map(|text| share("--noise", text, 1e-6)).collect::<Result<_>>()?,
         outliers: share("--outliers", &a.outliers, 0.0)?,
         phase: !a.no_phase,
-        search: searched((&a.search, &a.candidates), a.max_effects, 0)?,
+        search: searched((&a.search, &a.candidates), &[], a.max_effects, 0)?,
         out: a.out.clone(),
         inputs: a.conditions.iter().cloned().collect(),
     };

@@ -14,19 +14,22 @@ pub enum Candidates {
 }
 
 impl Candidates {
-    /// Of a list of names or `all`, which an empty list is, too.
+    /// Of a list of names or `all`, which an empty list is, too; names of the catalogue, or of a scenario's `own`
+    /// formulas.
     ///
     /// # Errors
     /// In words, naming the first that is unknown.
-    pub fn of<S: AsRef<str>>(list: &[S]) -> Result<Self, String> {
+    pub fn of<S: AsRef<str>>(list: &[S], own: &[&'static dyn Effect]) -> Result<Self, String> {
         let words: Vec<&str> = list.iter().map(|word| word.as_ref().trim()).collect();
         match words[..] {
             [] | ["all"] => return Ok(Self::All),
             _ => {}
         }
         let name = |word: &&str| {
-            find(word).map(Effect::name).ok_or_else(|| {
-                let near = nearest(word, REGISTRY.iter().map(|effect| effect.name()));
+            let known = || REGISTRY.iter().chain(own).map(|effect| effect.name());
+            let own = own.iter().copied().find(|effect| effect.name() == *word);
+            find(word).or(own).map(Effect::name).ok_or_else(|| {
+                let near = nearest(word, known());
                 let hint = near.map_or(String::new(), |near| format!(", did you mean `{near}`"));
                 format!("there is no effect `{word}`{hint}")
             })
@@ -59,10 +62,10 @@ mod tests {
     fn a_list_is_read_and_refused_with_what_would_do() {
         let power = find("power-damping").expect("registered");
         let none: [&str; 0] = [];
-        let includes = |list: &[&str]| Candidates::of(list).expect("known").include(power);
-        assert_eq!(Candidates::of(&none), Ok(Candidates::All));
+        let includes = |list: &[&str]| Candidates::of(list, &[]).expect("known").include(power);
+        assert_eq!(Candidates::of(&none, &[]), Ok(Candidates::All));
         assert!(includes(&["all"]) && includes(&["stribeck", " power-damping"]) && !includes(&["lugre"]));
-        let refused = Candidates::of(&["lugre", "power-dampin"]).expect_err("no such effect");
+        let refused = Candidates::of(&["lugre", "power-dampin"], &[]).expect_err("no such effect");
         assert_eq!(refused, "there is no effect `power-dampin`, did you mean `power-damping`");
     }
 }

@@ -4,6 +4,7 @@ use super::criteria::is_worth;
 use super::hypothesis::{Addition, Basis, Estimate, Hypothesis, count, extended, not_searched};
 use super::known::{Entry, Known};
 use super::select::{CONTINUED, Search};
+use super::unnamed::{OF_AMPLITUDE, is_drift_a_law_of_the_amplitude};
 use super::{Candidate, Discovery, Evidence, MARGIN, NotTestable, Step, Verdict, fall, held_out, next, verdict};
 use crate::compare::{self, Calibration, Comparison};
 use crate::fit::{Interval, TAIL, approximate_intervals, is_lost, operation};
@@ -69,6 +70,19 @@ fn pays(before: &Step, last: &Step) -> bool {
         last.comparison.overall.readings,
         last.comparison.whiteness.autocorrelation,
     )
+}
+
+/// Groups of names that the data do not tell apart beside the last of the steps.
+fn not_told_apart(ties: &[Vec<Hypothesis>], steps: &[Step]) -> Vec<Vec<String>> {
+    let names = |tied: &Vec<Hypothesis>| tied.iter().filter_map(|h| Some(h.additions.last()?.name().into())).collect();
+    let mut groups: Vec<Vec<String>> = ties.iter().filter(|tied| tied.len() > 1).map(names).collect();
+    if is_drift_a_law_of_the_amplitude(&steps[0], &steps[steps.len() - 1]) {
+        match groups.iter_mut().find(|group| group.first().is_some_and(|name| name == "drift")) {
+            Some(group) => group.push(OF_AMPLITUDE.into()),
+            None => groups.push(vec!["drift".into(), OF_AMPLITUDE.into()]),
+        }
+    }
+    groups
 }
 
 /// The figures that the verdict on an explanation follows from.
@@ -201,8 +215,6 @@ impl Search<'_> {
         let verdict = verdict(&evidence(&steps[0], end, self.table.points.len()));
         let tied = || ties.iter().filter(|tied| tied.len() > 1);
         let rivals: Vec<Hypothesis> = tied().flatten().cloned().collect();
-        let names =
-            |tied: &Vec<Hypothesis>| tied.iter().filter_map(|h| Some(h.additions.last()?.name().into())).collect();
         let not_testable = self.not_testable(&candidates, known, &showing);
         let next_measurement = self.next(&end.hypothesis, &rivals, &candidates);
         let spent = !self.goes_on();
@@ -224,7 +236,7 @@ impl Search<'_> {
         Discovery {
             verdict,
             candidates,
-            indistinguishable: tied().map(names).collect(),
+            indistinguishable: not_told_apart(ties, &steps),
             asked: self.pool.iter().filter(|addition| addition.is_effect()).map(Addition::name).collect(),
             not_testable,
             outliers: end.comparison.outliers.clone(),
@@ -322,7 +334,7 @@ impl Search<'_> {
         unit: f64,
     ) -> Vec<Candidate> {
         let mut all = to_be_ranked(steps, (known, showing), ties);
-        all.sort_by_key(|(hypothesis, _)| hypothesis.additions.len());
+        all.sort_by_key(|(hypothesis, _)| (hypothesis.additions.len(), hypothesis.fit.parameters.len()));
         counted_as_contained(&mut all, unit);
         all.iter_mut().for_each(|(hypothesis, _)| hypothesis.bic = self.bic(unit, hypothesis));
         // What was not fitted to all points is estimated, and never better than what was.

@@ -18,6 +18,11 @@ pub enum Addition {
 }
 
 impl Addition {
+    /// Whether it is another effect with a parameter at a value.
+    pub fn is_case_of(&self, other: &Self) -> bool {
+        matches!((self, other), (Self::Effect(one), Self::Effect(other)) if other.contains().contains(&one.name()))
+    }
+
     /// Name in tables and JSON.
     pub fn name(&self) -> &'static str {
         match self {
@@ -228,14 +233,22 @@ impl Hypothesis {
         self.additions.iter().all(|a| other.additions.contains(a))
     }
 
-    /// Whether it is a special case of another, larger one: what that adds can be switched off.
+    /// Whether it is a special case of another, larger one: what that adds can be switched off, or has an effect of this
+    /// one as a case of its own.
     pub fn nested_in(&self, other: &Self) -> bool {
-        let added = || other.additions.iter().filter(|a| !self.additions.contains(a));
-        let switched_off = |a: &Addition| match a {
+        let mut rest: Vec<&Addition> = other.additions.iter().collect();
+        let mut is_larger = rest.len() > self.additions.len();
+        for addition in &self.additions {
+            let same = rest.iter().position(|of| *of == addition);
+            let Some(at) = same.or_else(|| rest.iter().position(|of| addition.is_case_of(of))) else { return false };
+            is_larger |= same.is_none();
+            rest.remove(at);
+        }
+        let switched_off = |a: &&Addition| match a {
             Addition::Effect(effect) => !effect.zero().is_empty(),
             Addition::Recalibration(_) => true,
         };
-        self.within(other) && other.additions.len() > self.additions.len() && added().all(switched_off)
+        is_larger && rest.iter().all(switched_off)
     }
 
     /// Names of the effects added, in order.
@@ -260,4 +273,25 @@ impl Hypothesis {
 /// Number of parameters of a model that `keys` name and a fit can move.
 pub fn count(model: &Model, keys: &[String]) -> usize {
     keys.iter().filter(|key| parameter(model, key).is_some()).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every effect that contains another has it in the catalogue, and is not itself a case of that.
+    #[test]
+    fn cases_are_effects_and_no_circle() {
+        let all: Vec<Addition> = effects::REGISTRY.iter().map(|effect| Addition::Effect(*effect)).collect();
+        let mut cases = 0;
+        for one in &all {
+            let Addition::Effect(effect) = one else { continue };
+            for name in effect.contains() {
+                let case = Addition::Effect(find(name).expect("registered"));
+                assert!(case.is_case_of(one) && !one.is_case_of(&case), "{name}");
+                cases += 1;
+            }
+        }
+        assert!(cases >= 3);
+    }
 }

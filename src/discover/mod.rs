@@ -23,6 +23,7 @@ mod race;
 mod reduce;
 mod runner;
 mod select;
+mod unnamed;
 mod verdict;
 mod words;
 
@@ -35,6 +36,7 @@ pub use json::{DiscoveryJson, SCHEMA, json};
 pub use next::{Bounds, NextMeasurement, farthest};
 pub use options::{MARGIN, SearchOptions};
 pub use select::{discover, discover_counted, explain};
+pub use unnamed::beside;
 pub use verdict::{Evidence, verdict};
 pub use words::{how_sure, identified, open_ends, sentence};
 

@@ -1,7 +1,6 @@
 //! Readings far wider than a resonance: whether those about it are followed better alone.
 
 use super::Verdict;
-use super::criteria::is_worth;
 use super::select::Search;
 use crate::compare::{self, Compared, Comparison, calibrate};
 use crate::measurement::{Point, TOLD};
@@ -10,9 +9,12 @@ use crate::solver::cycle::Tolerance;
 use crate::statistics::median;
 use crate::units::readable::percent;
 
+/// By how much smaller residuals have to be for it to be told.
+const BETTER: f64 = 2.0;
+
 impl Search<'_> {
-    /// Where nothing explains the readings of a rig without contact, though those about the resonance alone are followed
-    /// better by calibration than by the best explanation of all: which they are, in words.
+    /// Where nothing explains the readings of a rig without contact, though calibration alone follows those about the
+    /// resonance far better than the best explanation follows all: which they are, in words.
     pub(super) fn followed_alone(&self, verdict: Verdict, end: &Comparison) -> Option<String> {
         let model = Model::new(self.scenario);
         if verdict != Verdict::Unexplained || model.has_contact {
@@ -24,16 +26,15 @@ impl Search<'_> {
         let alone = calibrate(&model, &self.scenario.free, &points, Tolerance::FIT, self.options.seed);
         self.data.count(alone.solved);
         let followed = compare::compared(&points, &alone.fit.evaluation.predictions);
-        let before: Vec<&Compared> = end.points.iter().filter(|p| inside(&p.point)).collect();
-        let [now, then] = [squares(followed.iter()), squares(before.iter().copied())];
-        let readings = points.iter().map(|p| 1 + usize::from(p.phase.is_some())).sum();
-        if !is_worth(then / now, alone.fit.parameters.len(), readings, end.whiteness.autocorrelation) {
+        // Readings enough to have left an error, and half of that of all.
+        let is_told = points.len() > 2 * alone.fit.parameters.len();
+        if !is_told || BETTER * BETTER * mean_square(followed.iter()) > mean_square(end.points.iter()) {
             return None;
         }
-        let [now, then] = [error(followed.iter()), error(before.iter().copied())].map(|error| percent(error, 2));
+        let [now, all] = [error(followed.iter()), error(end.points.iter())].map(|error| percent(error, 2));
         Some(format!(
-            "the {} points from {from} to {to} Hz, about the resonance, are followed to {now} by calibration alone (here \
-             {then}): what lies beyond has another cause; for that resonance write frequency = {{ from = \"{from} Hz\", to = \
+            "the {} points from {from} to {to} Hz, about the resonance, are followed to {now} by calibration alone (all: \
+             {all}): what lies beyond has another cause; for that resonance write frequency = {{ from = \"{from} Hz\", to = \
              \"{to} Hz\" }} in [measurement]",
             points.len()
         ))
@@ -69,9 +70,10 @@ fn of_series(points: &[&Point]) -> Option<(f64, f64)> {
     Some((points[first].frequency, points[last].frequency))
 }
 
-/// Sum of squares in standard deviations.
-fn squares<'a>(points: impl Iterator<Item = &'a Compared>) -> f64 {
-    points.map(|p| p.amplitude_residual.powi(2) + p.phase_residual.map_or(0.0, |r| r * r)).sum()
+/// Mean square of the amplitudes' residuals in standard deviations.
+fn mean_square<'a>(points: impl ExactSizeIterator<Item = &'a Compared>) -> f64 {
+    let count = points.len() as f64;
+    points.map(|p| p.amplitude_residual.powi(2)).sum::<f64>() / count
 }
 
 /// Root mean square of the relative error of the amplitude.

@@ -36,8 +36,10 @@ pub fn sentence(d: &Discovery) -> String {
         }
         Verdict::Unexplained if end.hypothesis.additions.is_empty() => {
             let nothing = match nearest(d) {
-                _ if d.candidates.len() < 2 && d.spent => "and the budget was spent before anything was tried".into(),
                 _ if d.candidates.len() < 2 => "and nothing was tried".into(),
+                None if d.spent && !d.candidates.iter().any(is_fitted) => {
+                    "and the budget was spent before anything was fitted to all readings".into()
+                }
                 Some(nearest) => nearest,
                 None => "and nothing of the catalogue takes off enough of it to count".into(),
             };
@@ -63,10 +65,14 @@ pub fn sentence(d: &Discovery) -> String {
     }
 }
 
+/// Whether something that was added was fitted to all readings.
+fn is_fitted(c: &Candidate) -> bool {
+    !c.hypothesis.additions.is_empty() && c.hypothesis.basis() == Basis::AllPoints
+}
+
 /// What of the catalogue comes nearest to an explanation, where that was none.
 fn nearest(d: &Discovery) -> Option<String> {
-    let of = |c: &&Candidate| c.hypothesis.basis() == Basis::AllPoints;
-    let best = d.candidates.iter().find(of).filter(|c| !c.hypothesis.additions.is_empty())?;
+    let best = d.candidates.iter().find(|c| is_fitted(c))?;
     let base = d.candidates.iter().find(|c| c.hypothesis.additions.is_empty());
     let is_ahead = base.is_none_or(|base| base.delta_bic - best.delta_bic > MARGIN);
     let [before, after] = [d.steps[0].comparison.overall.chi2_per_point, best.chi2_per_point];

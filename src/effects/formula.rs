@@ -176,22 +176,23 @@ impl Formula {
                 held: false,
             }
         };
-        let mut infos: Vec<ParameterInfo> = statement.parameters.iter().map(info).collect();
-        for (index, info) in infos.iter_mut().enumerate() {
-            let strength = zero.iter().any(|zero| zero.parameter == index);
-            let stated = &statement.parameters[index];
-            info.signed &= strength || stated.range.is_some() || stated.value < 0.0;
-            info.meaning = if strength { "strength of the formula" } else { info.meaning };
-        }
         let of = match statement.acts_on {
             ActsOn::Force => "force",
             ActsOn::Friction => "term of μ",
             ActsOn::ContactForce => "force of the bristles",
         };
+        let equation = format!("{of} {}", statement.text.split_whitespace().collect::<Vec<_>>().join(" "));
+        let mut infos: Vec<ParameterInfo> = statement.parameters.iter().map(info).collect();
+        for (index, info) in infos.iter_mut().enumerate() {
+            let strength = zero.iter().any(|zero| zero.parameter == index);
+            let stated = &statement.parameters[index];
+            info.signed &= strength || stated.range.is_some() || stated.value < 0.0;
+            info.meaning = if strength { format!("strength of the {equation}").leak() } else { info.meaning };
+        }
         Ok(Self {
             name: statement.name.clone().leak(),
             title: format!("Formula of the scenario: {}", statement.name).leak(),
-            equation: format!("{of} {}", statement.text.split_whitespace().collect::<Vec<_>>().join(" ")).leak(),
+            equation: equation.leak(),
             infos: infos.leak(),
             zero: zero.leak(),
             shape: program.shape(),

@@ -33,6 +33,9 @@ impl Effect for FrictionJoint {
          and the damping passes through a maximum where the motion is about twice the one at which slip begins. Curves of \
          different drive differ in frequency and in relative height; at large motion they tend to those of the body alone."
     }
+    fn contains(&self) -> &'static [&'static str] {
+        &["pivot-friction"]
+    }
     fn impersonator(&self) -> &'static str {
         "over a small range of amplitudes a softening spring with an amplitude-dependent damping looks the same; a wider range of \
          drives tells, since the joint's softening ends where it slips as a whole"

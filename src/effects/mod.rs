@@ -136,6 +136,11 @@ pub trait Effect: Sync {
     fn impersonator(&self) -> &'static str {
         ""
     }
+
+    /// Effects that are this one with a parameter at a value or a bound: they are nested in it.
+    fn contains(&self) -> &'static [&'static str] {
+        &[]
+    }
     /// Parameter values at which the base returns, all at once; empty where the effect replaces a part of the base.
     fn zero(&self) -> &'static [Zero];
     /// Its parameters in order, at most four where it has a law.

@@ -34,6 +34,9 @@ impl Effect for PowerDamping {
          grows less than in proportion to the drive, for p < 1 more, and below a threshold of the drive with p = 0 nothing \
          moves."
     }
+    fn contains(&self) -> &'static [&'static str] {
+        &["pivot-friction", "quadratic-damping"]
+    }
     fn impersonator(&self) -> &'static str {
         "over a small range of amplitudes any other p with its D; quadratic-damping is this with p = 2, pivot-friction with p = 0"
     }

@@ -22,14 +22,12 @@ mod variable;
 mod words;
 
 pub use json::{FreeFormJson, json};
+pub use judge::MOST;
 pub use shapes::Shape;
 pub use variable::Variable;
 pub use words::lines;
 
 use crate::compare::{Comparison, units_of_force};
-use crate::discover::{Discovery, Verdict};
-use crate::fit::operation;
-use crate::model::alone::Alone;
 use crate::model::lumps::Lumps;
 use class::Class;
 use fit::Fitted;
@@ -122,39 +120,6 @@ impl FreeForm {
     pub fn tied(&self) -> impl Iterator<Item = &Dependence> {
         self.classes.iter().filter(|class| class.standing == Standing::Tied)
     }
-}
-
-/// The free form beside a discovery: where that leaves something unexplained, or where it is `wanted` whatever it
-/// found. It stands on the calibrated base, not on what helps.
-pub fn beside(discovery: &Discovery, wanted: bool) -> Option<FreeForm> {
-    (wanted || discovery.verdict == Verdict::Unexplained).then(|| {
-        let mut found = analyse(&discovery.steps[0].comparison);
-        if let Some(text) = contradicted(discovery, &found) {
-            found.classes.iter_mut().for_each(|class| class.standing = Standing::Undecided);
-            found.shapes.clear();
-            found.statement = text;
-        }
-        found
-    })
-}
-
-/// That a law of the amplitude which was found explains most of what the class of the amplitude, which contains it,
-/// could not: that was not followed to its minimum, and tells nothing. In words, where it is so.
-fn contradicted(discovery: &Discovery, found: &FreeForm) -> Option<String> {
-    let [base, first, ..] = &discovery.steps[..] else { return None };
-    let class = found.classes.iter().find(|class| class.variables == [Variable::Amplitude])?;
-    let at = operation(base.comparison.table.points.first()?);
-    let is_law = !base.hypothesis.model.has_contact && !Alone::new(&first.hypothesis.model, &at).is_linear();
-    let [before, left] = [base, first].map(|step| step.comparison.overall.rms_error_percent);
-    let explained = 100.0 * (1.0 - (left / before).powi(2));
-    (is_law && explained >= judge::MOST && class.explained_percent < judge::MOST).then(|| {
-        format!(
-            "on which variable what is missing depends is not told: smooth curves of the amplitude leave {:.1} % from the \
-             calibrated base on, where {} leaves {left:.1} %",
-            class.left_rms_percent,
-            first.hypothesis.label()
-        )
-    })
 }
 
 /// On which variable depends what the calibrated model of a comparison leaves.
@@ -254,32 +219,4 @@ fn curve(axis: &class::Axis, fitted: &Fitted, scale: f64, (units, lever): ([f64;
         .collect();
     let part = |i: usize| bands.iter().map(|band| band[i]).collect();
     Curve { variable: axis.variable, values, stiffness: part(0), damping: part(1) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::discover::{SearchOptions, discover};
-    use crate::{measurement, scenario};
-
-    #[test]
-    fn a_class_that_is_worse_than_a_law_in_it_tells_nothing() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let table = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/oscillators/d.csv");
-        std::fs::copy(table, folder.path().join("d.csv")).expect("a copy");
-        let text = "title = 'd'\n[rig]\nkind = 'oscillator'\ndrive = 'force'\nmass = '3.02e-6 kg'\nnatural_frequency = '7957.7 Hz'\n\
-             quality_factor = 300\n[measurement]\nfile = 'd.csv'\n[fit]\nfree = ['rig.mass', 'rig.natural_frequency', \
-             'rig.quality_factor']\n";
-        let path = folder.path().join("a.toml");
-        std::fs::write(&path, text).expect("a file");
-        let scenario = scenario::load(&path).expect("a scenario");
-        let table = measurement::load(&scenario).expect("a table").expect("measurements");
-        let d = discover(&scenario, &table, &SearchOptions::default());
-        let mut found = beside(&d, true).expect("asked for");
-        assert_eq!(found.leading().map(Dependence::name).as_deref(), Some("amplitude"));
-        let class = found.classes.iter_mut().find(|class| class.variables == [Variable::Amplitude]);
-        class.expect("the class").explained_percent = 0.0;
-        let text = contradicted(&d, &found).expect("a damping explains more");
-        assert!(text.contains("quadratic-damping leaves"), "{text}");
-    }
 }

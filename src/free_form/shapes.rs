@@ -46,7 +46,10 @@ pub fn shapes(c: &Comparison, readings: &Readings<'_>, judged: &Judged<'_>, lead
         })
         .collect();
     let of = |effect: &&'static dyn Effect| Law::of(c, readings, judged, leading, *effect)?.nearest();
-    let mut found: Vec<Shape> = usable.par_iter().filter_map(of).collect();
+    // What leaves as much as a constant alone has none of the shape.
+    let is_nearer =
+        |shape: &Shape| shape.explained_percent > 0.0 && shape.left_rms_percent < judged.tried[0].left_rms_percent;
+    let mut found: Vec<Shape> = usable.par_iter().filter_map(of).filter(is_nearer).collect();
     found.sort_by(|a, b| b.explained_percent.total_cmp(&a.explained_percent).then(a.effect.cmp(b.effect)));
     found
 }

@@ -271,9 +271,7 @@ impl Search<'_, '_> {
             let unit = match bracket {
                 Some(text) => wanted.unit(text).ok()?,
                 // The end of a name is a word more often than a unit.
-                None => {
-                    wanted.unit(name.rsplit_once('_')?.1).ok().filter(|unit| unit.is_voltage() || unit.si == "rad")?
-                }
+                None => wanted.unit(name.rsplit_once('_')?.1).ok().filter(Unit::is_voltage)?,
             };
             Some((index, header::plain(name), unit))
         };
@@ -380,7 +378,13 @@ impl Search<'_, '_> {
             };
             if let Some(index) = (0..self.taken.len()).find(is_bare) {
                 self.choices.push((COLUMNS[AMPLITUDE].into(), sheet.header.cells[index].clone()));
-                named[AMPLITUDE].push(Candidate { index, unit: Unit::of("V"), stated: false });
+                // Of two columns the name may end in the unit: `theta_rad`.
+                let wanted = Wanted { possible: READINGS, natural: None, share: false, per_drive: false };
+                let header = sheet.headed(index);
+                let end = header.rsplit_once('_').and_then(|(_, end)| wanted.unit(end).ok());
+                let stated = end.is_some();
+                let unit = end.unwrap_or_else(|| Unit::of("V"));
+                named[AMPLITUDE].push(Candidate { index, unit, stated });
             }
         }
         for column in [DRIVE, AMPLITUDE] {

@@ -129,7 +129,8 @@ pub fn fragment(analysis: &Analysis, branch: &Branch, factor: Option<f64>) -> St
     remark(match factor {
         Some(factor) => format!("Stiffness = modulus x {}.", units::format(factor, "m")),
         None => "No geometry was stated (--geometry): this is for a contact stiffness of 1 N/m. Multiply stiffness, damping and k_1 \
-                 by that of your contact; the ratios are the material's."
+                 by that of your contact; the ratios are the material's. Or let one factor be found: with \"rig.contact_factor\" in \
+                 [fit] free its square multiplies all three."
             .into(),
     });
     let [storage, loss] = branch.rms.map(|share| readable::percent(share, 2));

@@ -18,7 +18,6 @@ pub use branch::{Branch, fragment, hertz, told};
 pub use law::{Fitted, Law};
 pub use read::{read, read_bytes};
 
-use rayon::prelude::*;
 use serde::Serialize;
 use std::ops::Range;
 

@@ -200,6 +200,19 @@ fn an_angle_beside_a_reading_is_a_phase_and_never_the_reading() {
 }
 
 #[test]
+fn what_cannot_be_read_is_named() {
+    let refused = |text: &str| survey("t.csv", text).unwrap_err();
+    let side = "f [Hz];70;71;72;73\nA [mm];1;2;3;2\nphase [deg];-1;-40;-90;-120\n";
+    assert!(refused(side).contains("lies on its side"), "{}", refused(side));
+    let rows = resonance(|f, a, phase| format!("{f};{a};{phase}\n"));
+    let unit = refused(&format!("f [Hz];A [furlong];drive [V]\n{rows}"));
+    assert!(unit.contains("no unit that is known: `A [furlong]`"), "{unit}");
+    // Series in words are no names of rows.
+    let words = resonance(|f, a, phase| format!("first;{f};{a};{phase}\n"));
+    survey("t.csv", &format!("series;f (s^-1);A [mm];phase [deg]\n{words}")).unwrap_or_else(|error| panic!("{error}"));
+}
+
+#[test]
 fn traces_marks_and_real_numbers_of_an_analyser() {
     let text = format!(
         "#f(Hz)\tCH1_S11_1=S21_dB\tCH1_S11_1=S21_deg\n{}",
