@@ -9,6 +9,7 @@ use super::{Candidate, Discovery, Evidence, MARGIN, NotTestable, Step, Verdict, 
 use crate::compare::{self, Calibration, Comparison};
 use crate::fit::{Interval, TAIL, approximate_intervals, is_lost, operation};
 use crate::measurement::{Noise, curves};
+use crate::model::Model;
 use crate::model::alone::Alone;
 use rayon::prelude::*;
 use std::sync::OnceLock;
@@ -413,8 +414,14 @@ impl Search<'_> {
                 continue;
             }
             let would_show = base.map_or_else(String::new, |base| {
+                // Beside the calibrated base: a form was looked at beside other numbers of the rig, too.
                 let fitted = base.hypothesis.fitted();
-                next::would_show(&fitted, &entry.strongest, self.table, &self.options.bounds)
+                let beside = |form: &Model| {
+                    let effects = fitted.effects.iter().chain(form.effects.last()).cloned().collect();
+                    Model { effects, ..fitted.clone() }
+                };
+                let forms: Vec<Model> = entry.strongest.iter().map(beside).collect();
+                next::would_show(&fitted, &forms, self.table, &self.options.bounds)
             });
             list.push(NotTestable {
                 effect: addition.name().into(),
