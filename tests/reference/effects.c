@@ -11,6 +11,7 @@ static const double TWO_PI = 6.283185307179586476925;
 
 #define POT 48
 #define JOINT 200
+#define BRUSH 1000
 
 static double power(double x, double p) { return copysign(pow(fabs(x), p), x); }
 
@@ -40,6 +41,12 @@ typedef struct {
     double K2, K3, K5, D2, kn, k1, tau;
     double F_max, x_2;                 /* Berg's friction of the stretch */
     double relaxations, pot[2 * POT]; /* a spring-pot: stiffness and rate of each */
+    double leave;                      /* rate at which bristles leave the contact: V over their travel */
+    double P_0, tau_T;                 /* heat of friction */
+    double a_s, B_s, v_s, D_c;         /* rate and state */
+    double m_r, c_r, k_r;              /* the roller's surface, where m_r > 0 */
+    double lugre, sigma_2;             /* an element of LuGre's in place of the slider */
+    double elements, slip[BRUSH], share[BRUSH]; /* elements side by side: the stretch beyond which each slips, its part of kc and cc */
 } rig;
 
 static double friction(const rig *r, double s)
@@ -57,7 +64,63 @@ static double friction(const rig *r, double s)
 }
 
 /* x_r, F_r, up: the last reversal of the stretch and the direction since; F_b: Berg's force; p: forces of the spring-pot. */
-typedef struct { double th, w, a, x, d, q, x_r, F_r, up, F_b, p[POT]; } state;
+typedef struct {
+    double th, w, a, x, d, q, x_r, F_r, up, F_b, p[POT];
+    double s, psi, heat, T;       /* slip rate, age of the contact over D_c/v_s, power of friction, temperature */
+    double y, yd, ya;             /* the roller's surface */
+    double xs[BRUSH], ds[BRUSH]; /* elements side by side */
+} state;
+
+/* The coefficient of friction at the end of a step that ends with this slip rate and force; its own states go to n. */
+static double coefficient(const rig *r, const state *z, state *n, double h, double s, double force)
+{
+    double mu = friction(r, s);
+    n->s = s;
+    if (r->D_c > 0.0) {
+        n->psi = (z->psi + 0.5 * h * (2.0 - z->s * z->psi / r->D_c)) / (1.0 + 0.5 * h * s / r->D_c);
+        mu += r->a_s * log1p(s / r->v_s) + r->B_s * log1p(r->v_s * n->psi / r->D_c);
+    }
+    if (r->P_0 > 0.0) {
+        n->heat = fabs(force) * s / r->P_0;
+        n->T = (z->T * (1.0 - 0.5 * h / r->tau_T) + 0.5 * h / r->tau_T * (z->heat + n->heat)) / (1.0 + 0.5 * h / r->tau_T);
+        mu /= 1.0 + n->T;
+    }
+    return mu;
+}
+
+/* Force of elements side by side at a rate v of the surfaces, and its slope by that rate. */
+static double brush(const rig *r, const state *z, state *n, double h, double v, double *slope)
+{
+    double sum = 0.0;
+    *slope = 0.0;
+    for (int i = 0; i < (int)r->elements; i++) {
+        double k = r->kc * r->share[i], by = 0.5 * h * k + r->cc * r->share[i];
+        double begun = k * (z->xs[i] + 0.5 * h * z->ds[i]), force = begun + by * v, most = k * r->slip[i];
+        n->ds[i] = v;
+        if (fabs(force) > most) {
+            force = copysign(most, force);
+            n->ds[i] = (force - begun) / by;
+        } else
+            *slope += by;
+        n->xs[i] = z->xs[i] + 0.5 * h * (z->ds[i] + n->ds[i]);
+        sum += force;
+    }
+    return sum;
+}
+
+/* Stretch rate behind a roller's surface that gives way under the force, and by how much less it follows the arm. */
+static double yielding(const rig *r, const state *z, state *n, double h, double v, double *gain)
+{
+    double left = r->m_r + 0.5 * h * r->c_r + 0.25 * h * h * r->k_r, e = 0.5 * h / left;
+    double begun = r->kc * (z->x + 0.5 * h * z->d), by = 0.5 * h * r->kc + r->cc;
+    double yd = z->yd + 0.5 * h * z->ya, y = z->y + h * z->yd + 0.25 * h * h * z->ya;
+    double d = (v + yd - e * (begun + r->c_r * yd + r->k_r * y)) / (1.0 + e * by);
+    n->ya = (-(begun + by * d) - r->c_r * yd - r->k_r * y) / left;
+    n->yd = yd + 0.5 * h * n->ya;
+    n->y = y + 0.25 * h * h * n->ya;
+    *gain = 1.0 / (1.0 + e * by);
+    return d;
+}
 
 /* Berg's force at the end of a step, which begins with a reversal if the stretch turns back; returns its slope. */
 static double berg(const rig *r, const state *z, state *n)
@@ -81,10 +144,17 @@ static double step(const rig *r, const state *z, double t, double h, double s, s
     for (int i = 0; i < 30; i++) {
         n->w = z->w + 0.5 * h * (z->a + a);
         n->th = z->th + 0.5 * h * (z->w + n->w);
-        n->d = r->V - r->b * n->w - s;
-        n->x = z->x + 0.5 * h * (z->d + n->d);
+        double gain = 1.0, own = 0.0, v = r->V - r->b * n->w, kept = 1.0 + 0.5 * h * r->leave;
+        n->d = r->m_r > 0.0 ? yielding(r, z, n, h, v - s, &gain) : v - s;
+        n->x = (z->x * (2.0 - kept) + 0.5 * h * (z->d + n->d)) / kept;
+        if (r->lugre > 0.0) {
+            double rate = r->kc * fabs(v) / (r->mu * r->W);
+            n->x = (z->x + 0.5 * h * (z->d + v)) / (1.0 + 0.5 * h * rate);
+            n->d = v - rate * n->x;
+            own = r->sigma_2 * v;
+        }
         n->q = (z->q * (1.0 - 0.5 * h / r->tau) + r->k1 * 0.5 * h * (z->d + n->d)) / (1.0 + 0.5 * h / r->tau);
-        force = r->kc * n->x + r->cc * n->d + n->q;
+        force = r->kc * n->x + r->cc * n->d + n->q + own;
         for (int j = 0; j < (int)r->relaxations; j++) {
             double k = r->pot[2 * j], fade = 0.5 * h * r->pot[2 * j + 1];
             n->p[j] = (z->p[j] * (1.0 - fade) + k * 0.5 * h * (z->d + n->d)) / (1.0 + fade);
@@ -94,12 +164,14 @@ static double step(const rig *r, const state *z, double t, double h, double s, s
             hysteresis = berg(r, z, n);
             force += n->F_b;
         }
+        double follows = ((r->kc + hysteresis) * 0.5 * h / kept + r->cc + branch) * gain + r->sigma_2;
+        if (r->elements > 0.0) force = brush(r, z, n, h, v, &follows);
         double y = n->th, y2 = y * y;
         double spring = r->K * y + r->K2 * y2 + r->K3 * y2 * y + r->K5 * y2 * y2 * y;
         double slope = r->K + 2.0 * r->K2 * y + 3.0 * r->K3 * y2 + 5.0 * r->K5 * y2 * y2;
         double left = r->J * a + r->C * n->w + spring + r->D2 * fabs(n->w) * n->w - drive - r->b * force;
         double by = r->J + 0.5 * h * (r->C + 2.0 * r->D2 * fabs(n->w)) + 0.25 * h * h * slope
-                  + r->b * r->b * 0.5 * h * ((r->kc + hysteresis) * 0.5 * h + r->cc + branch);
+                  + r->b * r->b * 0.5 * h * follows;
         double move = left / by;
         a -= move;
         if (fabs(move) <= 1e-13 * (fabs(a) + fabs(drive) / r->J)) break;
@@ -111,16 +183,40 @@ static double step(const rig *r, const state *z, double t, double h, double s, s
 static double excess(const rig *r, const state *z, double t, double h, double sign, double s, state *n)
 {
     double force = step(r, z, t, h, sign * s, n), load = r->W + r->kn * r->b * n->th;
-    return sign * force - friction(r, s) * (load > 0.0 ? load : 0.0);
+    return sign * force - coefficient(r, z, n, h, s, force) * (load > 0.0 ? load : 0.0);
+}
+
+/* Sliding at the speed of the roller, before the drive begins; returns the force. */
+static double sliding(const rig *r, state *z)
+{
+    double pull = friction(r, r->V) * r->W;
+    if (r->D_c > 0.0) {
+        z->s = r->V, z->psi = r->D_c / r->V;
+        pull += (r->a_s * log1p(r->V / r->v_s) + r->B_s * log1p(r->v_s / r->V)) * r->W;
+    }
+    if (r->P_0 > 0.0) { /* F (1 + F V/P_0) = mu W */
+        double hot = r->V / r->P_0;
+        pull = (sqrt(1.0 + 4.0 * hot * pull) - 1.0) / (2.0 * hot);
+        z->s = r->V, z->heat = z->T = pull * hot;
+    }
+    if (r->leave > 0.0 && r->kc * r->V / r->leave + r->cc * r->V < pull) { /* bristles leave before they slip */
+        z->d = r->V;
+        pull = r->kc * r->V / r->leave;
+    }
+    if (r->m_r > 0.0) z->y = -pull / r->k_r;
+    if (r->lugre > 0.0) pull += r->sigma_2 * r->V;
+    for (int i = 0; i < (int)r->elements; i++) z->xs[i] = r->slip[i];
+    return pull;
 }
 
 void contact(const rig *r, long steps, long cycles, double *out)
 {
     double h = TWO_PI / r->omega / steps, sum[3] = { 0.0, 0.0, 0.0 }, last = 0.0;
-    state z = { 0 }, n = { 0 };
+    static state z, n;
+    z = n = (state){ 0 };
     if (r->V > 0.0) {
-        double pull = friction(r, r->V) * r->W;
-        z.x = pull / r->kc;
+        double pull = sliding(r, &z);
+        z.x = (pull - r->sigma_2 * r->V) / r->kc;
         for (int i = 0; i < 60; i++) { /* the deflection under it */
             double y = z.th, y2 = y * y;
             double left = r->K * y + r->K2 * y2 + r->K3 * y2 * y + r->K5 * y2 * y2 * y - r->b * pull;
@@ -138,7 +234,8 @@ void contact(const rig *r, long steps, long cycles, double *out)
         for (long j = 0; j < steps; j++) {
             double t = h * (j + 1);
             double force = step(r, &z, t, h, 0.0, &n), load = r->W + r->kn * r->b * n.th;
-            if (r->W > 0.0 && fabs(force) > friction(r, 0.0) * (load > 0.0 ? load : 0.0)) {
+            double holds = coefficient(r, &z, &n, h, 0.0, force) * (load > 0.0 ? load : 0.0);
+            if (r->lugre == 0.0 && r->elements == 0.0 && r->W > 0.0 && fabs(force) > holds) {
                 double sign = force > 0.0 ? 1.0 : -1.0;
                 double low = 0.0, high = fabs(last) + 1e-9, f_low = excess(r, &z, t, h, sign, 0.0, &n), f_high;
                 while ((f_high = excess(r, &z, t, h, sign, high, &n)) > 0.0) {

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Steady states of every effect that was added to the catalogue after its first table, by integration in time.
+"""Steady states of every effect of the catalogue, by integration in time.
 
-    python3 tests/reference/effects.py --check        a sample of the rows of both tables, integrated again (a minute)
-    python3 tests/reference/effects.py --check all    every row that this program knows the effect of
-    python3 tests/reference/effects.py --write beside | alone    makes the rows of a table anew
+    python3 tests/reference/effects.py --check        a sample of the rows of both tables, integrated again (a minute or two)
+    python3 tests/reference/effects.py --check all    every row
+    python3 tests/reference/effects.py --write        makes every row of both tables anew (half an hour)
 
 The paper's rig (Eqs. 1-8): J th'' + C th' + K th = drive + b F, bristles F = kc x + cc x' in series with friction mu(s) N:
-`tests/data/effects.csv`, whose older rows come from another program and are only checked here. An oscillator without a
-contact: M x'' + C x' + K x = f sin(w t) + force of the effect: `tests/data/effects-alone.csv`. The laws are stated below.
-Rows of a drift are of the second series.
+`tests/data/effects.csv`. Most of the rows there of the catalogue's first effects come from a third program, and are checked here. An
+oscillator without a contact: M x'' + C x' + K x = f sin(w t) + force of the effect: `tests/data/effects-alone.csv`. The laws are stated
+below and in effects.c. Rows of a drift are of the second series.
 Shares no code with the program; needs Python 3.9 and a C compiler.
 """
 
@@ -29,12 +29,30 @@ STEPS, CYCLES, CYCLES_OF_BERG = 4000, 110, 600
 POT, POT_STEP, POT_RANGE = 48, 0.5, 1e4
 STEPS_ALONE = 20000
 ELEMENTS, STEPS_OF_JOINT = 200, 4000
+BRUSH, CYCLES_OF_STATE = 1000, 400
 CLOSE = 1e-4
 
 PAPER = dict(J=5.0e-3, K0=990.0, C0=0.43, k0=1.6e4, c0=12.0, a=0.030, b=0.060, kc=8.9e4, cc=26.0, mu=0.5)
 CONDITIONS = [(0.0, 20.0, 2.5e-6), (5e-5, 20.0, 2.5e-6), (1e-4, 10.0, 2.5e-6), (0.02, 20.0, 2.5e-6), (0.0, 0.1, 7.5e-6)]
 FREQUENCIES = [58.0, 70.0, 74.0, 82.0, 94.0]
-NEW = [
+ON_CONTACT = [
+    ("none", {}),
+    ("stribeck", dict(delta_mu=0.15, v_s=0.15)),
+    ("rate-strengthening", dict(beta=0.12, v_0=0.001)),
+    ("grosch", dict(delta_mu=0.5, v_m=0.1, h=1)),
+    ("rate-and-state", dict(a=0.1, B=0.08, v_0=0.0001, D_c=6e-05)),
+    ("frictional-heating", dict(P_0=10, tau=0.003)),
+    ("normal-coupling", dict(k_n=40000)),
+    ("maxwell-branch", dict(k_1=30000, tau=0.002)),
+    ("partial-slip", dict(n=2)),
+    ("contact-renewal", dict(len=9e-05)),
+    ("lugre", dict(sigma_2=8)),
+    ("cubic-stiffness", dict(K_3=8e+07)),
+    ("quadratic-damping", dict(D_2=40)),
+    ("structural-damping", dict(eta=0.03)),
+    ("actuator-lag", dict(tau=0.0004)),
+    ("roller-compliance", dict(m_r=0.3, k_r=120000, zeta_r=0.05)),
+    ("sensor-delay", dict(tau=0.0003)),
     ("viscous-film", dict(b=1.5)),
     ("load-stiffening", dict(m=0.4, N_ref=12.0)),
     ("spring-pot", dict(c_a=3e4, a=0.3, t_0=0.002)),
@@ -52,7 +70,7 @@ NEW = [
 OSCILLATOR = dict(mass=2.0, f0=80.0, Q=30.0)
 FORCES = [1.0, 3.0]
 RATIOS = [0.6, 0.95, 1.0, 1.02, 1.2]
-NEW_ALONE = [
+BY_ITSELF = [
     ("quintic-stiffness", dict(K_5=1.5e19)),
     ("asymmetric-stiffness", dict(K_2=6e8)),
     ("clearance", dict(k_g=2e4, g=2e-5)),
@@ -83,9 +101,6 @@ LIBRARY = library()
 FRICTION = {"stribeck": (1, "delta_mu", "v_s"), "rate-strengthening": (2, "beta", "v_0"),
             "grosch": (3, "delta_mu", "v_m", "h"), "viscous-film": (4, "b")}
 SPRINGS = {"asymmetric-stiffness": "K_2", "cubic-stiffness": "K_3", "quintic-stiffness": "K_5"}
-KNOWN = [*FRICTION, *SPRINGS, "none", "quadratic-damping", "structural-damping", "normal-coupling", "maxwell-branch",
-         "actuator-lag", "sensor-delay", "load-stiffening", "spring-pot", "berg-friction", "residual-modes",
-         "crosstalk", "drift"]
 
 
 def read(amplitude, effect, p, omega, drive, stiffness):
@@ -109,6 +124,24 @@ def spring_pot(size, order, w):
     spring = scale * rates[0] ** order / (math.exp(POT_STEP * order) - 1.0)
     dashpot = scale * rates[-1] ** (order - 1.0) / (math.exp(POT_STEP * (1.0 - order)) - 1.0)
     return spring, dashpot, [number for r in rates for number in (scale * r**order, r)]
+
+
+def further(effect, p, speed, load):
+    """The numbers at the end of `rig` in effects.c."""
+    leave = speed / p["len"] if effect == "contact-renewal" else 0.0
+    heat = (p["P_0"], p["tau"]) if effect == "frictional-heating" else (0.0, 1.0)
+    age = (p["a"], p["B"], p["v_0"], p["D_c"]) if effect == "rate-and-state" else (0.0, 0.0, 1.0, 0.0)
+    surface = (0.0, 0.0, 0.0)
+    if effect == "roller-compliance":
+        surface = (p["m_r"], 2.0 * p["zeta_r"] * math.sqrt(p["m_r"] * p["k_r"]), p["k_r"])
+    lugre = (1.0, p["sigma_2"]) if effect == "lugre" else (0.0, 0.0)
+    slips, shares = [0.0] * BRUSH, [0.0] * BRUSH
+    if effect == "partial-slip":
+        # The finer the less they stretch before they slip: a small motion has elements enough.
+        most, ends = p["n"] * PAPER["mu"] * load / PAPER["kc"], [(i / BRUSH) ** 4 for i in range(BRUSH + 1)]
+        slips = [most * (1.0 - (1.0 - 0.5 * (a + b)) ** (1.0 / (p["n"] - 1.0))) for a, b in zip(ends, ends[1:])]
+        shares = [b - a for a, b in zip(ends, ends[1:])]
+    return [leave, *heat, *age, *surface, *lugre, BRUSH if effect == "partial-slip" else 0, *slips, *shares]
 
 
 def beside(effect, p, speed, load, u0, frequency):
@@ -142,10 +175,13 @@ def beside(effect, p, speed, load, u0, frequency):
     elif effect == "spring-pot":
         spring, dashpot, pot = spring_pot(p["c_a"] * p["t_0"] ** p["a"], p["a"], w)
         kc, cc = kc + spring, cc + dashpot
+    more = further(effect, p, speed, load)
     law = (*law, 1.0, 1.0, 1.0)[:4]
     numbers = [r["J"], damping, stiffness, drive.real, drive.imag, r["b"], kc, cc, r["mu"], speed, load, w, *law,
-               springs["K_2"], springs["K_3"], springs["K_5"], *extra.values(), *berg, len(pot) // 2, *pot, *[0.0] * (2 * POT - len(pot))]
-    re, im, mean, change = integrate(LIBRARY.contact, numbers, STEPS, CYCLES_OF_BERG if berg[0] else CYCLES)
+               springs["K_2"], springs["K_3"], springs["K_5"], *extra.values(), *berg, len(pot) // 2, *pot, *[0.0] * (2 * POT - len(pot)), *more]
+    slow = dict.fromkeys(("rate-and-state", "contact-renewal", "lugre"), CYCLES_OF_STATE)
+    cycles = {"berg-friction": CYCLES_OF_BERG, **slow}.get(effect, CYCLES)
+    re, im, mean, change = integrate(LIBRARY.contact, numbers, STEPS, cycles)
     if change > 1e-6:
         raise ArithmeticError(f"{effect} {p} at {speed} {load} {u0} {frequency}: not settled, {change:.1e}")
     return *read(complex(re, im), effect, p, w, drive, stiffness), mean
@@ -203,17 +239,23 @@ def number(value, digits):
 
 
 def rows_beside():
-    for effect, p in NEW:
+    for effect, p in ON_CONTACT:
         for speed, load, drive in CONDITIONS:
             for frequency in FREQUENCIES:
-                amplitude, phase, mean = beside(effect, p, speed, load, drive, frequency)
-                mean = 0.0 if abs(mean) < 1e-9 * amplitude else mean
+                try:
+                    amplitude, phase, mean = beside(effect, p, speed, load, drive, frequency)
+                except ArithmeticError as why:
+                    print(f"left out: {why}", file=sys.stderr)
+                    continue
+                # What the start leaves in elements that slip no more is no mean.
+                rests = effect == "partial-slip" and speed == 0.0
+                mean = 0.0 if rests or abs(mean) < 1e-9 * amplitude else mean
                 place = f"{speed},{load},{drive},{frequency}"
                 yield f"{effect},{written(p)},{place},{amplitude:.8e},{phase:.7f},{number(mean, 8)}"
 
 
 def rows_alone():
-    for effect, p in NEW_ALONE:
+    for effect, p in BY_ITSELF:
         for force in FORCES:
             for ratio in RATIOS:
                 frequency = ratio * OSCILLATOR["f0"]
@@ -222,18 +264,14 @@ def rows_alone():
                 yield f"{effect},{written(p)},{force},{frequency},{amplitude:.8e},{phase:.7f},{number(mean, 8)}"
 
 
-def write(which):
-    if which == "alone":
-        lines = ["effect,parameters,force_n,frequency_hz,amplitude_m,phase_rad,mean_m", *rows_alone()]
-        with open(ALONE, "w", encoding="utf-8") as file:
+def write():
+    """Every row of both tables."""
+    beside_header = "effect,parameters,speed_m_s,load_n,drive_m,frequency_hz,amplitude_rad,phase_rad,mean_rad"
+    alone_header = "effect,parameters,force_n,frequency_hz,amplitude_m,phase_rad,mean_m"
+    for path, header, rows in ((BESIDE, beside_header, rows_beside()), (ALONE, alone_header, rows_alone())):
+        lines = [header, *rows]
+        with open(path, "w", encoding="utf-8") as file:
             file.write("\n".join(lines) + "\n")
-        return
-    with open(BESIDE, encoding="utf-8") as file:
-        lines = file.read().splitlines()
-    made = {effect for effect, _ in NEW}
-    lines = [line for line in lines if line.split(",")[0] not in made] + list(rows_beside())
-    with open(BESIDE, "w", encoding="utf-8") as file:
-        file.write("\n".join(lines) + "\n")
 
 
 def check(every):
@@ -246,7 +284,7 @@ def check(every):
         for line in lines:
             effect, parameters, *fields = line.split(",")
             counts[effect] = counts.get(effect, 0) + 1
-            if solve is beside and effect not in KNOWN or counts[effect] % every != (1 if every > 1 else 0):
+            if counts[effect] % every != (1 if every > 1 else 0):
                 continue
             p = {key: float(value) for key, value in (pair.split("=") for pair in parameters.split())}
             *at, amplitude, phase, _ = map(float, fields)
@@ -263,11 +301,11 @@ def check(every):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--write", choices=("beside", "alone"), help="make the rows of one table's newer effects anew")
+    parser.add_argument("--write", action="store_true", help="make every row of both tables anew")
     parser.add_argument("--check", nargs="?", const="sample", choices=("sample", "all"), help="integrate rows again")
     options = parser.parse_args()
     if options.write:
-        write(options.write)
+        write()
     if options.check:
         sys.exit(0 if check(7 if options.check == "sample" else 1) else 1)
 
