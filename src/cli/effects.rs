@@ -78,7 +78,8 @@ pub fn table(own: &[&'static dyn Effect]) -> String {
         A fit begins within the range of its search, and may go beyond it by a factor of 3.\n\
         A law of your own is a formula in the scenario, [[effect]] with formula = \"-k5*x^5\" and\n\
         name = \"my-quintic\", acts_on = \"force\" (of x, v), \"friction\" (of s) or \"contact-force\" (of\n\
-        stretch, stretch_rate), and a key for each parameter: k5 = { value = 0 }. --of SCENARIO lists it here.\n\
+        stretch, stretch_rate), and a key for each parameter: k5 = { value = 0 }.\n\
+        With --of SCENARIO its formulas are listed here.\n\
         stickslip effects NAME   equation, meaning, source, fingerprint and an example\n"
 }
 
