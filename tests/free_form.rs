@@ -248,6 +248,30 @@ fn with_the_response_held_amplitude_and_drift_are_tied() {
     assert_eq!(rows(&drawings[0]).len(), shown);
 }
 
+/// A hump in mu(s), by a program that shares no code: what is missing is a number of every speed of the roller. One
+/// series at each speed does not tell that from a drift, which is said; the amplitude and the frequency are ruled out.
+#[test]
+fn a_hump_of_the_friction_depends_on_the_roller_speed_or_the_series() {
+    let source = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/free-form/friction-1.csv");
+    let folder = tempfile::tempdir().expect("a folder");
+    let rig = "title = 'A hump'\n[rig]\ninertia = 0.005\ntorsional_stiffness = 990\ntorsional_damping = 0.43\n\
+               spring_stiffness = 16000\nspring_damping = 12\nspring_arm = 0.03\ncontact_arm = 0.06\n[contact]\n\
+               stiffness = 89000\ndamping = 26\nfriction = 0.5\n[fit]\nfree = ['contact.stiffness', 'contact.damping']\n";
+    let path = folder.path().join("hump.toml");
+    std::fs::write(&path, format!("{rig}[measurement]\nfile = {source:?}\n")).expect("a scenario");
+    let scenario = scenario::load(&path).unwrap_or_else(|error| panic!("{error}"));
+    let table = measurement::load(&scenario).unwrap_or_else(|error| panic!("{error}")).expect("measurements");
+    let found = analyse(&compare(&scenario, &table, &Options { seed: 0 }));
+    for variable in [Variable::RollerSpeed, Variable::Drift] {
+        let class = of(&found, variable);
+        let leads = [Standing::Leading, Standing::Tied].contains(&class.standing);
+        assert!(leads && class.explained_percent > 80.0, "{variable:?}: {}", found.statement);
+    }
+    for variable in [Variable::Amplitude, Variable::Frequency] {
+        assert_eq!(of(&found, variable).standing, Standing::Excluded, "{}", found.statement);
+    }
+}
+
 /// The same readings of a mode of another mass, length and frequency.
 #[test]
 fn what_is_told_does_not_depend_on_the_units_of_the_rig() {

@@ -79,9 +79,9 @@ fn what_predicts_left_out_series_worse_is_no_part_of_what_helps() {
 }
 
 /// A resonance whose table states no drive, read relative to a base that moves by the same at all frequencies: taken for
-/// a force something seems to be missing, and `new` says what to change.
+/// a force something seems to be missing, and `new` takes it for a base.
 #[test]
-fn a_base_that_nothing_states_is_hinted_at() {
+fn a_base_that_nothing_states_is_found() {
     let folder = tempfile::tempdir().expect("a folder");
     let (table, path) = (folder.path().join("t.csv"), folder.path().join("t.toml"));
     let mut noise = noise(0.002);
@@ -95,12 +95,12 @@ fn a_base_that_nothing_states_is_hinted_at() {
     std::fs::write(&table, format!("f [Hz],amplitude [mm],phase [deg]\n{rows}")).expect("a table");
     let new = assert_cmd::Command::cargo_bin("stickslip").expect("built").arg("new").arg(&table).assert().success();
     let said = String::from_utf8(new.get_output().stdout.clone()).expect("text");
-    assert!(said.contains("write drive = \"base\" under [rig] and V/m as the unit of drive_sensitivity"), "{said}");
-    let text = std::fs::read_to_string(&path).expect("a scenario");
-    assert_ne!(found(&path).verdict, Verdict::NothingMissing);
-    let base = text.replace("drive = \"force\" ", "drive = \"base\" ").replace("V/N", "V/m");
-    std::fs::write(&path, base).expect("a scenario");
+    assert!(said.contains("the rig is taken as driven by a base"), "{said}");
     assert_eq!(found(&path).verdict, Verdict::NothingMissing);
+    let text = std::fs::read_to_string(&path).expect("a scenario");
+    let force = text.replace("drive = \"base\" ", "drive = \"force\" ").replace("V/m", "V/N");
+    std::fs::write(&path, force.replace("reading = \"relative\"", "#")).expect("a scenario");
+    assert_ne!(found(&path).verdict, Verdict::NothingMissing);
 }
 
 /// What follows the amplitudes of one sweep is a law of the amplitude or one of the frequency: without phases, a second

@@ -16,7 +16,9 @@ oscillators.py,
     frequency   c(W) u' at one frequency, c a bell over the band        the frequency
                 (a linear force, so that its response is exact)
 
-The first two are integrated in time (oscillators.c). answers.json holds for every table what it depends on, mass, f0 and Q, and k and c
+The first two are integrated in time (oscillators.c). Further tables, friction-*.csv, are of the paper's rig (effects.c) at one load, ten
+speeds of the roller and 21 frequencies, 0.5 % and 0.005 rad: mu(s) has a hump and a film, so what is missing depends on the speed.
+ answers.json holds for every table what it depends on, mass, f0 and Q, and k and c
 of g in SI over that variable: its first harmonic over u = a cos t by quadrature. Needs what oscillators.py needs.
 """
 
@@ -27,6 +29,7 @@ import math
 import os
 import random
 
+import effects
 import oscillators
 
 LEVELS, POINTS, NOISE = 4, 41, 0.005
@@ -113,6 +116,26 @@ def write(folder, name, kind, seed):
     }
 
 
+def write_friction(folder, name, seed):
+    """The paper's rig on a roller whose friction has a hump over the slip rate, at the speeds about it."""
+    rng = random.Random(f"friction {seed}")
+    p = {"delta_mu": rng.uniform(0.1, 0.25), "v_h": 10 ** rng.uniform(-2.3, -1.5), "b": 0.0}
+    # Falling friction alone would make the contact squeal.
+    p["b"] = 2.2 * p["delta_mu"] / p["v_h"]
+    p = {key: float(f"{value:.4g}") for key, value in p.items()}
+    load, drive = float(f"{rng.uniform(10.0, 30.0):.3g}"), float(f"{10 ** rng.uniform(-6.0, -5.6):.3g}")
+    with open(os.path.join(folder, name + ".csv"), "w") as file:
+        file.write("speed_m_s,load_n,drive_m,frequency_hz,amplitude_rad,phase_rad,amplitude_sd_percent,phase_sd_rad\n")
+        for i in range(10):
+            speed = float(f"{p['v_h'] * 0.3 * 10 ** (i / 9):.4g}")
+            for j in range(21):
+                frequency = 58.0 + 1.8 * j
+                amplitude, phase, _ = effects.beside("hump", p, speed, load, drive, frequency, 1000)
+                amplitude *= 1.0 + NOISE * rng.gauss(0.0, 1.0)
+                phase += NOISE * rng.gauss(0.0, 1.0)
+                file.write(f"{speed},{load},{drive},{frequency:.1f},{amplitude:.6e},{phase:.5f},{100 * NOISE:g},{NOISE:g}\n")
+
+
 def check():
     """The integration against one harmonic, which the answers are, as Q grows."""
     failed = 0
@@ -132,6 +155,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--out", metavar="DIR")
     parser.add_argument("--count", type=int, default=20)
+    parser.add_argument("--friction", type=int, default=1)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--check", action="store_true")
     options = parser.parse_args()
@@ -140,6 +164,8 @@ def main():
     if not options.out:
         parser.error("--out DIR is needed")
     os.makedirs(options.out, exist_ok=True)
+    for number in range(options.friction):
+        write_friction(options.out, f"friction-{number + 1}", f"{options.seed} {number}")
     answers = {}
     for number in range(options.count):
         kind = KINDS[number % len(KINDS)]

@@ -37,7 +37,7 @@ static void tally(double *sum, double u, double phase)
 
 typedef struct {
     double J, C, K, re, im, b, kc, cc, mu, V, W, omega;
-    double law, p1, p2, p3; /* friction: 1 Stribeck, 2 strengthening, 3 Grosch, 4 film */
+    double law, p1, p2, p3; /* friction: 1 Stribeck, 2 strengthening, 3 Grosch, 4 film, 5 a film and a hump (beyond.py) */
     double K2, K3, K5, D2, kn, k1, tau;
     double F_max, x_2;                 /* Berg's friction of the stretch */
     double relaxations, pot[2 * POT]; /* a spring-pot: stiffness and rate of each */
@@ -59,6 +59,10 @@ static double friction(const rig *r, double s)
         return r->mu + r->p1 * exp(-0.5 * x * x);
     }
     case 4: return r->mu + r->p1 * s;
+    case 5: {
+        double x = (s - r->p2) / (0.5 * r->p2);
+        return r->mu + r->p3 * s + r->p1 * exp(-x * x);
+    }
     default: return r->mu;
     }
 }

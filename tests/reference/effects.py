@@ -99,7 +99,8 @@ def library():
 
 LIBRARY = library()
 FRICTION = {"stribeck": (1, "delta_mu", "v_s"), "rate-strengthening": (2, "beta", "v_0"),
-            "grosch": (3, "delta_mu", "v_m", "h"), "viscous-film": (4, "b")}
+            "grosch": (3, "delta_mu", "v_m", "h"), "viscous-film": (4, "b"),
+            "hump": (5, "delta_mu", "v_h", "b")}
 SPRINGS = {"asymmetric-stiffness": "K_2", "cubic-stiffness": "K_3", "quintic-stiffness": "K_5"}
 
 
@@ -144,8 +145,8 @@ def further(effect, p, speed, load):
     return [leave, *heat, *age, *surface, *lugre, BRUSH if effect == "partial-slip" else 0, *slips, *shares]
 
 
-def beside(effect, p, speed, load, u0, frequency):
-    """(amplitude, phase, mean) on the paper's rig."""
+def beside(effect, p, speed, load, u0, frequency, steps=STEPS):
+    """(amplitude, phase, mean) on the paper's rig, so many steps a cycle."""
     r, w = PAPER, 2.0 * math.pi * frequency
     stiffness, damping = r["K0"] + 2.0 * r["a"] ** 2 * r["k0"], r["C0"] + 2.0 * r["a"] ** 2 * r["c0"]
     drive = r["a"] * u0 * (r["k0"] + 1j * w * r["c0"])
@@ -181,7 +182,7 @@ def beside(effect, p, speed, load, u0, frequency):
                springs["K_2"], springs["K_3"], springs["K_5"], *extra.values(), *berg, len(pot) // 2, *pot, *[0.0] * (2 * POT - len(pot)), *more]
     slow = dict.fromkeys(("rate-and-state", "contact-renewal", "lugre"), CYCLES_OF_STATE)
     cycles = {"berg-friction": CYCLES_OF_BERG, **slow}.get(effect, CYCLES)
-    re, im, mean, change = integrate(LIBRARY.contact, numbers, STEPS, cycles)
+    re, im, mean, change = integrate(LIBRARY.contact, numbers, steps, cycles)
     if change > 1e-6:
         raise ArithmeticError(f"{effect} {p} at {speed} {load} {u0} {frequency}: not settled, {change:.1e}")
     return *read(complex(re, im), effect, p, w, drive, stiffness), mean
