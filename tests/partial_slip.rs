@@ -1,4 +1,6 @@
-//! The rows of `partial-slip` in the reference table and the discretisation behind them.
+//! The rows of `partial-slip` in the reference table and the discretisation behind them. Those at V = 0 and W = 20 N, whose
+//! stroke is below the first of equal elements, are of `tests/reference/effects.py`, whose elements are the finer the
+//! sooner they slip.
 
 mod common;
 
@@ -123,9 +125,10 @@ fn with_equal_elements(model: &Model, at: &Operation) -> (f64, f64) {
 }
 
 #[test]
-fn every_row_is_that_of_equal_elements_with_thresholds_at_midpoints() {
-    let (model, rows) = (continuum(), rows());
-    assert_eq!(rows.len(), 25);
+fn rows_are_those_of_equal_elements_with_thresholds_at_midpoints() {
+    let model = continuum();
+    let rows: Vec<_> = rows().into_iter().filter(|(at, ..)| at.speed > 0.0 || at.load < 20.0).collect();
+    assert_eq!(rows.len(), 20);
     for (at, amplitude, phase) in rows {
         let found = with_equal_elements(&model, &at);
         let (da, dp) = (found.0 / amplitude - 1.0, wrap(found.1 - phase));
@@ -133,19 +136,18 @@ fn every_row_is_that_of_equal_elements_with_thresholds_at_midpoints() {
     }
 }
 
-/// Masing: a stroke X of the bristles softens the continuum by kc X/(2 xm) on each branch, whatever the stroke; equal
-/// elements do not slip below the threshold of the first and are then as stiff as one stuck bristle.
+/// Masing: a stroke X of the bristles softens the continuum by kc X/(2 xm) on each branch, whatever the stroke.
 #[test]
-fn at_full_load_the_stroke_stays_below_the_first_threshold_of_the_table() {
+fn at_full_load_the_continuum_softens_as_masing_says() {
     let (model, stuck) = (continuum(), paper_model(Series));
     for (at, amplitude, phase) in rows().into_iter().filter(|(at, ..)| at.speed == 0.0 && at.load == 20.0) {
         let base = common::steady(&stuck, &at);
         let stroke = model.rig.arm().contact_arm * base.amplitude;
         let last = 2.0 * model.contact.friction * at.load / model.contact.stiffness;
         assert!(stroke < last / (2.0 * EQUAL as f64), "{at:?}: {stroke:e} m");
-        assert!((base.amplitude / amplitude - 1.0).abs() < 1e-5 && wrap(base.phase - phase).abs() < 1e-5, "{at:?}");
         // The continuum: stiffness kc (1 - X/(2 xm)) and the area of Masing's loop, as far as the first order goes.
         let found = common::steady(&model, &at);
+        assert!((found.amplitude / amplitude - 1.0).abs() < 5e-5 && wrap(found.phase - phase).abs() < 5e-5, "{at:?}");
         let mut softer = paper_model(Series);
         let part = stroke / (2.0 * last);
         softer.contact.stiffness *= 1.0 - part;
