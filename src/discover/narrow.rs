@@ -28,7 +28,8 @@ impl Search<'_> {
         let followed = compare::compared(&points, &alone.fit.evaluation.predictions);
         // Readings enough to have left an error, and half of that of all.
         let is_told = points.len() > 2 * alone.fit.parameters.len();
-        if !is_told || BETTER * BETTER * mean_square(followed.iter()) > mean_square(end.points.iter()) {
+        let is_better = BETTER * BETTER * mean_square(followed.iter()) <= mean_square(end.points.iter());
+        if !(is_told && is_better) {
             return None;
         }
         let [now, all] = [error(followed.iter()), error(end.points.iter())].map(|error| percent(error, 2));
