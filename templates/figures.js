@@ -650,8 +650,8 @@
       output.replaceChildren(`${of}: χ² per reading `, data(chi2, digits(chi2)), ", error of the amplitude ", data(error, digits(error)), " %");
       slider.setAttribute("aria-valuetext", output.textContent);
       const legend = plot.keys.find((node) => node.dataset.key === AFTER)?.querySelector("text");
-      const part = chosen === whole ? `with ${strength} % of that` : "with a part of that";
-      if (legend) legend.textContent = drawn ? AFTER : states ? part : "with nothing added";
+      const part = chosen === whole ? `${strength} % of what was found` : "part of what was found";
+      if (legend) legend.textContent = drawn ? AFTER : states ? part : "nothing added";
     };
     slider.addEventListener("input", draw);
     for (const [k, { input }] of switches.entries()) {

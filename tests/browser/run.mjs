@@ -215,7 +215,7 @@ try {
       }
       check(seen.size === 4, "the curve does not follow the strength");
       const legend = () => root.locator('[data-key="with what was found"] text').evaluateAll((all) => all.map((one) => one.textContent.trim()).join());
-      check((await legend()).includes("with 0 % of that"), "the legend does not say that this is no strength");
+      check((await legend()).includes("0 % of what was found"), "the legend does not say that this is no strength");
       await picture(page, `fall-${anchor}`);
       await page.keyboard.press("End");
       const boxes = await root.getByRole("checkbox").all();
