@@ -8,9 +8,6 @@ use crate::scenario::diagnostic::{Place, whole_file};
 use crate::scenario::source::Source;
 use crate::units::count;
 
-/// Rows that are looked at to tell that a table lies on its side.
-const MOST_SEEN: usize = 32;
-
 /// Takes the text apart; the separator is told by the header line unless it is known.
 pub(crate) fn sheet(mut source: Source, delimiter: Option<u8>) -> Result<Sheet> {
     let told = bare(&mut source.text);
@@ -122,7 +119,7 @@ fn lies_on_its_side(sheet: &Sheet) -> bool {
     }
     let of = |row: Row| named(&row.cells);
     let (mut rows, mut all) = (0, 0);
-    for is_named in sheet.untrimmed().take(MOST_SEEN).map(of) {
+    for is_named in sheet.untrimmed().map(of) {
         (rows, all) = (rows + usize::from(is_named), all + 1);
     }
     rows > 1 && 2 * rows >= all

@@ -16,7 +16,7 @@ const STEPS: usize = 40;
 /// Relative change of the sum of squares at which a fit of relaxation times is done, and evaluations at most, in the
 /// number of times.
 const CONVERGED: f64 = 1e-5;
-const EVALUATIONS: usize = 3;
+const EVALUATIONS: usize = 12;
 
 /// What is fitted.
 #[derive(Debug, Clone, PartialEq)]
