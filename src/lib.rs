@@ -46,7 +46,7 @@
 //! * [`free_form`] - on which variable what is missing depends, before any law is named.
 //! * [`discover`] - the search for a missing effect.
 //! * [`question`] - which effects can make one curve look like another, ranked by how far they have to be strained.
-//! * [`prony`] - measured moduli of a material as a series of relaxations, and the branch of a contact nearest to it.
+//! * [`prony`] - measured moduli of a material as a series of relaxations, and the contact nearest to it.
 //! * [`trial`] - blind trials of the discovery: planted causes, sealed answers, scores.
 //!
 //! Evidence:

@@ -19,6 +19,12 @@ pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     }
 }
 
+/// Of each number the median of it and its neighbours, in which one far off leaves no trace.
+pub fn median_of_three(values: &[f64]) -> Vec<f64> {
+    let about = |i: usize| values[i.saturating_sub(1)..(i + 2).min(values.len())].iter().copied();
+    (0..values.len()).map(|i| median(about(i))).collect()
+}
+
 /// Robust standard deviation about `center`: 0 of nothing.
 pub fn spread(values: impl IntoIterator<Item = f64>, center: f64) -> f64 {
     MAD * median(values.into_iter().map(|value| (value - center).abs()))

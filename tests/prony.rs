@@ -8,7 +8,7 @@ use predicates::prelude::PredicateBooleanExt as _;
 use predicates::str::contains;
 use std::f64::consts::TAU;
 use std::path::Path;
-use stickslip::prony::{Analysis, Branch, Interval, Kind, Law, Moduli, fragment, read_bytes};
+use stickslip::prony::{Analysis, Contact, Interval, Kind, Law, Moduli, fragment, read_bytes};
 
 const MASTER: &str = "tests/data/prony/master.csv";
 
@@ -164,9 +164,9 @@ fn a_measured_master_curve_is_missed_by_less_than_by_another_package() {
     assert!((12..=30).contains(&analysis.terms()), "{}", analysis.terms());
     assert!(analysis.remarks.iter().any(|remark| remark.contains("contradict")), "{:?}", analysis.remarks);
     assert!(analysis.spring_pot.score.mean > 2.0 * analysis.series.score.mean);
-    let branch = Branch::nearest(&analysis, (50.0, 100.0)).unwrap();
-    assert!(branch.rms.iter().all(|rms| *rms < 0.01), "{branch:?}");
-    let drawing = stickslip::figures::prony::draw(&analysis, Some(&branch)).unwrap();
+    let contact = Contact::nearest(&analysis, (50.0, 100.0)).unwrap();
+    assert!(contact.rms.iter().all(|rms| *rms < 0.01), "{contact:?}");
+    let drawing = stickslip::figures::prony::draw(&analysis, Some(&contact)).unwrap();
     layout::check_drawing("master", &drawing);
     let measured = layout::rows(&drawing).into_iter().filter(|row| row[1] == "measured");
     assert_eq!(measured.count(), 2 * 206);
@@ -235,9 +235,9 @@ drive = "1 N"
 #[test]
 fn the_fragment_is_a_contact_whose_stiffness_is_the_modulus_times_the_geometry() {
     let analysis = Analysis::of(table(&dynamic(4.0, 60, |omega| maxwell(2.0, &[(3.0, 1.0 / (TAU * 100.0))], omega))));
-    let branch = Branch::nearest(&analysis, (60.0, 100.0)).unwrap();
-    for (factor, scale) in [(Some(0.02), 0.02), (None, 1.0 / branch.elastic)] {
-        let text = fragment(&analysis, &branch, factor);
+    let contact = Contact::nearest(&analysis, (60.0, 100.0)).unwrap();
+    for (factor, scale) in [(Some(0.02), 0.02), (None, 1.0 / contact.elastic)] {
+        let text = fragment(&analysis, &contact, factor);
         let text = text.replace("\n[contact]\n", "\nspeed = 0\nload = 20\n[contact]\nfriction = 0.5\n");
         let text = format!("{RIG}{text}");
         let scenario =
@@ -256,11 +256,44 @@ fn the_fragment_is_a_contact_whose_stiffness_is_the_modulus_times_the_geometry()
     }
     let rows = (1..9).map(|t| format!("{t},5\n")).collect::<String>();
     let elastic = Analysis::of(table(&format!("time_s,relaxation_mpa\n{rows}")));
-    let nearest = Branch::nearest(&elastic, (0.05, 0.1)).unwrap();
-    assert!((nearest.elastic + nearest.amount - 5e6).abs() < 1e4 && nearest.viscous < 1.0, "{nearest:?}");
+    let nearest = Contact::nearest(&elastic, (0.05, 0.1)).unwrap();
+    assert!((nearest.elastic + nearest.branches[0].amount - 5e6).abs() < 1e4 && nearest.viscous < 1.0, "{nearest:?}");
     assert!(!fragment(&elastic, &nearest, None).contains("NaN"));
-    let why = Branch::nearest(&analysis, (1e5, 2e5)).unwrap_err();
+    let why = Contact::nearest(&analysis, (1e5, 2e5)).unwrap_err();
     assert!(why.contains("100 to 200 kHz") || why.contains("100 kHz to 200 kHz"), "{why}");
+}
+
+/// Three relaxations over eight decades need three branches; at 1 % noise one octave of them needs one.
+#[test]
+fn a_contact_has_as_many_branches_as_its_band_needs() {
+    let terms = [(3.0, 0.1), (2.0, 1e-3), (4.0, 1e-5)];
+    let mut noise = Noise(7);
+    let mut off = || 1.0 + 0.01 * noise.normal();
+    let noisy = |omega: f64| {
+        let (storage, loss) = maxwell(2.0, &terms, omega);
+        (storage * off(), loss * off())
+    };
+    let analysis = Analysis::of(table(&dynamic(8.0, 120, noisy)));
+    let known = analysis.moduli.band();
+    for (band, count) in [((known.0 / TAU, known.1 / TAU), 3), ((60.0, 100.0), 1)] {
+        let contact = Contact::nearest(&analysis, band).unwrap();
+        assert_eq!(contact.branches.len(), count, "{contact:?}");
+        assert!(contact.branches.windows(2).all(|pair| pair[0].amount >= pair[1].amount), "{contact:?}");
+        let text = fragment(&analysis, &contact, Some(0.02));
+        let text = text.replace("\n[contact]\n", "\nspeed = 0\nload = 20\n[contact]\nfriction = 0.5\n");
+        let scenario = stickslip::scenario::load_text("rig.toml", &format!("{RIG}{text}")).unwrap();
+        let names: Vec<&str> = scenario.effects.iter().map(|effect| effect.name()).collect();
+        assert_eq!(names, ["maxwell-branch", "maxwell-branch-2", "maxwell-branch-3"][..count]);
+        for place in 0..=20 {
+            let omega = TAU * band.0 * (band.1 / band.0).powf(f64::from(place) / 20.0);
+            let of: Vec<(f64, f64)> = scenario.effects.iter().map(|e| (e.parameters[0], e.parameters[1])).collect();
+            let stated = scenario.contact.unwrap();
+            let (storage, loss) = maxwell(stated.stiffness, &of, omega);
+            let (e, l) = maxwell(2e6, &terms.map(|(amount, tau)| (1e6 * amount, tau)), omega);
+            let found = (storage / (0.02 * e), (loss + omega * stated.damping) / (0.02 * l));
+            assert!((found.0 - 1.0).abs() < 0.02 && (found.1 - 1.0).abs() < 0.04, "{omega}: {found:?} {text}");
+        }
+    }
 }
 
 #[test]
@@ -351,9 +384,12 @@ fn damaged_tables_make_no_panic_and_no_broken_number() {
         let ends = analysis.series.amounts.iter().chain([&analysis.exponent]).flat_map(|i| [i.value, i.low, i.high]);
         assert!(ends.into_iter().all(f64::is_finite), "{}", String::from_utf8_lossy(&bytes));
         let (low, high) = analysis.moduli.band();
-        let branch = Branch::nearest(&analysis, (low / TAU, high / TAU)).unwrap();
-        assert!(branch.elastic > 0.0 && branch.amount.is_finite() && branch.time > 0.0, "{branch:?}");
-        stickslip::figures::prony::draw(&analysis, Some(&branch)).unwrap();
+        let contact = Contact::nearest(&analysis, (low / TAU, high / TAU)).unwrap();
+        assert!(
+            contact.elastic > 0.0 && contact.branches.iter().all(|b| b.amount.is_finite() && b.time > 0.0),
+            "{contact:?}"
+        );
+        stickslip::figures::prony::draw(&analysis, Some(&contact)).unwrap();
     }
     assert!(read > 100, "{read}");
 }

@@ -95,7 +95,7 @@ pub fn execute(job: &Job<'_>, global: &Global) -> Result<()> {
 /// The effect of that name: one of the catalogue, or a formula of the scenario.
 fn known(name: &str, scenario: &Scenario) -> Result<&'static dyn Effect> {
     let own = scenario.effects.iter().find(|setting| setting.name() == name).map(|setting| setting.effect);
-    own.or_else(|| effects::find(name)).ok_or_else(|| {
+    own.or_else(|| effects::find_among(REGISTRY, name)).ok_or_else(|| {
         let formulas = scenario.effects.iter().map(|setting| setting.effect).filter(|e| e.formula().is_some());
         let names = || REGISTRY.iter().copied().chain(formulas.clone()).map(|effect| effect.name());
         let help = match nearest(name, names()) {
@@ -124,7 +124,7 @@ fn check_applicable(job: &Job<'_>, scenario: &Scenario) -> Result<()> {
         let help = if names.is_empty() { "it has no effects".into() } else { format!("it has {}", names.join(", ")) };
         return refuse(format!("{path} has no effect `{name}` to take out"), &help);
     }
-    let added = effects::find(name).filter(|_| !job.remove);
+    let added = effects::find_among(REGISTRY, name).filter(|_| !job.remove);
     let all = scenario.effects.iter().map(|setting| setting.effect).chain(added);
     let all: Vec<&dyn Effect> = all.map(|effect| effect as &dyn Effect).collect();
     match effects::compatible(&all) {

@@ -81,8 +81,8 @@ pub fn execute(
     let file = output.map(|output| Rewriting::begin(path, Some(output), &table.file)).transpose()?;
     file.as_ref().map_or(Ok(()), |file| Edit::new(&stated, file).trial())?;
     let options = SearchOptions { bounds: bounds.of(&scenario, &table)?, ..options.clone() };
-    let discovery = progress::of_search(global, options.budget, |solved| {
-        discover::discover_counted(&scenario, &table, &options, solved)
+    let discovery = progress::of_searches(global, 1, options.budget, |solved| {
+        discover::discover_counted(&scenario, &table, &options, &solved[0])
     });
     let mut judged = gate::of_comparison(&scenario.gate, &discovery.steps[0].comparison);
     judged.extend(gate::of_discovery(&scenario.gate, &discovery));

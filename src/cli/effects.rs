@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use crate::effects::{Effect, ParameterInfo, REGISTRY, find, fits_rig, typical};
+use crate::effects::{Effect, ParameterInfo, REGISTRY, find_among, fits_rig, typical};
 use crate::error::{Error, Result};
 use crate::scenario::{self, Coordinate};
 use crate::{terminal, units};
@@ -14,7 +14,8 @@ const WIDTH: usize = 100;
 /// Prints the table of all effects, or the page of one; with the formulas of a scenario, if one is named.
 pub fn execute(name: Option<&str>, scenario: Option<&Path>) -> Result<()> {
     let own = scenario.map(formulas).transpose()?.unwrap_or_default();
-    let of = |name: &str| find(name).or_else(|| own.iter().copied().find(|effect| effect.name() == name));
+    let of =
+        |name: &str| find_among(REGISTRY, name).or_else(|| own.iter().copied().find(|effect| effect.name() == name));
     let text = match name {
         None => table(&own),
         Some(name) => page(of(name).ok_or_else(|| unknown(name))?),

@@ -12,9 +12,10 @@ use std::time::{Duration, Instant};
 const LOOK: Duration = Duration::from_millis(200);
 const LINE: Duration = Duration::from_secs(3);
 
-/// Does work that counts what it spends of a budget of steady states.
-pub fn of_search<T>(global: &Global, budget: u64, work: impl FnOnce(&Arc<AtomicU64>) -> T) -> T {
-    let solved = Arc::new(AtomicU64::new(0));
+/// Does work that counts what each of so many searches spends of its budget of steady states.
+pub fn of_searches<T>(global: &Global, searches: usize, budget: u64, work: impl FnOnce(&[Arc<AtomicU64>]) -> T) -> T {
+    let solved: Vec<Arc<AtomicU64>> = std::iter::repeat_with(Arc::default).take(searches).collect();
+    let budget = budget * searches as u64;
     let shown = !global.quiet && terminal::shows_progress();
     if !shown && !global.verbose {
         return work(&solved);
@@ -22,11 +23,11 @@ pub fn of_search<T>(global: &Global, budget: u64, work: impl FnOnce(&Arc<AtomicU
     let bar = if shown { bar(budget) } else { ProgressBar::hidden() };
     let (working, done) = channel::<()>();
     std::thread::scope(|scope| {
-        let (bar, seen) = (&bar, Arc::clone(&solved));
+        let (bar, seen) = (&bar, solved.clone());
         scope.spawn(move || {
             let began = Instant::now();
             while done.recv_timeout(if shown { LOOK } else { LINE }) == Err(RecvTimeoutError::Timeout) {
-                let spent = seen.load(Relaxed).min(budget);
+                let spent = seen.iter().map(|one| one.load(Relaxed)).sum::<u64>().min(budget);
                 bar.set_position(spent);
                 if !shown {
                     let seconds = began.elapsed().as_secs();

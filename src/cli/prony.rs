@@ -6,7 +6,7 @@ use super::{Global, Json, say, simulate};
 use crate::error::{Error, Result};
 use crate::figures;
 use crate::measurement;
-use crate::prony::{self, Analysis, Branch, Interval, Kind, SCHEMA, Score, fragment, hertz, told};
+use crate::prony::{self, Analysis, Branch, Contact, Interval, Kind, SCHEMA, Score, branches, fragment, hertz, told};
 use crate::scenario;
 use crate::scenario::diagnostic::whole_file;
 use crate::units::{self, readable::percent};
@@ -22,7 +22,7 @@ pub const TERMS: &str = "The table has one row per frequency (storage and loss m
     model; of a compliance, J_0 and retardations). left out is the root mean square of the relative error at blocks of neighbouring rows \
     that were predicted from the others; of all series within a standard error of the best the one with the fewest terms is taken. A \
     spring-pot is E_0 + A (i f/f_m)^a, an elastic part and a fractional element. Ranges in brackets are 95 % intervals. effects.toml holds \
-    the one maxwell-branch, with the stiffness and damping of [contact], that comes nearest to the series: a scenario has room for one. \
+    stiffness and damping of [contact] and as few maxwell-branch effects, of up to eight, as come as near to the series as that does to the table. \
     docs/prony.md has the method.";
 
 /// Arguments of the command.
@@ -33,13 +33,13 @@ pub struct Arguments {
     /// Stiffness per modulus, a length: stiffness = modulus x this [default: a contact of 1 N/m, to be multiplied]
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     geometry: Option<f64>,
-    /// Scenario in whose band of frequencies the branch of the contact has to be near [default: the band of the table]
+    /// Scenario in whose band of frequencies the contact has to be near [default: the band of the table]
     #[arg(long, value_name = "SCENARIO")]
     scenario: Option<PathBuf>,
     /// Folder of the figure and of effects.toml
     #[arg(long, default_value = "output", value_name = "DIR")]
     out: PathBuf,
-    /// Write series, spring-pot and branch as JSON; - for standard output
+    /// Write series, spring-pot and contact as JSON; - for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]
@@ -67,21 +67,21 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     let out = Folder::open(&a.out, &a.drawn, inputs)?;
     let analysis = Analysis::of(moduli);
     let known = analysis.moduli.band();
-    let branch = Branch::nearest(&analysis, band.unwrap_or((known.0 / TAU, known.1 / TAU))).map_err(|why| {
+    let contact = Contact::nearest(&analysis, band.unwrap_or((known.0 / TAU, known.1 / TAU))).map_err(|why| {
         let help = "nothing is determined outside the band of the table: shift it to the experiment's temperature, or measure there";
         Error::Input(whole_file(&format!("`{}`: {why}", a.table.display()), help))
     })?;
     if let Some(json) = &json {
-        json.write(&View::of(&analysis, &branch, a.geometry), SCHEMA)?;
+        json.write(&View::of(&analysis, &contact, a.geometry), SCHEMA)?;
     }
-    let drawing = figures::prony::draw(&analysis, band.map(|_| &branch));
+    let drawing = figures::prony::draw(&analysis, band.map(|_| &contact));
     let id = a.table.file_stem().map_or("prony".into(), |stem| stem.to_string_lossy().into_owned());
     let drawing = drawing.map_err(|why| Error::Unfinished(why.to_string()))?;
     let mut files = simulate::write(drawing, &id, &out)?.files;
     files.push(format!("{id}/effects.toml"));
-    out.write(&files[files.len() - 1], fragment(&analysis, &branch, a.geometry).as_bytes())?;
+    out.write(&files[files.len() - 1], fragment(&analysis, &contact, a.geometry).as_bytes())?;
     if !json.as_ref().is_some_and(Json::to_standard_output) {
-        words(&analysis, &branch, a.geometry).iter().try_for_each(|line| say(global, line))?;
+        words(&analysis, &contact, a.geometry).iter().try_for_each(|line| say(global, line))?;
         files.iter().try_for_each(|name| say(global, &format!("  {}", a.out.join(name).display())))?;
     }
     Ok(())
@@ -99,7 +99,7 @@ fn band(a: &Arguments) -> Result<Option<(f64, f64)>> {
 }
 
 /// What is printed.
-fn words(analysis: &Analysis, branch: &Branch, factor: Option<f64>) -> Vec<String> {
+fn words(analysis: &Analysis, contact: &Contact, factor: Option<f64>) -> Vec<String> {
     let m = &analysis.moduli;
     let unit = m.kind.unit();
     let (low, high) = m.band();
@@ -140,18 +140,19 @@ fn words(analysis: &Analysis, branch: &Branch, factor: Option<f64>) -> Vec<Strin
     lines.push(amount(&format!("{symbol}_0"), &pot.amounts[0]));
     lines.push(amount("A", &pot.amounts[1]));
     lines.extend(analysis.remarks.iter().map(|remark| format!("note: {remark}")));
-    let [storage, loss] = branch.rms.map(|share| percent(share, 2));
+    let [storage, loss] = contact.rms.map(|share| percent(share, 2));
     lines.push(format!(
-        "as a contact, {}: one maxwell-branch, rms error to the series {storage} of the storage and {loss} of the loss modulus",
-        hertz(branch.band_hz[0], branch.band_hz[1])
+        "as a contact, {}: {}, rms error to the series {storage} of the storage and {loss} of the loss modulus",
+        hertz(contact.band_hz[0], contact.band_hz[1]),
+        branches(contact)
     ));
     if factor.is_none() {
         lines.push(
             "  note: no --geometry, so for a contact stiffness of 1 N/m: multiply by that of your contact".into(),
         );
     }
-    let outside = branch.band_hz[0] < low / TAU * (1.0 - f64::EPSILON.sqrt())
-        || branch.band_hz[1] > high / TAU * (1.0 + f64::EPSILON.sqrt());
+    let outside = contact.band_hz[0] < low / TAU * (1.0 - f64::EPSILON.sqrt())
+        || contact.band_hz[1] > high / TAU * (1.0 + f64::EPSILON.sqrt());
     if outside {
         lines.push("  note: part of that lies outside the band of the table, where nothing is determined".into());
     }
@@ -208,7 +209,10 @@ struct ContactView<'a> {
     /// Stiffness per modulus \[m\]; none where the contact is one of 1 N/m.
     geometry_m: Option<f64>,
     #[serde(flatten)]
-    branch: &'a Branch,
+    contact: &'a Contact,
+    /// The largest of its branches.
+    #[serde(flatten)]
+    branch: Branch,
 }
 
 impl From<Score> for LeftOut {
@@ -218,7 +222,7 @@ impl From<Score> for LeftOut {
 }
 
 impl<'a> View<'a> {
-    fn of(analysis: &'a Analysis, branch: &'a Branch, geometry_m: Option<f64>) -> Self {
+    fn of(analysis: &'a Analysis, contact: &'a Contact, geometry_m: Option<f64>) -> Self {
         let m = &analysis.moduli;
         let law = |judged: &prony::Judged| LawView {
             rms_error: m.rms(&judged.fitted),
@@ -245,7 +249,7 @@ impl<'a> View<'a> {
             spring_pot: law(&analysis.spring_pot),
             exponent: analysis.exponent,
             constant: analysis.constant.map(LeftOut::from),
-            contact: ContactView { geometry_m, branch },
+            contact: ContactView { geometry_m, contact, branch: contact.branches[0] },
             remarks: &analysis.remarks,
         }
     }

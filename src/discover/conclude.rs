@@ -74,10 +74,11 @@ fn pays(before: &Step, last: &Step) -> bool {
 }
 
 /// Groups of names that the data do not tell apart beside the last of the steps.
-fn not_told_apart(ties: &[Vec<Hypothesis>], steps: &[Step]) -> Vec<Vec<String>> {
+fn not_told_apart(ties: &[Vec<Hypothesis>], steps: &[Step], verdict: Verdict) -> Vec<Vec<String>> {
     let names = |tied: &Vec<Hypothesis>| tied.iter().filter_map(|h| Some(h.additions.last()?.name().into())).collect();
     let mut groups: Vec<Vec<String>> = ties.iter().filter(|tied| tied.len() > 1).map(names).collect();
-    if is_drift_a_law_of_the_amplitude(&steps[0], &steps[steps.len() - 1]) {
+    // What is left unexplained has no ties, and the free form beside it.
+    if verdict != Verdict::Unexplained && is_drift_a_law_of_the_amplitude(&steps[0], &steps[steps.len() - 1]) {
         match groups.iter_mut().find(|group| group.first().is_some_and(|name| name == "drift")) {
             Some(group) => group.push(OF_AMPLITUDE.into()),
             None => groups.push(vec!["drift".into(), OF_AMPLITUDE.into()]),
@@ -237,7 +238,7 @@ impl Search<'_> {
         Discovery {
             verdict,
             candidates,
-            indistinguishable: not_told_apart(ties, &steps),
+            indistinguishable: not_told_apart(ties, &steps, verdict),
             asked: self.pool.iter().filter(|addition| addition.is_effect()).map(Addition::name).collect(),
             not_testable,
             outliers: end.comparison.outliers.clone(),

@@ -6,7 +6,7 @@ use crate::compare::{self, Compared, Comparison, calibrate};
 use crate::measurement::{Point, TOLD};
 use crate::model::Model;
 use crate::solver::cycle::Tolerance;
-use crate::statistics::median;
+use crate::statistics::median_of_three;
 use crate::units::readable::percent;
 
 /// By how much smaller residuals have to be for it to be told.
@@ -58,11 +58,9 @@ fn about_the_peak(points: &[Point]) -> Option<(f64, f64)> {
 
 /// As [`about_the_peak`], of one series in the order of the frequency.
 fn of_series(points: &[&Point]) -> Option<(f64, f64)> {
-    // The median of three: one reading far off is no peak.
     let sizes: Vec<f64> = points.iter().map(|p| (p.amplitude / p.drive).ln()).collect();
-    let y: Vec<f64> = (0..sizes.len())
-        .map(|i| median(sizes[i.saturating_sub(1)..(i + 2).min(sizes.len())].iter().copied()))
-        .collect();
+    // One reading far off is no peak.
+    let y = median_of_three(&sizes);
     let peak = (0..y.len()).max_by(|a, b| y[*a].total_cmp(&y[*b]))?;
     let below = |side: &[f64]| 0.5 * (y[peak] + side.iter().copied().fold(y[peak], f64::min));
     let (left, right) = (below(&y[..peak]), below(&y[peak..]));

@@ -44,7 +44,7 @@ pub fn compatible(effects: &[&dyn Effect]) -> Result<(), String> {
 
 /// Whether no effect changes the bristles on which another acts.
 fn one_set_of_bristles(effects: &[&dyn Effect]) -> Result<(), String> {
-    let rules: [(Contributes, Contributes); 3] = [
+    let rules: [(Contributes, Contributes); 4] = [
         (
             |e, p, _| e.bristle_force(p, 0.0, 0.0).is_some(),
             |e, p, d| {
@@ -53,8 +53,17 @@ fn one_set_of_bristles(effects: &[&dyn Effect]) -> Result<(), String> {
         ),
         (|e, p, _| remembers(e, p), |e, p, _| e.continuum(p).is_some()),
         (
-            |e, p, d| e.fractional(d, 1.0).is_some() || remembers(e, p) || e.bristle_force(p, 0.0, 0.0).is_some(),
+            |e, p, d| {
+                e.fractional(d, 1.0).is_some()
+                    || e.further_branch(d).is_some()
+                    || remembers(e, p)
+                    || e.bristle_force(p, 0.0, 0.0).is_some()
+            },
             |e, _, d| e.rate_element(d).is_some() || e.renewal(d, Dual::constant(1.0)).is_some(),
+        ),
+        (
+            |e, _, d| e.further_branch(d).is_some(),
+            |e, p, d| e.fractional(d, 1.0).is_some() || e.bristle_force(p, 0.0, 0.0).is_some(),
         ),
     ];
     for (acts, changes) in rules {
@@ -91,7 +100,10 @@ pub fn is_law(effect: &dyn Effect, p: &[f64]) -> bool {
 /// Whether only the solver of sliders can carry an effect with these parameters.
 pub fn slides(effect: &dyn Effect, p: &[f64]) -> bool {
     let d: Vec<Dual> = p.iter().map(|&value| Dual::constant(value)).collect();
-    effect.continuum(p).is_some() || remembers(effect, p) || effect.fractional(&d, 1.0).is_some()
+    effect.continuum(p).is_some()
+        || remembers(effect, p)
+        || effect.fractional(&d, 1.0).is_some()
+        || effect.further_branch(&d).is_some()
 }
 
 /// Whether an effect enters the equations of the contact or of its load.
@@ -103,6 +115,7 @@ pub fn enters_contact(effect: &dyn Effect) -> bool {
         || effect.renewal(&d, Dual::constant(1.0)).is_some()
         || effect.contact_factor(&d, Dual::constant(1.0)).is_some()
         || effect.bristle_force(&p, 0.0, 0.0).is_some()
+        || effect.further_branch(&d).is_some()
         || remembers(effect, &p)
 }
 

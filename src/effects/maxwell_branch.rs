@@ -5,12 +5,31 @@ use crate::dual::Dual;
 
 use crate::parameter::{POSITIVE, ZERO_OR_MORE};
 
-/// Viscoelastic branch (Maxwell).
-pub struct MaxwellBranch;
+/// Viscoelastic branch (Maxwell), by its name.
+pub struct MaxwellBranch(&'static str);
+
+/// The one that is searched for.
+pub static FIRST: MaxwellBranch = MaxwellBranch("maxwell-branch");
+/// Those beside it: with it they make a Prony series.
+static FURTHER: [&dyn Effect; 7] = [
+    &MaxwellBranch("maxwell-branch-2"),
+    &MaxwellBranch("maxwell-branch-3"),
+    &MaxwellBranch("maxwell-branch-4"),
+    &MaxwellBranch("maxwell-branch-5"),
+    &MaxwellBranch("maxwell-branch-6"),
+    &MaxwellBranch("maxwell-branch-7"),
+    &MaxwellBranch("maxwell-branch-8"),
+];
+
+impl MaxwellBranch {
+    fn is_first(&self) -> bool {
+        self.0 == FIRST.0
+    }
+}
 
 impl Effect for MaxwellBranch {
     fn name(&self) -> &'static str {
-        "maxwell-branch"
+        self.0
     }
     fn title(&self) -> &'static str {
         "Viscoelastic branch (Maxwell)"
@@ -24,7 +43,7 @@ impl Effect for MaxwellBranch {
     fn meaning(&self) -> &'static str {
         "Rubber relaxes: part of its stiffness acts only against motion faster than a relaxation time. With this \
          branch the bristles are a standard linear solid, whose stiffness grows from kc to kc + k₁ around ω = \
-         1/τ."
+         1/τ. Up to seven others beside it, maxwell-branch-2 to maxwell-branch-8, make a Prony series."
     }
     fn source(&self) -> &'static str {
         "J. C. Maxwell, On the dynamical theory of gases, Phil. Trans. 157 (1867) 49; standard linear solid: C. \
@@ -54,7 +73,13 @@ impl Effect for MaxwellBranch {
     }
 
     fn branch(&self, p: &[Dual]) -> Option<(Dual, Dual)> {
-        Some((p[0], p[1]))
+        self.is_first().then(|| (p[0], p[1]))
+    }
+    fn further_branch(&self, p: &[Dual]) -> Option<(Dual, Dual)> {
+        (!self.is_first()).then(|| (p[0], p[1]))
+    }
+    fn further(&self) -> &'static [&'static dyn Effect] {
+        if self.is_first() { &FURTHER } else { &[] }
     }
 }
 
@@ -65,7 +90,11 @@ mod tests {
     #[test]
     fn the_stiffness_and_the_time_are_handed_on() {
         let p = [Dual::constant(3e4), Dual::constant(2e-3)];
-        let (stiffness, tau) = MaxwellBranch.branch(&p).expect("a branch");
-        assert_eq!((stiffness.value, tau.value), (3e4, 2e-3));
+        for effect in [&FIRST as &dyn Effect].iter().chain(&FURTHER) {
+            let (one, other) = (effect.branch(&p), effect.further_branch(&p));
+            assert!(one.is_some() != other.is_some(), "{}", effect.name());
+            let (stiffness, tau) = one.or(other).expect("a branch");
+            assert_eq!((stiffness.value, tau.value), (3e4, 2e-3));
+        }
     }
 }

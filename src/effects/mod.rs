@@ -162,6 +162,10 @@ pub trait Effect: Sync {
     fn simpler(&self, _p: &[f64], _scales: &Scales) -> Option<(&'static str, Vec<f64>)> {
         None
     }
+    /// Effects of its kind that a scenario may have besides, under names of their own; none of them is searched for.
+    fn further(&self) -> &'static [&'static dyn Effect] {
+        &[]
+    }
     /// Its form for a table of so many series, where it has numbers of each; none where there are too few or too many.
     fn of_series(&self) -> Option<OfSeries> {
         None
@@ -195,6 +199,10 @@ pub trait Effect: Sync {
     }
     /// Viscoelastic branch beside the bristles: (stiffness \[N/m\], relaxation time \[s\]).
     fn branch(&self, _p: &[Dual]) -> Option<(Dual, Dual)> {
+        None
+    }
+    /// The same of a branch beside others, of which the solver of sliders alone carries several.
+    fn further_branch(&self, _p: &[Dual]) -> Option<(Dual, Dual)> {
         None
     }
     /// Complex stiffness \[N/m\], in phase and in quadrature, that the bristles have beside their own at `omega`
@@ -322,7 +330,7 @@ pub static REGISTRY: &[&dyn Effect] = &[
     &viscous_film::ViscousFilm,
     &normal_coupling::NormalCoupling,
     &load_stiffening::LoadStiffening,
-    &maxwell_branch::MaxwellBranch,
+    &maxwell_branch::FIRST,
     &spring_pot::SpringPot,
     &berg_friction::BergFriction,
     &partial_slip::PartialSlip,
@@ -352,7 +360,12 @@ pub fn for_series(effect: &'static dyn Effect, count: usize) -> Result<&'static 
     })
 }
 
-/// The effect of that name.
+/// The effect of the catalogue of that name.
 pub fn find(name: &str) -> Option<&'static dyn Effect> {
     REGISTRY.iter().copied().find(|effect| effect.name() == name)
+}
+
+/// The effect of that name that a scenario may have: one of these, or a further one of its kind.
+pub fn find_among(effects: &[&'static dyn Effect], name: &str) -> Option<&'static dyn Effect> {
+    effects.iter().flat_map(|effect| [effect].into_iter().chain(effect.further())).copied().find(|e| e.name() == name)
 }

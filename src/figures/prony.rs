@@ -6,7 +6,7 @@ use super::legend::{Entry, Key, legend, legend_width};
 use super::marks::Mark;
 use super::style::{Color, INK, SHADE, SLIP, STATIC, Table, Unit, WIDTH, cell, significant};
 use super::{Drawing, FigureError};
-use crate::prony::{Analysis, Branch, Kind, hertz};
+use crate::prony::{Analysis, Contact, Kind, branches, hertz};
 use crate::units::{self, readable::percent};
 use std::f64::consts::TAU;
 
@@ -20,11 +20,11 @@ const SERIES: Stroke = Stroke { color: STATIC, width: 2.4, dash: Dash::Solid };
 const SPRING_POT: Stroke = Stroke { color: SLIP, width: 2.0, dash: Dash::Dashes(8.0, 5.0) };
 const BRANCH: Stroke = Stroke { color: Color(0xaa, 0x44, 0x99), width: 4.0, dash: Dash::Solid };
 
-/// Draws an analysis, and over its band the branch that stands for the series.
+/// Draws an analysis, and over its band the contact that stands for the series.
 ///
 /// # Errors
 /// [`FigureError::Render`] where an element cannot be drawn.
-pub fn draw(analysis: &Analysis, branch: Option<&Branch>) -> Result<Drawing, FigureError> {
+pub fn draw(analysis: &Analysis, contact: Option<&Contact>) -> Result<Drawing, FigureError> {
     let names = analysis.moduli.kind.names();
     let title = format!("Measured {} and fitted laws", names.join(" and "));
     let caption = format!(
@@ -37,7 +37,7 @@ pub fn draw(analysis: &Analysis, branch: Option<&Branch>) -> Result<Drawing, Fig
     let against = if analysis.moduli.kind == Kind::Dynamic { "frequency" } else { "time" };
     let alt =
         format!("The measured {} against {against} on logarithmic axes, with two fitted curves.", names.join(" and "));
-    let entries = entries(analysis, branch);
+    let entries = entries(analysis, contact);
     let width = WIDTH - LEFT - legend_width(&entries) - 50.0;
     let bottom = TOP + (HEIGHT + GAP) * names.len() as f64 - GAP;
     let svg = document((WIDTH, bottom + 66.0), (&title, &alt), |canvas| {
@@ -45,7 +45,7 @@ pub fn draw(analysis: &Analysis, branch: Option<&Branch>) -> Result<Drawing, Fig
             let top = TOP + (HEIGHT + GAP) * k as f64;
             let (x, y) = axes(analysis, k, name);
             let panel = Panel { left: LEFT, top, width, height: HEIGHT, x, y };
-            pane(canvas, &panel, (analysis, branch), k);
+            pane(canvas, &panel, (analysis, contact), k);
         }
         legend(canvas, LEFT + width + 24.0, TOP - 12.0, &entries);
     })?;
@@ -91,7 +91,7 @@ fn axes(analysis: &Analysis, k: usize, name: &str) -> (Axis, Axis) {
     (Axis::logarithmic(x, places, 0.02), y)
 }
 
-fn pane(canvas: &mut Canvas, panel: &Panel, (analysis, branch): (&Analysis, Option<&Branch>), k: usize) {
+fn pane(canvas: &mut Canvas, panel: &Panel, (analysis, contact): (&Analysis, Option<&Contact>), k: usize) {
     let unit = unit(analysis, k);
     let last = k + 1 == analysis.moduli.kind.readings();
     panel.frame(canvas, last, true);
@@ -117,21 +117,21 @@ fn pane(canvas: &mut Canvas, panel: &Panel, (analysis, branch): (&Analysis, Opti
         let points: Vec<Point> = analysis.curve.iter().map(|(x, readings)| at(*x, readings[k].value)).collect();
         panel.curve(canvas, &points, SERIES);
     });
-    if let Some(branch) = branch.filter(|_| analysis.moduli.kind == Kind::Dynamic) {
-        canvas.series("one maxwell-branch", |canvas| panel.curve(canvas, &of_branch(branch, k, &unit), BRANCH));
+    if let Some(contact) = contact.filter(|_| analysis.moduli.kind == Kind::Dynamic) {
+        canvas.series("as a contact", |canvas| panel.curve(canvas, &of_contact(contact, k, &unit), BRANCH));
     }
 }
 
-/// The branch over its band.
-fn of_branch(branch: &Branch, k: usize, unit: &Unit) -> Vec<Point> {
+/// The contact over its band.
+fn of_contact(contact: &Contact, k: usize, unit: &Unit) -> Vec<Point> {
     const PLACES: usize = 41;
-    let [low, high] = branch.band_hz;
+    let [low, high] = contact.band_hz;
     let frequencies = (0..PLACES).map(|i| low * (high / low).powf(i as f64 / (PLACES - 1) as f64));
-    let value = |f: f64| if k == 0 { branch.modulus(TAU * f).re } else { branch.modulus(TAU * f).im };
+    let value = |f: f64| if k == 0 { contact.modulus(TAU * f).re } else { contact.modulus(TAU * f).im };
     frequencies.map(|f| (f, unit.of(value(f)))).collect()
 }
 
-fn entries(analysis: &Analysis, branch: Option<&Branch>) -> Vec<Entry> {
+fn entries(analysis: &Analysis, contact: Option<&Contact>) -> Vec<Entry> {
     let exponent = significant(analysis.exponent.value, 3);
     let mut entries = vec![
         (Key::Mark(Mark::Circle, INK, false), "measured".to_string()),
@@ -139,8 +139,11 @@ fn entries(analysis: &Analysis, branch: Option<&Branch>) -> Vec<Entry> {
         (Key::Patch(SHADE), "its 95 % band".to_string()),
         (Key::Line(SPRING_POT), format!("spring-pot, a = {exponent}")),
     ];
-    if let Some(branch) = branch.filter(|_| analysis.moduli.kind == Kind::Dynamic) {
-        entries.push((Key::Line(BRANCH), format!("one branch, {}", hertz(branch.band_hz[0], branch.band_hz[1]))));
+    if let Some(contact) = contact.filter(|_| analysis.moduli.kind == Kind::Dynamic) {
+        entries.push((
+            Key::Line(BRANCH),
+            format!("{}, {}", branches(contact), hertz(contact.band_hz[0], contact.band_hz[1])),
+        ));
     }
     entries
 }

@@ -2,7 +2,7 @@
 
 use super::doubts::shows_curve;
 use super::{Point, Table};
-use crate::statistics::median;
+use crate::statistics::median_of_three;
 
 /// A response at half power is this much below its peak, as a logarithm.
 const HALF: f64 = 0.5 * std::f64::consts::LN_2;
@@ -63,10 +63,8 @@ fn of_series(points: &[&Point]) -> Vec<Mode> {
         return Vec::new();
     }
     let sizes: Vec<f64> = points.iter().map(|p| (p.amplitude / p.drive).ln()).collect();
-    // The median of three: one reading far off is no peak.
-    let y: Vec<f64> = (0..sizes.len())
-        .map(|i| median(sizes[i.saturating_sub(1)..(i + 2).min(sizes.len())].iter().copied()))
-        .collect();
+    // One reading far off is no peak.
+    let y = median_of_three(&sizes);
     let fall = -APART.ln();
     let (mut peaks, mut valleys) = (Vec::new(), vec![0]);
     let (mut high, mut low, mut rising) = (0, 0, true);

@@ -332,7 +332,7 @@ impl Problem {
 
     /// Whether the bristles remember more than a state or two, so that only the solver of sliders can carry them.
     pub fn remembers(&self) -> bool {
-        self.spring_pot.is_some() || self.hysteretic
+        self.spring_pot.is_some() || self.hysteretic || !self.lumps.further_branches.is_empty()
     }
 
     /// Torque of the laws on the arm, with its slopes by the angle and the angular velocity.

@@ -43,6 +43,8 @@ pub struct Lumps {
     pub renewal: Dual,
     /// Viscoelastic branch: stiffness \[N/m\] and relaxation time \[s\].
     pub branch: Option<Box<(Dual, Dual)>>,
+    /// Those beside it.
+    pub further_branches: Vec<(Dual, Dual)>,
     /// Complex stiffness of the spring-pot at w \[N/m\].
     pub spring_pot: Option<Box<(Dual, Dual)>>,
     /// Viscous coefficient of the rate element \[N s/m\].
@@ -67,8 +69,7 @@ pub struct Lumps {
 impl Lumps {
     /// The coefficients of a model at an operating point.
     pub fn new(model: &Model, at: &Operation) -> Self {
-        let (contact, instrument) = (&model.contact, &model.instrument);
-        let rig = model.rig.values();
+        let (contact, instrument, rig) = (&model.contact, &model.instrument, model.rig.values());
         let values = [
             contact.stiffness,
             contact.damping,
@@ -113,6 +114,7 @@ impl Lumps {
             load_stiffness: Dual::constant(0.0),
             renewal: Dual::constant(0.0),
             branch: None,
+            further_branches: Vec::new(),
             spring_pot: None,
             rate_element: None,
             support: None,
@@ -181,6 +183,7 @@ impl Lumps {
             self.phase_offset = self.phase_offset + angle;
         }
         keep_first(&mut self.branch, effect.branch(p));
+        self.further_branches.extend(effect.further_branch(p));
         keep_first(&mut self.spring_pot, effect.fractional(p, self.omega));
         keep_first(&mut self.rate_element, effect.rate_element(p));
         keep_first(&mut self.support, effect.support(p));
@@ -215,11 +218,11 @@ impl Lumps {
     }
 
     /// Complex amplitude \[rad\] of the arm with the bristles stuck to a roller at rest (case II, with a compliant
-    /// support, a viscoelastic branch and a spring-pot where there are any).
+    /// support, viscoelastic branches and a spring-pot where there are any).
     pub fn stuck_response<T: Scalar>(&self) -> (T, T) {
         let w = self.omega;
         let mut z = (T::of(&self.contact_stiffness), T::of(&self.contact_damping) * w);
-        if let Some((k1, tau)) = self.branch.as_deref() {
+        for (k1, tau) in self.branch.as_deref().into_iter().chain(&self.further_branches) {
             let wt = T::of(tau) * w;
             let scale = T::of(k1) * (wt * wt + T::constant(1.0)).recip();
             z = (z.0 + scale * wt * wt, z.1 + scale * wt);

@@ -91,8 +91,8 @@ impl Fitted {
     fn solve(&mut self, moduli: &Moduli, points: &[Point]) -> f64 {
         let a = self.matrix(moduli, points);
         let b = DVector::from_element(a.nrows(), 1.0);
-        let x = nnls(&a, &b);
-        self.amounts = x.iter().map(|amount| amount * moduli.scale()).collect();
+        let (x, scale) = (nnls(&a, &b), moduli.scale());
+        self.amounts = x.iter().map(|amount| amount * scale).collect();
         (a * x - b).norm_squared()
     }
 
@@ -159,7 +159,10 @@ impl Fitted {
 
     /// The amounts over the middle of the readings: their squares are numbers whatever the unit.
     pub(super) fn shares(&self, moduli: &Moduli) -> Vec<f64> {
-        self.amounts.iter().map(|amount| amount / moduli.scale()).collect()
+        {
+            let scale = moduli.scale();
+            self.amounts.iter().map(|amount| amount / scale).collect()
+        }
     }
 
     /// The readings that the law gives at a frequency \[rad/s\] or a time \[s\].
@@ -229,7 +232,8 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Times<'_> {
         self.fitted.law = Law::Series(u.iter().map(|u| (middle + half * u.sin()).exp()).collect());
         self.matrix = self.fitted.matrix(self.moduli, self.points);
         self.amounts = nnls(&self.matrix, &DVector::from_element(self.matrix.nrows(), 1.0));
-        self.fitted.amounts = self.amounts.iter().map(|amount| amount * self.moduli.scale()).collect();
+        let scale = self.moduli.scale();
+        self.fitted.amounts = self.amounts.iter().map(|amount| amount * scale).collect();
     }
 
     fn params(&self) -> DVector<f64> {
@@ -242,12 +246,12 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Times<'_> {
 
     fn jacobian(&self) -> Option<DMatrix<f64>> {
         let Law::Series(times) = &self.fitted.law else { return None };
-        let ((_, half), kind) = (self.band(), self.moduli.kind);
+        let ((_, half), kind, scale) = (self.band(), self.moduli.kind, self.moduli.scale());
         let rows = self.points.iter().flat_map(|p| (0..kind.readings()).map(move |k| (p, k)));
         let rows: Vec<(&Point, usize)> = rows.collect();
         let slope = |i: usize, j: usize| {
             let (point, k) = rows[i];
-            let weight = self.amounts[j + 1] * self.moduli.scale() / point.y[k];
+            let weight = self.amounts[j + 1] * scale / point.y[k];
             weight * by_log_time(kind, point.x, times[j])[k] * half * self.u[j].cos()
         };
         let mut jacobian = DMatrix::from_fn(rows.len(), times.len(), slope);

@@ -3,18 +3,18 @@
 //! with positive moduli and by a spring-pot, E0 + c (iw)^a.
 //!
 //! `read` reads the table, `law` has the models and `nnls` their fit, `blocks` judges them at blocks of rows that were
-//! left out, `remarks` says what the data cannot tell, `branch` finds the one branch of a contact that comes nearest to
-//! a series. `docs/prony.md` has method and limits. Scales come from the data: no number here carries a unit.
+//! left out, `remarks` says what the data cannot tell, `contact` finds the contact with Maxwell branches that
+//! comes nearest to a series. `docs/prony.md` has method and limits. Scales come from the data: no number here carries a unit.
 
 mod blocks;
-mod branch;
+mod contact;
 mod law;
 mod nnls;
 mod read;
 mod remarks;
 
 pub use blocks::Score;
-pub use branch::{Branch, fragment, hertz, told};
+pub use contact::{Branch, Contact, branches, fragment, hertz, told};
 pub use law::{Fitted, Law};
 pub use read::{read, read_bytes};
 

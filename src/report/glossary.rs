@@ -8,7 +8,7 @@ use minijinja::HtmlEscape;
 pub fn parameter(key: &str) -> String {
     let of_effect = || {
         let (effect, own) = key.strip_prefix("effect.")?.rsplit_once('.')?;
-        crate::effects::find(effect)?.parameters().iter().find(|info| info.key == own)
+        crate::effects::find_among(crate::effects::REGISTRY, effect)?.parameters().iter().find(|info| info.key == own)
     };
     let found = crate::scenario::parameters::of_key(key).or_else(of_effect);
     found.map_or(String::new(), |info| match info.symbol {

@@ -10,7 +10,7 @@ use super::rig::Rig;
 use super::source::Store;
 use super::types::{EffectSetting, Instrument, MeasurementSource, Scenario};
 use super::written::{Entry, Node, Value};
-use crate::effects::{Effect, ParameterInfo, compatible, fits_rig, in_paper_formulation};
+use crate::effects::{Effect, ParameterInfo, compatible, find_among, fits_rig, in_paper_formulation};
 use crate::parameter::Coordinate;
 
 /// The list `[[effect]]`, each from the catalogue or a formula and none twice, for a rig with that coordinate and with
@@ -99,7 +99,7 @@ fn effect(
         return None;
     };
     let name = reader.text("name", node)?;
-    let Some(&effect) = options.effects.iter().find(|effect| effect.name() == name) else {
+    let Some(effect) = find_among(options.effects, &name) else {
         let known: Vec<_> = options.effects.iter().map(|effect| effect.name()).collect();
         let label = suggestion(nearest(&name, known.iter().copied()), "not in the catalogue");
         let help = format!("`stickslip effects` lists the catalogue: {}", known.join(", "));

@@ -5,6 +5,7 @@ use super::diagnostic::{Place, nearest, quote, suggestion};
 use super::reader::{Reader, Table};
 use super::types::EffectSetting;
 use super::written::{Entry, Node, Value, find};
+use crate::effects::find_among;
 use crate::effects::formula::{ActsOn, Blame, Formula, Stated, Statement};
 use crate::units;
 
@@ -63,7 +64,7 @@ fn name(reader: &mut Reader<'_>, node: &Node, options: &LoadOptions<'_>) -> Opti
         reader.fail(&node.place, &title, "not such a name", &help);
         return None;
     }
-    if options.effects.iter().any(|effect| effect.name() == name) {
+    if find_among(options.effects, &name).is_some() {
         let title = format!("`{name}` is an effect of the catalogue");
         let help = "give the formula a name of its own, or remove the key `formula` to use the effect of the catalogue";
         reader.fail(&node.place, &title, "taken", help);

@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
 """Steady states of every effect of the catalogue, by integration in time.
 
-    python3 tests/reference/effects.py --check        a sample of the rows of both tables, integrated again (a minute or two)
+    python3 tests/reference/effects.py --check        a sample of the rows of all tables, integrated again (a minute or two)
     python3 tests/reference/effects.py --check all    every row
-    python3 tests/reference/effects.py --write        makes every row of both tables anew (half an hour)
+    python3 tests/reference/effects.py --write        makes every row of all tables anew (half an hour)
 
 The paper's rig (Eqs. 1-8): J th'' + C th' + K th = drive + b F, bristles F = kc x + cc x' in series with friction mu(s) N:
 `tests/data/effects.csv`. Most of the rows there of the catalogue's first effects come from a third program, and are checked here. An
 oscillator without a contact: M x'' + C x' + K x = f sin(w t) + force of the effect: `tests/data/effects-alone.csv`. The laws are stated
-below and in effects.c. Rows of a drift are of the second series.
+below and in effects.c. Rows of a drift are of the second series. `tests/data/branches.csv`: three relaxations side by side, on the
+paper's rig.
 Shares no code with the program; needs Python 3.9 and a C compiler.
 """
 
@@ -24,6 +25,7 @@ import tempfile
 HERE = os.path.dirname(os.path.abspath(__file__))
 DATA = os.path.join(HERE, "..", "data")
 BESIDE, ALONE = os.path.join(DATA, "effects.csv"), os.path.join(DATA, "effects-alone.csv")
+BRANCHES = os.path.join(DATA, "branches.csv")
 
 STEPS, CYCLES, CYCLES_OF_BERG = 4000, 110, 600
 POT, POT_STEP, POT_RANGE = 48, 0.5, 1e4
@@ -66,6 +68,7 @@ ON_CONTACT = [
     ("crosstalk", dict(b_r=-0.4, b_i=0.7)),
     ("drift", dict(d_2=0.06, g_2=-0.05)),
 ]
+PRONY_SERIES = [("maxwell-branch", dict(k_1=30000, tau=0.002, k_1_2=20000, tau_2=0.0004, k_1_3=10000, tau_3=0.02))]
 
 OSCILLATOR = dict(mass=2.0, f0=80.0, Q=30.0)
 FORCES = [1.0, 3.0]
@@ -170,7 +173,7 @@ def beside(effect, p, speed, load, u0, frequency, steps=STEPS):
         drive /= 1.0 + 1j * w * p["tau"]
     elif effect == "load-stiffening":
         kc, cc = kc * (load / p["N_ref"]) ** p["m"], cc * (load / p["N_ref"]) ** p["m"]
-    berg, pot = (0.0, 1.0), []
+    berg, pot = (0.0, 1.0), [number for j in range(2, 9) if f"k_1_{j}" in p for number in (p[f"k_1_{j}"], 1.0 / p[f"tau_{j}"])]
     if effect == "berg-friction":
         berg = (p["F_max"], p["x_2"])
     elif effect == "spring-pot":
@@ -239,8 +242,8 @@ def number(value, digits):
     return f"{value:.{digits}e}" if value else "0"
 
 
-def rows_beside():
-    for effect, p in ON_CONTACT:
+def rows_beside(effects=ON_CONTACT):
+    for effect, p in effects:
         for speed, load, drive in CONDITIONS:
             for frequency in FREQUENCIES:
                 try:
@@ -266,10 +269,11 @@ def rows_alone():
 
 
 def write():
-    """Every row of both tables."""
+    """Every row of all tables."""
     beside_header = "effect,parameters,speed_m_s,load_n,drive_m,frequency_hz,amplitude_rad,phase_rad,mean_rad"
     alone_header = "effect,parameters,force_n,frequency_hz,amplitude_m,phase_rad,mean_m"
-    for path, header, rows in ((BESIDE, beside_header, rows_beside()), (ALONE, alone_header, rows_alone())):
+    of_branches = rows_beside(PRONY_SERIES)
+    for path, header, rows in ((BESIDE, beside_header, rows_beside()), (ALONE, alone_header, rows_alone()), (BRANCHES, beside_header, of_branches)):
         lines = [header, *rows]
         with open(path, "w", encoding="utf-8") as file:
             file.write("\n".join(lines) + "\n")
@@ -278,7 +282,7 @@ def write():
 def check(every):
     """Whether every `every`-th row of each effect comes out again."""
     worst, failed = {}, 0
-    for path, solve in ((BESIDE, beside), (ALONE, alone)):
+    for path, solve in ((BESIDE, beside), (ALONE, alone), (BRANCHES, beside)):
         with open(path, encoding="utf-8") as file:
             lines = file.read().splitlines()[1:]
         counts = {}
@@ -291,7 +295,7 @@ def check(every):
             *at, amplitude, phase, _ = map(float, fields)
             found = solve(effect, p, *at)
             error = max(abs(found[0] / amplitude - 1.0) if amplitude else found[0], abs(found[1] - phase) if amplitude else 0.0)
-            key = (effect, "on the contact" if solve is beside else "alone")
+            key = ("several branches" if path == BRANCHES else effect, "on the contact" if solve is beside else "alone")
             worst[key] = max(worst.get(key, 0.0), error)
             failed += error > CLOSE
     for (effect, where), error in worst.items():
@@ -302,7 +306,7 @@ def check(every):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--write", action="store_true", help="make every row of both tables anew")
+    parser.add_argument("--write", action="store_true", help="make every row of all tables anew")
     parser.add_argument("--check", nargs="?", const="sample", choices=("sample", "all"), help="integrate rows again")
     options = parser.parse_args()
     if options.write:

@@ -2,7 +2,7 @@
 
 use super::draft::{Draft, Kind};
 use crate::cli::Global;
-use crate::cli::progress::of_search;
+use crate::cli::progress::of_searches;
 use crate::compare::{EXCESS, calibrate, judge};
 use crate::discover::{Candidates, Hypothesis, MARGIN, SearchOptions, explain};
 use crate::effects::REGISTRY;
@@ -18,7 +18,7 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
-use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, LazyLock};
 
 /// The search that decides between kinds of readings: by what acts on the motion. What is read beside it makes one kind
@@ -42,14 +42,11 @@ struct Left {
 
 impl Left {
     /// By effects of the catalogue and, where a search is too short for these, by any law of the amplitude.
-    fn by(scenario: &Scenario, table: &Table, solved: &AtomicU64) -> Vec<Self> {
+    fn by(scenario: &Scenario, table: &Table, solved: &Arc<AtomicU64>) -> Vec<Self> {
         let model = Model::new(&table.applied_to(scenario));
         let calibration = calibrate(&model, &scenario.free, &table.points, Tolerance::FIT, 0);
         let law = free_form::left_by_amplitude(&judge(scenario, table, &calibration, None));
-        // Others search at the same time: each has a budget of its own.
-        let own = Arc::new(AtomicU64::new(0));
-        let (Hypothesis { fit, .. }, looked_at) = explain(scenario, table, &SHORT, &own);
-        solved.fetch_add(own.load(Relaxed), Relaxed);
+        let (Hypothesis { fit, .. }, looked_at) = explain(scenario, table, &SHORT, solved);
         let freedom = table.freedom;
         let effects =
             Self { residuals: fit.evaluation.residuals, parameters: fit.parameters.len(), freedom, looked_at };
@@ -84,8 +81,12 @@ impl Draft<'_> {
                 drafts.push((kind, text, scenario, table));
             }
         }
-        let explained: Vec<Vec<Left>> = of_search(global, SHORT.budget * drafts.len() as u64, |solved| {
-            drafts.par_iter().map(|(.., scenario, table)| Left::by(scenario, table, solved)).collect()
+        let explained: Vec<Vec<Left>> = of_searches(global, drafts.len(), SHORT.budget, |solved| {
+            drafts
+                .par_iter()
+                .zip(solved)
+                .map(|((.., scenario, table), solved)| Left::by(scenario, table, solved))
+                .collect()
         });
         let typical = |left: &Left| typical_of(&left.residuals);
         let unit = explained.iter().flatten().map(typical).fold(f64::INFINITY, f64::min).powi(2);

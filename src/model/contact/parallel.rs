@@ -21,7 +21,8 @@ impl Problem {
     fn as_sliders(&self, elements: Vec<Element>) -> Sliders<'_> {
         let maxwell = self.at.q.map(|_| (self.k1, self.branch_rate));
         let spring_pot = self.spring_pot.iter().flat_map(|pot| pot.branches);
-        Sliders { problem: self, elements, branches: maxwell.into_iter().chain(spring_pot).collect() }
+        let further = self.lumps.further_branches.iter().map(|(stiffness, tau)| (stiffness.value, 1.0 / tau.value));
+        Sliders { problem: self, elements, branches: maxwell.into_iter().chain(further).chain(spring_pot).collect() }
     }
 
     /// The continuum of elements that replaces the single one, where an effect asks for it.
