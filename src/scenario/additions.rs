@@ -47,7 +47,9 @@ pub(crate) fn effects(
         }
         if list.iter().any(|other| other.name() == setting.name()) {
             let title = format!("the effect `{}` appears twice", setting.name());
-            reader.fail(&item.place, &title, "appeared before", "remove one of the two");
+            let further = setting.effect.further().first();
+            let other = further.map_or(String::new(), |other| format!(", or name it `{}` to have both", other.name()));
+            reader.fail(&item.place, &title, "appeared before", &format!("remove one of the two{other}"));
         } else {
             let together: Vec<&dyn Effect> =
                 list.iter().chain([&setting]).map(|one| one.effect as &dyn Effect).collect();

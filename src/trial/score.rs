@@ -3,6 +3,8 @@
 use super::answer::Answer;
 use super::cause::Kind;
 use super::examine::Found;
+use crate::dual::Dual;
+use crate::effects::{ParameterInfo, find, typical};
 use serde::{Deserialize, Serialize};
 
 /// A planted parameter beside its estimate.
@@ -84,9 +86,22 @@ pub fn score(answer: &Answer, found: &Found) -> Score {
     }
 }
 
+/// Whether a number holds at a load, a time or a speed that a search keeps where it likes: such numbers of two places
+/// cannot be held against each other.
+fn is_stated_at_a_place(key: &str, effects: &[String]) -> bool {
+    let planted = effects.iter().filter_map(|name| find(name));
+    let mut placed = planted.filter(|effect| effect.parameters().iter().any(|info| info.held));
+    placed.any(|effect| {
+        let p: Vec<Dual> = typical(effect).into_iter().map(Dual::constant).collect();
+        let own = |info: &ParameterInfo| key == format!("effect.{}.{}", effect.name(), info.key) && info.unit != "1";
+        let of_contact = effect.contact_factor(&p, Dual::constant(1.0)).is_some();
+        effect.parameters().iter().any(own) || (of_contact && key.starts_with("contact."))
+    })
+}
+
 fn shares(answer: &Answer, found: &Found) -> Vec<Share> {
     let beside = |(key, &truth): (&String, &f64)| {
-        let e = found.parameters.get(key)?;
+        let e = found.parameters.get(key).filter(|_| !is_stated_at_a_place(key, &answer.effects))?;
         let slack = 1e-12 * truth.abs();
         Some(Share {
             key: key.clone(),
@@ -100,4 +115,24 @@ fn shares(answer: &Answer, found: &Found) -> Vec<Share> {
         })
     };
     answer.parameters.iter().filter_map(beside).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_stated_at_a_place;
+
+    #[test]
+    fn numbers_that_hold_at_a_place_are_not_held_against_those_of_another() {
+        let placed = |effect: &str, key: &str| is_stated_at_a_place(key, &[effect.to_string()]);
+        assert!(placed("load-stiffening", "contact.stiffness") && placed("load-stiffening", "contact.damping"));
+        assert!(placed("spring-pot", "effect.spring-pot.c_a") && placed("power-damping", "effect.power-damping.D"));
+        for (effect, key) in [
+            ("load-stiffening", "effect.load-stiffening.m"),
+            ("spring-pot", "effect.spring-pot.a"),
+            ("spring-pot", "contact.stiffness"),
+            ("maxwell-branch", "effect.maxwell-branch.k_1"),
+        ] {
+            assert!(!placed(effect, key), "{key}");
+        }
+    }
 }
