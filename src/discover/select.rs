@@ -340,6 +340,20 @@ impl<'a> Search<'a> {
         simple.or(close.iter().min_by(least)).map(|h| (**h).clone())
     }
 
+    /// Fits what does much the same as an addition to its end beside the others: a race may have left it early, for what
+    /// it costs.
+    fn fit_alike(&self, rest: impl Fn() -> Hypothesis, addition: Addition, known: &mut Known) {
+        let Addition::Effect(effect) = addition else { return };
+        for other in self.pool.iter().filter(|other| effect.alike().contains(&other.name())) {
+            let rest = rest();
+            let fitted = known.beside(&rest.additions);
+            let is_fitted = fitted.iter().any(|h| h.additions.last() == Some(other));
+            if !is_fitted && self.goes_on() && self.goes_with(&rest, *other) {
+                self.add(&rest, *other, known);
+            }
+        }
+    }
+
     /// Replaces every addition in turn by another that explains better beside the others, itself at another place
     /// included; with what does as well in the place of each, itself first. What is no explanation has none that does
     /// as well.
@@ -367,8 +381,11 @@ impl<'a> Search<'a> {
                 if known.with(&additions).iter().all(|seen| rest.fits_better_than(seen)) {
                     self.race(&[&rest], &self.pool, Field::Best(1), known);
                 }
-            } else if !known.raced(&additions) {
-                self.race(&[&rest()], &self.pool, Field::Best(1), known);
+            } else {
+                if !known.raced(&additions) {
+                    self.race(&[&rest()], &self.pool, Field::Best(1), known);
+                }
+                self.fit_alike(rest, addition, known);
             }
             let mut rivals = known.beside(&additions);
             let bic = |h: &Hypothesis| self.bic(unit, h);
