@@ -212,7 +212,7 @@ fn rounded(value: f64, digits: usize) -> f64 {
 pub fn branches(contact: &Contact) -> String {
     match contact.branches.len() {
         1 => format!("one {BRANCH}"),
-        count => format!("{count} of {BRANCH}"),
+        count => format!("{count} {BRANCH} effects"),
     }
 }
 

@@ -10,7 +10,7 @@ const ROW: f64 = 22.0;
 const WIDEST: f64 = 46.0;
 /// Colour of answers that are said not to be told apart from the right one.
 const TIED: Color = Color(0xe6, 0x9f, 0x00);
-/// Most columns; the rarest labels are united behind them.
+/// Most columns, but for those of right answers; the rarest labels are united behind them.
 const COLUMNS: usize = 34;
 
 /// The figure.
@@ -24,6 +24,11 @@ struct Shown<'a> {
     tied: Vec<Vec<usize>>,
 }
 
+/// Whether what was named is the right answer to what was planted.
+fn is_right(planted: &str, named: &str) -> bool {
+    (planted.starts_with("outside-") && named == "unexplained") || named == sorted(planted)
+}
+
 impl<'a> Shown<'a> {
     fn of(c: &'a Confusion) -> Self {
         let none = || vec![vec![0; c.named.len()]; c.planted.len()];
@@ -33,8 +38,11 @@ impl<'a> Shown<'a> {
         }
         let mut order: Vec<usize> = (0..c.named.len()).collect();
         let total = |column: usize| c.counts.iter().map(|row| row[column]).sum::<usize>();
-        order.sort_by_key(|&column| std::cmp::Reverse(total(column)));
-        let (mut kept, rare) = (order[..COLUMNS - 1].to_vec(), &order[COLUMNS - 1..]);
+        let is_right = |column: usize| c.planted.iter().any(|planted| is_right(planted, &c.named[column]));
+        // What is right somewhere has a column of its own however rare.
+        order.sort_by_key(|&column| (!is_right(column), std::cmp::Reverse(total(column))));
+        let count = order.iter().filter(|&&column| is_right(column)).count().max(COLUMNS - 1);
+        let (mut kept, rare) = (order[..count].to_vec(), &order[count..]);
         kept.sort_unstable();
         let mut named: Vec<String> = kept.iter().map(|&column| c.named[column].clone()).collect();
         named.push(format!("{} other answers", rare.len()));
@@ -49,9 +57,7 @@ impl<'a> Shown<'a> {
 
     /// Whether a column is the right answer to a row.
     fn right(&self, row: usize, column: usize) -> bool {
-        let (planted, named) = (&self.planted[row], &self.named[column]);
-        let outside = planted.starts_with("outside-") && named == "unexplained";
-        outside || *named == sorted(planted)
+        is_right(&self.planted[row], &self.named[column])
     }
 
     fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
@@ -158,5 +164,28 @@ impl Figure<Summary> for ConfusionMatrix {
         }
         let svg = shown.draw(self.title(), &alt)?;
         Ok(Drawing::of(self, (caption, alt), (svg, table.finish()), Vec::new()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_right_has_a_column_of_its_own_however_rare() {
+        let planted: Vec<String> = (0..45).map(|i| format!("cause-{i}")).collect();
+        let wrong = (0..5).map(|i| format!("wrong-{i}"));
+        let named: Vec<String> = wrong.chain(planted.iter().cloned()).collect();
+        // Every cause is named once, and the wrong answers more often.
+        let row = |i: usize| (0..50).map(|column| if column < 5 { 2 } else { usize::from(column == i + 5) }).collect();
+        let counts = (0..45).map(row).collect();
+        let confusion = Confusion { planted: planted.clone(), named, counts, tied: Vec::new() };
+        let shown = Shown::of(&confusion);
+        assert_eq!(shown.named.last().map(String::as_str), Some("5 other answers"));
+        for row in 0..45 {
+            let right: Vec<usize> = (0..shown.named.len()).filter(|&column| shown.right(row, column)).collect();
+            assert_eq!(right.iter().map(|&column| shown.counts[row][column]).collect::<Vec<_>>(), [1]);
+            assert_eq!(shown.counts[row].last(), Some(&10));
+        }
     }
 }
