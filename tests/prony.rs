@@ -402,6 +402,9 @@ fn extreme_numbers_make_no_panic_and_no_broken_number() {
         let amounts = analysis.series.amounts.iter().chain(&analysis.spring_pot.amounts).chain([&analysis.exponent]);
         let finite = |i: &Interval| [i.value, i.low, i.high].iter().all(|end| end.is_finite());
         assert!(amounts.into_iter().all(finite), "{decades} {size}: {analysis:?}");
+        let (low, high) = analysis.moduli.band();
+        let contact = Contact::nearest(&analysis, (low / TAU, high / TAU)).unwrap();
+        assert!(contact.branches.iter().all(|b| b.amount.is_finite() && b.time > 0.0), "{decades} {size}: {contact:?}");
     }
 }
 

@@ -72,17 +72,18 @@ impl Contact {
         loop {
             times = goal.with_another(times);
             let mut left = f64::INFINITY;
-            loop {
+            let contact = loop {
                 let contact = goal.contact(&times, [low, high]);
-                let square = goal.fit(&times).1;
-                if near(&contact) || (times.len() >= most && square > GAIN * left) {
-                    return Ok(contact);
-                }
-                if square > GAIN * left {
-                    break;
+                let square = contact.rms[0].powi(2) + contact.rms[1].powi(2);
+                let falls = square < GAIN * left;
+                if near(&contact) || !falls {
+                    break contact;
                 }
                 left = square;
                 times = goal.moved(times);
+            };
+            if near(&contact) || times.len() >= most {
+                return Ok(contact);
             }
         }
     }
