@@ -116,14 +116,15 @@ pub fn how_sure(d: &Discovery) -> String {
     let Some(rival) = d.candidates.iter().find(is_rival) else { return tested };
     let alone = rival.hypothesis.additions.is_empty();
     let label = if alone { "the calibrated model alone".into() } else { rival.hypothesis.label() };
-    let from = match rival.hypothesis.basis() {
-        Basis::AllPoints => String::new(),
-        basis => format!(", estimated ({})", basis.words(end.comparison.table.points.len())),
+    // What was left before its fit had ended may come nearer: no odds are told of it.
+    let sure = |behind: f64| match rival.hypothesis.basis() {
+        Basis::AllPoints => odds(behind),
+        basis => format!(", as far as it was fitted ({})", basis.words(end.comparison.table.points.len())),
     };
     let rival = match rival.delta_bic - own {
-        b if b >= MARGIN => format!("the closest rival, {label}, is {b:.0} behind in BIC{}{from}", odds(b)),
+        b if b >= MARGIN => format!("the closest rival, {label}, is {b:.0} behind in BIC{}", sure(b)),
         b if b >= 0.0 => {
-            format!("{label} is only {b:.1} behind in BIC{}{from}, which does not rule it out", odds(b))
+            format!("{label} is only {b:.1} behind in BIC{}, which does not rule it out", sure(b))
         }
         b => format!("{label} is {:.1} ahead in BIC, too little to decide for it among so many", -b),
     };
