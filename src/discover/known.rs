@@ -41,6 +41,8 @@ pub(super) struct Known {
     pub entries: Vec<Entry>,
     /// What every candidate was raced beside.
     pub parents: Vec<Vec<Addition>>,
+    /// What pairs of laws were fitted beside, and with them.
+    pub pairs: Vec<(Vec<Addition>, Vec<Vec<Addition>>)>,
 }
 
 impl Known {
@@ -78,6 +80,17 @@ impl Known {
             hypothesis.additions.sort_by_key(|a| !additions.contains(a));
         }
         found
+    }
+
+    /// What was not fitted to all points with one addition more than these.
+    pub fn left_beside(&self, additions: &[Addition]) -> Vec<(Addition, Entry)> {
+        let one_more = |e: &Entry| {
+            let own = &e.hypothesis.additions;
+            let is_left = matches!(e.hypothesis.basis(), Basis::Linear | Basis::SomePoints(_));
+            let beside = is_left && own.len() == additions.len() + 1 && additions.iter().all(|a| own.contains(a));
+            beside.then(|| own.iter().copied().find(|a| !additions.contains(a))).flatten()
+        };
+        self.entries.iter().filter_map(|e| Some((one_more(e)?, e.clone()))).collect()
     }
 
     /// Takes over a better fit of what is known.

@@ -5,7 +5,7 @@ use super::field::Field;
 use super::hypothesis::{Addition, Hypothesis, extended};
 use super::known::{Entry, Known};
 use super::look::motion::Pair;
-use super::look::{Count, Look, Parent, look};
+use super::look::{Count, Look, Parent, Start, look};
 use super::options::{MARGIN, MISTAKE};
 use super::race::{Competitor, Race, Round};
 use super::runner::{Bar, COSTLY, Runner};
@@ -55,10 +55,10 @@ impl<'a> Search<'a> {
         let o = self.options;
         let (field, entries) = self.line_up(parents, pool, entered, known);
         let rules = match entered {
-            Field::Best(_) => (o.kept, o.survivors),
+            Field::Best(..) => (o.kept, o.survivors),
             Field::Each(_) => (1.0, field.len()),
         };
-        if matches!(entered, Field::Best(_)) {
+        if matches!(entered, Field::Best(..)) {
             known.parents.extend(parents.iter().map(|from| from.additions.clone()));
         }
         self.run_race((field, entries), rules, known)
@@ -94,6 +94,23 @@ impl<'a> Search<'a> {
         self.run_race((field, entries), (o.kept, o.survivors), known)
     }
 
+    /// All that left a race beside a hypothesis, from where they were: a rival of what is named has lost to it, squares
+    /// in this unit, not to others or for what it costs.
+    pub(super) fn race_on(&self, from: &Hypothesis, (best, unit): (&Hypothesis, f64), known: &mut Known) {
+        let (rest, sure) = (&from.fit.evaluation.residuals, self.sure());
+        let (mut field, mut entries): (Vec<Runner<'_, 'a>>, Vec<Entry>) = Default::default();
+        for (addition, entry) in known.left_beside(&from.additions) {
+            let model = entry.hypothesis.fitted();
+            let values = values_in(&model, &self.data.beside(&model, from, addition));
+            let start = Start { model, values, residuals: entry.hypothesis.left().0.clone() };
+            field.push(Runner::new(&self.data, (from, entries.len(), sure), addition, (start, rest)));
+            entries.push(entry);
+        }
+        field.iter_mut().for_each(|runner| runner.bar = Bar::At(best, unit));
+        let all = field.len();
+        self.run_race((field, entries), (1.0, all), known);
+    }
+
     /// Runs a race; the hypotheses that came to its end, fitted to all points.
     fn run_race(
         &self,
@@ -105,7 +122,7 @@ impl<'a> Search<'a> {
         let all = self.data.points.len();
         let first = Round { points: o.first_points.min(all), evaluations: o.first_evaluations, states: 0 };
         let ended = Race { first, points: all, kept, survivors }.run(field, |among| self.data.share(among));
-        for runner in ended.dropped.iter().chain(&ended.survivors) {
+        for runner in ended.dropped.iter().chain(&ended.survivors).filter(|runner| runner.fit.is_some()) {
             entries[runner.of].keep(runner.hypothesis(false));
         }
         let full = |r: &Runner<'_, '_>| r.fit.as_ref().is_some_and(|fit| fit.evaluation.predictions.len() == all);
@@ -136,7 +153,7 @@ impl<'a> Search<'a> {
     ) -> (Vec<Runner<'s, 'a>>, Vec<Entry>) {
         let o = self.options;
         let (turn, kept) = match entered {
-            Field::Best(turn) => (turn, o.kept),
+            Field::Best(turn, _) => (turn, o.kept),
             Field::Each(_) => (0, 1.0),
         };
         let of = |number: usize| pool.iter().map(move |addition| (number, *addition));
@@ -211,11 +228,11 @@ impl<'a> Search<'a> {
         rest: impl Fn() -> DVector<f64>,
     ) {
         let mut bar = match entered {
-            Field::Each(Some((best, unit))) => Bar::At(best, unit),
+            Field::Best(_, Some((best, unit))) | Field::Each(Some((best, unit))) => Bar::At(best, unit),
             _ => Bar::None,
         };
         if let [only] = parents
-            && matches!(entered, Field::Best(_))
+            && matches!(entered, Field::Best(..))
             && !self.structured(only)
         {
             let rest = rest();

@@ -100,7 +100,7 @@ impl Default for SearchOptions {
             kept: 0.25,
             survivors: 6,
             beam: 4,
-            budget: 2_100_000,
+            budget: 1_600_000,
             candidates: Candidates::default(),
             bounds: Bounds::default(),
         }

@@ -168,8 +168,8 @@ impl<'a> Search<'a> {
     }
 
     /// Adds to a hypothesis as long as that pays, and removes what that makes needless: all candidates race beside the
-    /// leading hypotheses. `by_hand`: what leaves structure is fitted from other starting points, too, and held against
-    /// every other candidate, fitted to its end, and against pairs.
+    /// leading hypotheses, and pairs of laws beside the base. `by_hand`: what leaves structure is fitted from other
+    /// starting points, too, and held against every other candidate, fitted to its end, and against pairs beside that.
     fn steps(&self, start: &Hypothesis, known: &mut Known, by_hand: bool) -> Hypothesis {
         let (mut chosen, mut beam) = (start.clone(), vec![start.clone()]);
         for _ in 0..self.options.max_effects {
@@ -181,8 +181,9 @@ impl<'a> Search<'a> {
                 beam.iter().partition(|h| known.raced(&h.additions));
             let mut full: Vec<Hypothesis> = again.iter().flat_map(|h| known.beside(&h.additions)).collect();
             if !new.is_empty() {
-                full.extend(self.race(&new, &self.pool, Field::Best(0), known));
+                full.extend(self.race(&new, &self.pool, Field::Best(0, None), known));
             }
+            self.add_pairs(&chosen, &mut full, by_hand || chosen.additions.is_empty(), known);
             if by_hand {
                 self.hold_against_all(&chosen, &mut full, known);
             }
@@ -216,6 +217,24 @@ impl<'a> Search<'a> {
         chosen
     }
 
+    /// Adds to what was fitted beside a hypothesis pairs of laws, where they are `wanted` and the best leaves structure:
+    /// before a race beside each of many, since what two laws do together may show in neither.
+    fn add_pairs(&self, chosen: &Hypothesis, full: &mut Vec<Hypothesis>, wanted: bool, known: &mut Known) {
+        let room = chosen.additions.len() + 2 <= self.options.max_effects;
+        let structured = self.least(&*full).is_none_or(|(_, least)| self.structured(least));
+        if !(wanted && room && structured) {
+            return;
+        }
+        let before = known.pairs.iter().find(|(beside, _)| *beside == chosen.additions);
+        if let Some((_, pairs)) = before {
+            full.extend(pairs.iter().flat_map(|additions| known.with(additions)));
+        } else if self.goes_on() {
+            let pairs = self.pairs(chosen, known);
+            known.pairs.push((chosen.additions.clone(), pairs.iter().map(|h| h.additions.clone()).collect()));
+            full.extend(pairs);
+        }
+    }
+
     /// Adds to what was fitted beside a hypothesis what a user might do by hand, as long as the best of all leaves
     /// structure.
     fn hold_against_all(&self, chosen: &Hypothesis, full: &mut Vec<Hypothesis>, known: &mut Known) {
@@ -231,11 +250,6 @@ impl<'a> Search<'a> {
             let others = if at_first { self.pool.clone() } else { self.not_fitted_beside(chosen, known) };
             let bar = Some((&least, self.unit(&least)));
             full.extend(self.race(&[chosen], &others, Field::Each(bar), known));
-            least = self.least(&*full).map_or(least, |(_, least)| least.clone());
-            let room = chosen.additions.len() + 2 <= self.options.max_effects;
-            if room && self.structured(&least) && self.goes_on() {
-                full.extend(self.pairs(chosen, known));
-            }
         }
     }
 
@@ -340,20 +354,6 @@ impl<'a> Search<'a> {
         simple.or(close.iter().min_by(least)).map(|h| (**h).clone())
     }
 
-    /// Fits what does much the same as an addition to its end beside the others: a race may have left it early, for what
-    /// it costs.
-    fn fit_alike(&self, rest: impl Fn() -> Hypothesis, addition: Addition, known: &mut Known) {
-        let Addition::Effect(effect) = addition else { return };
-        for other in self.pool.iter().filter(|other| effect.alike().contains(&other.name())) {
-            let rest = rest();
-            let fitted = known.beside(&rest.additions);
-            let is_fitted = fitted.iter().any(|h| h.additions.last() == Some(other));
-            if !is_fitted && self.goes_on() && self.goes_with(&rest, *other) {
-                self.add(&rest, *other, known);
-            }
-        }
-    }
-
     /// Replaces every addition in turn by another that explains better beside the others, itself at another place
     /// included; with what does as well in the place of each, itself first. What is no explanation has none that does
     /// as well.
@@ -379,13 +379,15 @@ impl<'a> Search<'a> {
                 // Raced again only at a better place than all that it was raced at.
                 let rest = rest();
                 if known.with(&additions).iter().all(|seen| rest.fits_better_than(seen)) {
-                    self.race(&[&rest], &self.pool, Field::Best(1), known);
+                    self.race(&[&rest], &self.pool, Field::Best(1, None), known);
                 }
             } else {
+                let rest = rest();
+                let aim = (&chosen, unit);
                 if !known.raced(&additions) {
-                    self.race(&[&rest()], &self.pool, Field::Best(1), known);
+                    self.race(&[&rest], &self.pool, Field::Best(1, Some(aim)), known);
                 }
-                self.fit_alike(rest, addition, known);
+                self.race_on(&rest, aim, known);
             }
             let mut rivals = known.beside(&additions);
             let bic = |h: &Hypothesis| self.bic(unit, h);

@@ -5,7 +5,14 @@ use super::hypothesis::Basis;
 use super::{Candidate, Discovery, MARGIN, Step, Verdict};
 use crate::compare::outlier_words;
 use crate::fit::{Identified, Interval, Parameter};
+use crate::scenario::parameters::of_key;
 use crate::units::readable::percent;
+
+/// What the one number is that these keys name, as an apposition; of several nothing.
+fn meaning(keys: &[String]) -> String {
+    let one = if let [key] = keys { of_key(key) } else { None };
+    one.map_or_else(String::new, |info| format!(", the {}", info.meaning))
+}
 
 /// The verdict in a sentence.
 pub fn sentence(d: &Discovery) -> String {
@@ -24,7 +31,13 @@ pub fn sentence(d: &Discovery) -> String {
             d.asked.len(),
             noise(d)
         ),
-        Verdict::Recalibrate => format!("recalibrate {}: no effect is needed", recalibrated.join(", ")),
+        Verdict::Recalibrate => {
+            format!(
+                "recalibrate {}{}: no effect is needed",
+                recalibrated.join(", "),
+                meaning(&end.hypothesis.recalibrated())
+            )
+        }
         Verdict::EffectMissing if recalibrated.is_empty() => format!("missing: {}", effects.join(" + ")),
         Verdict::EffectMissing => format!("missing: {}; recalibrate {}", effects.join(" + "), recalibrated.join(", ")),
         Verdict::Unexplained if !end.comparison.whiteness.testable => {

@@ -59,9 +59,6 @@ impl Effect for MaxwellBranch {
          less than an octave of frequency at 1 % noise, as blind trials show; readings of the sticking contact a decade below the \
          resonance tell the two apart"
     }
-    fn alike(&self) -> &'static [&'static str] {
-        &["spring-pot"]
-    }
     fn zero(&self) -> &'static [Zero] {
         &[Zero { parameter: 0, value: 0.0 }]
     }

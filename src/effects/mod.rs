@@ -137,11 +137,6 @@ pub trait Effect: Sync {
         ""
     }
 
-    /// Effects that do the same to measurements within a narrow band: where it is named they are fitted to the end, too,
-    /// whatever a steady state of theirs costs.
-    fn alike(&self) -> &'static [&'static str] {
-        &[]
-    }
     /// Effects that are this one with a parameter at a value or a bound: they are nested in it.
     fn contains(&self) -> &'static [&'static str] {
         &[]

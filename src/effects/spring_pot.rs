@@ -40,9 +40,6 @@ impl Effect for SpringPot {
         "over less than an octave a maxwell-branch; with a near 0 or 1 another stiffness or damping of the contact: a decade of \
          frequencies of the sticking contact tells them apart"
     }
-    fn alike(&self) -> &'static [&'static str] {
-        &["maxwell-branch"]
-    }
     fn zero(&self) -> &'static [Zero] {
         &[Zero { parameter: 0, value: 0.0 }]
     }

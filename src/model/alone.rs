@@ -88,8 +88,15 @@ impl SingleMode for Alone {
         let laws = self.laws.iter().filter_map(|(effect, p, _)| effect.torque(p, x, v));
         laws.fold([0.0; 3], |sum, law| [sum[0] + law.value, sum[1] + law.d_first, sum[2] + law.d_second])
     }
-    fn is_odd(&self) -> bool {
-        self.laws.iter().all(|(effect, ..)| effect.torque_is_odd())
+    fn is_odd(&self, amplitude: f64) -> bool {
+        let odd = |(effect, p, _): &Law| {
+            // What a formula seemed to be where it was looked at it need not be elsewhere.
+            let force = |x, v| effect.torque(p, x, v).map_or(0.0, |law| law.value);
+            let v = 0.7 * amplitude * self.lumps.omega;
+            let opposite = |share: f64| force(share * amplitude, v) == -force(-share * amplitude, -v);
+            effect.torque_is_odd() && (effect.formula().is_none() || [0.3, 0.9].into_iter().all(opposite))
+        };
+        self.laws.iter().all(odd)
     }
     fn has_corners(&self) -> bool {
         // The kinks of the catalogue at rest have continuous slopes.

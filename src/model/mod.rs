@@ -111,6 +111,11 @@ impl Model {
         self.effects.iter().any(|(effect, p)| slides(*effect, p) && effect.continuum(p).is_none())
     }
 
+    /// Laws by which friction depends on the slip rate.
+    pub fn friction_laws(&self) -> usize {
+        self.effects.iter().filter(|(effect, p)| effect.friction(p, 0.0, 0.0).is_some()).count()
+    }
+
     /// Whether its bristles follow a hysteresis of their own.
     pub fn has_hysteresis(&self) -> bool {
         self.effects.iter().any(|(effect, p)| remembers(*effect, p))

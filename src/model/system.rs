@@ -193,8 +193,8 @@ pub trait SingleMode {
     fn omega(&self) -> f64;
     /// Force of the laws with its slopes by x and x'.
     fn force(&self, x: f64, v: f64) -> [f64; 3];
-    /// Whether opposite motions have opposite forces of the laws, as far as the laws say.
-    fn is_odd(&self) -> bool;
+    /// Whether opposite motions of this amplitude have opposite forces of the laws.
+    fn is_odd(&self, amplitude: f64) -> bool;
     /// Whether the slopes of the forces of the laws may jump, so that many instants of a cycle have to be looked at.
     fn has_corners(&self) -> bool;
     /// Slip elements to ground, where there are any: stiffness, force at full slip, exponent.

@@ -109,7 +109,7 @@ fn describing_by_laws(mode: &dyn SingleMode, amplitude: f64) -> Vec<[f64; 2]> {
 /// swing as X sin(wt).
 pub(super) fn companions(mode: &dyn SingleMode, amplitude: f64) -> [f64; 3] {
     let mut with = [0.0; 3];
-    if is_odd(mode, amplitude) {
+    if mode.is_odd(amplitude) {
         return with;
     }
     let (omega, [mass, damping, stiffness]) = (mode.omega(), mode.linear());
@@ -164,19 +164,24 @@ pub fn describing(mode: &dyn SingleMode, amplitude: f64) -> (f64, f64) {
     let (omega, n) = (mode.omega(), GRID_INSTANTS);
     let [instants, from_top] = &*GRID_PHASES;
     let (mut in_phase, mut quadrature) = (0.0, 0.0);
-    let with = companions(mode, amplitude);
-    for &(sine, cosine) in instants {
+    // The second half of an odd motion is the negative of the first.
+    let odd = mode.is_odd(amplitude);
+    let with = if odd { [0.0; 3] } else { companions(mode, amplitude) };
+    let looked = if odd { &instants[..n / 2] } else { &instants[..] };
+    for &(sine, cosine) in looked {
         let (x, v) = accompanied((sine, cosine), amplitude, &with);
         let force = mode.force(x, omega * v)[0];
         in_phase -= force * sine;
         quadrature -= force * cosine;
     }
     let scale = 2.0 / (n as f64 * amplitude);
-    let (mut k, mut c) = (scale * in_phase, scale * quadrature + 4.0 * mode.dry_friction() / (PI * amplitude));
+    let of_laws = 2.0 / (looked.len() as f64 * amplitude);
+    let (mut k, mut c) = (of_laws * in_phase, of_laws * quadrature + 4.0 * mode.dry_friction() / (PI * amplitude));
     if let Some(joint) = mode.joint() {
         // On the way down from the top; on the way up it is the negative.
+        let down = unloading(joint, amplitude);
         for &(sine, cosine) in &from_top[..n / 2] {
-            let force = unloading(joint, amplitude, amplitude * sine);
+            let force = down(amplitude * sine);
             k += 2.0 * scale * force * sine;
             c += 2.0 * scale * force * cosine;
         }
@@ -269,14 +274,4 @@ fn nearest_to_zero(excess: &impl Fn(f64) -> f64, sign: f64, [a, _, c]: [f64; 3],
         if sign * fx < sign * fy { high = y } else { low = x }
     }
     best
-}
-
-/// Whether the forces of opposite motions are opposite, so that a motion may be odd.
-pub(super) fn is_odd(mode: &dyn SingleMode, amplitude: f64) -> bool {
-    let v = amplitude * mode.omega();
-    mode.is_odd()
-        && [0.3, 0.9].iter().all(|share| {
-            let (there, back) = (mode.force(share * amplitude, 0.7 * v), mode.force(-share * amplitude, -0.7 * v));
-            there[0] == -back[0]
-        })
 }

@@ -28,9 +28,12 @@ fn loading([k, limit, n]: [f64; 3], u: f64) -> Loading {
     }
 }
 
-/// Force at `x` on the way down from the top of a motion between `amplitude` and its negative.
-pub(super) fn unloading(joint: [f64; 3], amplitude: f64, x: f64) -> f64 {
-    loading(joint, amplitude).force - 2.0 * loading(joint, 0.5 * (amplitude - x)).force
+/// Force on the way down from the top of a motion between `amplitude` and its negative, at any place of it.
+pub(super) fn unloading([k, limit, n]: [f64; 3], amplitude: f64) -> impl Fn(f64) -> f64 {
+    // Of first loading by u >= 0.
+    let loading = move |u: f64| limit * (1.0 - (1.0 - u * k / (n * limit)).max(0.0).powf(n));
+    let top = loading(amplitude);
+    move |x| top - 2.0 * loading(0.5 * (amplitude - x))
 }
 
 /// A motion at one instant: its value and the derivatives of that by the unknowns of the motion.

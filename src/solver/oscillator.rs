@@ -7,7 +7,7 @@
 
 pub mod fold;
 
-use super::describing::{companions, describing, is_odd, nearly};
+use super::describing::{companions, describing, nearly};
 use super::joint::{Instant, pulls};
 use super::tolerance::Tolerance;
 use crate::model::system::SingleMode;
@@ -267,7 +267,7 @@ fn one_harmonic(mode: &dyn SingleMode, amplitude: f64) -> (bool, Vec<f64>, f64) 
     let square = x * x + y * y;
     let (a_re, a_im) = ((re * x + im * y) / square, (im * x - re * y) / square);
     let drive = amplitude / a_re.hypot(a_im);
-    let odd = is_odd(mode, amplitude);
+    let odd = mode.is_odd(amplitude);
     let mut series = vec![companions(mode, amplitude)[0]; usize::from(!odd)];
     series.extend([a_im * drive, a_re * drive]);
     (odd, series, drive)

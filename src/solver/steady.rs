@@ -18,10 +18,17 @@ use std::cell::Cell;
 /// Distance of the starts of neighbouring motions, in units of the scales, from which on they may be on other branches.
 const NEIGHBOUR: f64 = 0.3;
 /// Multiplications on a mode alone ([`SingleMode::spend`]) that take as long as a step of an integration.
-const WORK: usize = 640;
+const WORK: usize = 2900;
+/// Steps of sliders, in closed form each, that take as long as a step of an integration: one by itself counts as
+/// `SHARED` and one, every further as one, and what its bristles remember as `REMEMBERED`.
+const CLOSED: usize = 37;
+/// As there.
+const SHARED: usize = 2;
+/// As there.
+const REMEMBERED: usize = 8;
 /// Steps of an integration, or the work of as many, after which a fit gives up a motion without a contact: a thousand
 /// times what others take. What needs that much has none, or costs more than all others together.
-const PATIENCE: usize = 32_000;
+const PATIENCE: usize = 7_000;
 /// Factor between the speeds of one step on the way down from full slip.
 const SLOWER: f64 = 0.8;
 /// A motion this many times larger than without contact has no bound.
@@ -322,8 +329,9 @@ fn parallel_state(
     let memory = if with.integrate { &mut none } else { &mut warm.sliders };
     let mut cycles = 0;
     let found = parallel::solve(sliders, demand, memory, &mut cycles);
-    // Two of these steps, in closed form slider by slider, take as long as one of the others.
-    with.steps.set(with.steps.get() + cycles * demand.steps / 2);
+    let remembered = if model.has_hysteresis() { REMEMBERED } else { 0 };
+    let work = cycles * demand.steps * (SHARED + sliders.elements().len() + remembered);
+    with.steps.set(with.steps.get() + work / CLOSED);
     let found = match found {
         Ok(found) => found,
         Err(why) => return without_periodic_state(problem, &why, with),

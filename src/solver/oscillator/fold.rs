@@ -163,7 +163,7 @@ mod tests {
         fn force(&self, x: f64, _: f64) -> [f64; 3] {
             [-self.cubic * x.powi(3), -3.0 * self.cubic * x * x, 0.0]
         }
-        fn is_odd(&self) -> bool {
+        fn is_odd(&self, _: f64) -> bool {
             true
         }
         fn has_corners(&self) -> bool {
