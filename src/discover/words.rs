@@ -8,10 +8,11 @@ use crate::fit::{Identified, Interval, Parameter};
 use crate::scenario::parameters::of_key;
 use crate::units::readable::percent;
 
-/// What the one number is that these keys name, as an apposition; of several nothing.
-fn meaning(keys: &[String]) -> String {
+/// That these numbers, by key and as they are named beside their rivals, have other values; of one with what it is.
+fn recalibration(keys: &[String], named: &[String]) -> String {
     let one = if let [key] = keys { of_key(key) } else { None };
-    one.map_or_else(String::new, |info| format!(", the {}", info.meaning))
+    let meaning = one.map_or_else(String::new, |info| format!(", the {}", info.meaning));
+    format!("recalibrate {}{meaning}: no effect is needed", named.join(", "))
 }
 
 /// The verdict in a sentence.
@@ -31,13 +32,7 @@ pub fn sentence(d: &Discovery) -> String {
             d.asked.len(),
             noise(d)
         ),
-        Verdict::Recalibrate => {
-            format!(
-                "recalibrate {}{}: no effect is needed",
-                recalibrated.join(", "),
-                meaning(&end.hypothesis.recalibrated())
-            )
-        }
+        Verdict::Recalibrate => recalibration(&end.hypothesis.recalibrated(), &recalibrated),
         Verdict::EffectMissing if recalibrated.is_empty() => format!("missing: {}", effects.join(" + ")),
         Verdict::EffectMissing => format!("missing: {}; recalibrate {}", effects.join(" + "), recalibrated.join(", ")),
         Verdict::Unexplained if !end.comparison.whiteness.testable => {

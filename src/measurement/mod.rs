@@ -367,7 +367,7 @@ impl Format {
     fn of(path: &Path) -> Result<Self> {
         let extension = path.extension().map(|text| text.to_string_lossy().to_lowercase()).unwrap_or_default();
         match extension.as_str() {
-            "csv" | "tsv" | "txt" | "dat" => Ok(Self::Delimited),
+            "csv" | "tsv" | "txt" | "dat" | "lvm" => Ok(Self::Delimited),
             "xlsx" | "xlsm" | "xlsb" | "xls" | "ods" => Ok(Self::Workbook),
             "uff" | "unv" | "uf" | "58" => Ok(Self::Universal),
             other => {
@@ -375,7 +375,7 @@ impl Format {
                     return Ok(Self::Instrument(kind));
                 }
                 let title = format!("`{}` does not say by its extension what kind of table it is", path.display());
-                let help = "a table with commas, semicolons or tabs is .csv, .tsv, .txt or .dat; \
+                let help = "a table with commas, semicolons or tabs is .csv, .tsv, .txt, .dat or .lvm; \
                             a universal file .uff or .unv; a workbook .xlsx or .ods; Touchstone .s1p or .s2p; of a loudspeaker .zma or .frd";
                 Err(Error::Input(whole_file(&title, help)))
             }

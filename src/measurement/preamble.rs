@@ -145,12 +145,14 @@ fn find(lines: &[Line<'_>]) -> Option<Found> {
         line.numbers().filter(|shape| !line.is_remark() && next.numbers() == Some(*shape))
     };
     let (first, (separator, width)) = (0..lines.len()).find_map(|number| Some((number, is_data(number)?)))?;
+    // Cells that a row leaves empty at its end have names, too: LabVIEW closes its header with a comment.
+    let most = if separator == b' ' { width } else { lines[first].text.split(char::from(separator)).count() };
     let named = |line: &str| {
         // A row of words and numbers is one of the table.
         let is_word = |cell: &&String| cell.replace(',', ".").parse::<f64>().is_err();
         Some(header_cells(line, separator)).filter(|cells| {
             let filled: Vec<&String> = cells.iter().filter(|cell| !cell.is_empty()).collect();
-            cells.len() == width && filled.len() > 1 && filled.iter().all(is_word)
+            (width..=most).contains(&cells.len()) && filled.len() > 1 && filled.iter().all(is_word)
         })
     };
     let above: Vec<usize> = (0..first).filter(|&number| !lines[number].is_remark()).collect();
@@ -288,6 +290,8 @@ mod tests {
         assert_eq!(told, ["2 lines before the header are not read"]);
         let (lines, _) = bared("Run 3\t\t\nf\ta\tu\nHz\tm\tN\n1\t2\t3\n2\t3\t4\n");
         assert_eq!(lines[..2], ["f\ta\tu", "Hz\tm\tN"]);
+        let text = "Separator\tTab\n***End***\t\t\t\nX0\t0.0\t0.0\nf\ta\tp\tComment\n1\t2\t3\t\n2\t3\t4\t\n";
+        assert_eq!(bared(text).0[0], "f\ta\tp\tComment");
         let (lines, _) = bared("f [Hz]  A [V]\n 1.0   2.0\n 1.5   2.5\n");
         assert_eq!(lines[0], "f [Hz]\tA [V]");
     }
