@@ -298,10 +298,11 @@ fn intervals_without_a_budget_are_of_the_curvature_and_told_as_that() {
 #[test]
 fn a_search_whose_budget_is_spent_says_so_and_ends() {
     let (scenario, table) = practice(1);
-    let options = SearchOptions { budget: 20_000, ..SearchOptions::default() };
+    // So many that take as long as 20 000 did when an integration counted a quarter of its time.
+    let options = SearchOptions { budget: 30_000, ..SearchOptions::default() };
     let d = discover(&scenario, &table, &options);
-    assert!(d.spent && d.solved >= 20_000 && d.solved < 60_000, "{}", d.solved);
-    assert!(d.notes.iter().any(|note| note.contains("has spent its budget of 20000")));
+    assert!(d.spent && d.solved >= 30_000 && d.solved < 90_000, "{}", d.solved);
+    assert!(d.notes.iter().any(|note| note.contains("has spent its budget of 30000")));
     let again = discover(&scenario, &table, &options);
     assert_eq!(
         (again.solved, again.explanation().hypothesis.fit.values.clone()),

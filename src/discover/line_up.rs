@@ -126,8 +126,9 @@ impl<'a> Search<'a> {
             entries[runner.of].keep(runner.hypothesis(false));
         }
         let full = |r: &Runner<'_, '_>| r.fit.as_ref().is_some_and(|fit| fit.evaluation.predictions.len() == all);
+        let going_on = ended.survivors.iter().filter(|runner| !runner.has_lost());
         let mut fitted: Vec<(usize, Hypothesis)> =
-            ended.survivors.iter().map(|runner| (runner.of, runner.hypothesis(full(runner)))).collect();
+            going_on.map(|runner| (runner.of, runner.hypothesis(full(runner)))).collect();
         let effort = self.data.effort(CONTINUED, fitted.len());
         fitted.retain(|(_, h)| h.is_full(all) || self.data.affords(&h.model, effort));
         fitted.par_iter_mut().filter(|(_, h)| !h.is_full(all)).for_each(|(_, h)| {

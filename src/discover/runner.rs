@@ -127,6 +127,22 @@ impl<'s, 'a> Runner<'s, 'a> {
         if ratio.is_finite() { ratio } else { self.scale() }
     }
 
+    /// Whether it is worse than this by more than chance, also where it gains in the next round, with twice the
+    /// evaluations, twice as much as in the last.
+    fn is_above(&self, bar: f64, unit: f64) -> bool {
+        let goes_on = self.fit.as_ref().is_some_and(Fit::is_exhausted);
+        let gain = if goes_on { 2.0 * self.gain } else { 0.0 };
+        self.bic(unit) - gain - bar > self.sure * self.scale()
+    }
+
+    /// Whether it has lost to what it was held against.
+    pub fn has_lost(&self) -> bool {
+        match self.bar {
+            Bar::At(best, unit) if self.fit.is_some() => self.is_above(self.on_same_points(best, unit), unit),
+            _ => false,
+        }
+    }
+
     /// As it stands; `full` where its fit is to all points.
     pub fn hypothesis(&self, full: bool) -> Hypothesis {
         let additions: Vec<Addition> = self.from.additions.iter().copied().chain([self.addition]).collect();
@@ -183,18 +199,16 @@ impl Competitor for Runner<'_, '_> {
     }
 
     fn is_beaten(&self, first: &Self) -> bool {
-        let Some(fit) = &self.fit else { return false };
-        // What it was fitted to is enough to tell, were it to gain in the next round, with twice the evaluations, twice
-        // as much.
-        let gain = if fit.is_exhausted() { 2.0 * self.gain } else { 0.0 };
-        let above = |bar: f64, unit: f64| self.bic(unit) - gain - bar > self.sure * self.scale();
+        if self.fit.is_none() {
+            return false;
+        }
         let count = first.residuals.len() as f64;
         let noise = robust_square(&first.residuals, 1.0) < count + NOISE * (2.0 * count).sqrt();
         let barred = match self.bar {
             Bar::None => false,
             Bar::Parent => self.bic(1.0) + MARGIN >= self.on_same_points(self.from, 1.0),
-            Bar::At(best, unit) => above(self.on_same_points(best, unit), unit),
+            Bar::At(..) => self.has_lost(),
         };
-        barred || (noise && above(first.bic(1.0), 1.0))
+        barred || (noise && self.is_above(first.bic(1.0), 1.0))
     }
 }
