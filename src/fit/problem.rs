@@ -318,11 +318,11 @@ impl Problem<'_> {
     }
 }
 
-/// Steady states of a single slider that one of a model is expected to cost, as measured; what was integrated is
-/// counted by its steps. A steady state is 0.015 ms, of a joint or a stop 0.1 ms, where dry friction may stop the body
-/// as much, under a damping without a bounded slope 0.1 to 0.3 ms, beside a joint 0.8 ms; of elements that share the
-/// contact 0.06 to
-/// 0.5 ms where they meet no other law, and 10 to 30 ms beside one.
+/// Steady states of a single slider, of 0.015 ms, that one of a model is expected to cost: what decides whether a fit is
+/// begun. What it turns out to take is counted by its steps. Of a joint or a stop it is 0.1 ms, where dry friction may
+/// stop the body as much, under a damping without a bounded slope 0.1 to 0.3 ms, beside a joint 0.8 ms; of elements that
+/// share the contact 0.06 to 0.5 ms where they meet no other law, of which the least is expected, and 10 to 30 ms beside
+/// one.
 pub fn cost(model: &Model) -> u64 {
     if model.has_sliders() {
         return match (model.has_law_beside_sliders(), model.has_hysteresis()) {
