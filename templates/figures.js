@@ -193,12 +193,14 @@
     }
     // Colours of a colour bar, and what they stand for.
     bar(node) {
-      const [top, height] = node.dataset.bar.split(" ").map(Number);
-      const axis = new Axis(node.dataset.y, node.dataset.yl, height);
+      const [from, length] = node.dataset.bar.split(" ").map(Number);
+      const lying = "lying" in node.dataset;
+      const axis = new Axis(node.dataset.y, node.dataset.yl, length);
       const shades = all("rect", node);
       return shades.map((rect) => {
-        const middle = +rect.getAttribute("y") + 0.5 * rect.getAttribute("height");
-        return [rect.getAttribute("fill"), axis.words((top + height - middle) / height, 0.5 / shades.length)];
+        const [begin, extent] = (lying ? ["x", "width"] : ["y", "height"]).map((name) => +rect.getAttribute(name));
+        const share = (begin + 0.5 * extent - from) / length;
+        return [rect.getAttribute("fill"), axis.words(lying ? share : 1 - share, 0.5 / shades.length)];
       });
     }
     // What can be read of a series: corners of its lines, middles of its marks.

@@ -90,6 +90,19 @@ fn figures_of_phases_need_phases() {
 }
 
 #[test]
+fn a_narrow_misfit_map_names_every_row_beside_either_map() {
+    let map = figures::find(REGISTRY, "misfit-map").unwrap().draw(&compared(1, |_, _| {})).unwrap();
+    let narrow = map.narrow.unwrap();
+    let times = |svg: &str, text: &str| svg.lines().filter(|line| *line == text).count();
+    for row in ["0 mm/s, 0.1 N, 2.5 µm", "0.05 mm/s, 20 N, 2.5 µm", "100 mm/s, 20 N, 2.5 µm"] {
+        assert_eq!([times(&map.svg, row), times(&narrow, row)], [1, 2], "{row}");
+    }
+    // The ends of the scale stand below, each once.
+    let ends = |svg: &str| [times(svg, "frequency f [Hz]"), svg.matches(" data-lying=").count()];
+    assert_eq!([ends(&map.svg), ends(&narrow)], [[2, 0], [1, 1]]);
+}
+
+#[test]
 fn tables_hold_every_reading_and_the_numbers_of_the_comparison() {
     let comparison = compared(1, |_, _| {});
     let csv = |name: &str| rows(&figures::find(REGISTRY, name).unwrap().draw(&comparison).unwrap());

@@ -5,7 +5,7 @@ use super::candidates::Candidates;
 use crate::effects::{self, Effect, find, middle};
 use crate::fit::{Fit, model_with, parameter, robust_square, typical_of};
 use crate::model::Model;
-use crate::scenario::parameters::base_keys;
+use crate::scenario::parameters::{base_keys, of_key};
 use nalgebra::DVector;
 
 /// One thing to add to a model.
@@ -31,6 +31,14 @@ impl Addition {
         }
     }
 
+    /// What it is called in running text: `master curve of rubber (Grosch)`, `damping of the torsional spring`.
+    pub fn title(&self) -> String {
+        match self {
+            Self::Recalibration(key) => of_key(key).map_or(*key, |info| info.meaning).into(),
+            Self::Effect(effect) => uncapital(effect.title()),
+        }
+    }
+
     /// Whether it is an effect.
     pub fn is_effect(&self) -> bool {
         matches!(self, Self::Effect(_))
@@ -43,6 +51,12 @@ impl Addition {
             Self::Effect(effect) => effect.keys(),
         }
     }
+}
+
+/// A title within a sentence.
+fn uncapital(title: &str) -> String {
+    let mut letters = title.chars();
+    letters.next().into_iter().flat_map(char::to_lowercase).chain(letters).collect()
 }
 
 impl PartialEq for Addition {

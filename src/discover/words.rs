@@ -6,7 +6,7 @@ use super::{Candidate, Discovery, MARGIN, Step, Verdict};
 use crate::compare::outlier_words;
 use crate::fit::{Identified, Interval, Parameter};
 use crate::scenario::parameters::of_key;
-use crate::units::readable::percent;
+use crate::units::readable::{percent, quantity};
 
 /// That these numbers, by key and as they are named beside their rivals, have other values; of one with what it is.
 fn recalibration(keys: &[String], named: &[String]) -> String {
@@ -107,9 +107,9 @@ pub fn how_sure(d: &Discovery) -> String {
             "no cause is named, since these readings could not contradict it".into()
         };
     }
-    let chi2 = end.comparison.overall.chi2_per_point;
+    let chi2 = quantity(end.comparison.overall.chi2_per_point, "1", 3);
     let tested = format!(
-        "a test that could have found structure in what is left finds none (χ² per reading {chi2:.2}, noise alone 1)"
+        "a test that could have found structure in what is left finds none (χ² per reading {chi2}, noise alone 1)"
     );
     let tied = d.indistinguishable.iter().find(|group| group.len() > 1);
     if let Some(group) = tied {
@@ -130,6 +130,13 @@ pub fn how_sure(d: &Discovery) -> String {
         basis => format!(", as far as it was fitted ({})", basis.words(end.comparison.table.points.len())),
     };
     let rival = match rival.delta_bic - own {
+        b if b >= MARGIN && matches!(rival.hypothesis.basis(), Basis::SomePoints(_) | Basis::Linear) => {
+            let seen = match rival.hypothesis.basis() {
+                Basis::SomePoints(some) => format!("after {some} of {} points", end.comparison.table.points.len()),
+                _ => "on an estimate, before any fit".into(),
+            };
+            format!("the closest rival, {label}, was given up {b:.0} behind in BIC {seen}")
+        }
         b if b >= MARGIN => format!("the closest rival, {label}, is {b:.0} behind in BIC{}", sure(b)),
         b if b >= 0.0 => {
             format!("{label} is only {b:.1} behind in BIC{}, which does not rule it out", sure(b))

@@ -44,9 +44,12 @@ impl Canvas<'_> {
 
     /// Draws the colour bar that stands in a panel: what has one of its colours has the value beside it.
     pub fn color_bar<R>(&mut self, panel: &Panel, draw: impl FnOnce(&mut Self) -> R) -> R {
-        let [top, height] = [panel.top, panel.height].map(fine);
-        let (ends, name) = (ends(&panel.y), escape(&panel.y.label));
-        self.group(format!("<g data-bar=\"{top} {height}\" data-y=\"{ends}\" data-yl=\"{name}\">"), draw)
+        let lying = panel.width > panel.height;
+        let (from, length, axis) =
+            if lying { (panel.left, panel.width, &panel.x) } else { (panel.top, panel.height, &panel.y) };
+        let ([from, length], ends, name) = ([from, length].map(fine), ends(axis), escape(&axis.label));
+        let lying = if lying { " data-lying=\"\"" } else { "" };
+        self.group(format!("<g data-bar=\"{from} {length}\"{lying} data-y=\"{ends}\" data-yl=\"{name}\">"), draw)
     }
 
     /// Draws the legend entry of the series of that name.

@@ -15,6 +15,7 @@ use crate::discover::{
     identified,
 };
 use crate::fit::{Identified, Interval, Parameter, parameter, values_in};
+use crate::scenario::parameters::of_key;
 use crate::units::Frequencies;
 
 /// Figures shown at once; the others are folded.
@@ -46,10 +47,12 @@ pub fn discovery_view(d: &Discovery, figures: &[FigureInput]) -> DiscoveryView {
         anchor: anchor::discovery(id),
         verdict: Found::of(d.verdict),
         sentence: capital(&discover::sentence(d)),
+        meanings: end.hypothesis.additions.iter().map(meaning).collect(),
         sure: capital(&discover::how_sure(d)),
         amounts: amounts(d),
         story: story(d),
         added: if end.hypothesis.additions.is_empty() { String::new() } else { end.hypothesis.label() },
+        titles: end.hypothesis.additions.iter().map(Addition::title).collect(),
         before: shown(d.steps[0].comparison.overall.chi2_per_point, "1", 3),
         after: shown(c.overall.chi2_per_point, "1", 3),
         steps: d.steps.iter().map(step).collect(),
@@ -77,6 +80,18 @@ pub fn discovery_view(d: &Discovery, figures: &[FigureInput]) -> DiscoveryView {
     }
 }
 
+/// What is added, in a sentence: its title, and of an effect the first sentence of what it is physically.
+fn meaning(addition: &Addition) -> String {
+    let what = format!("{}: {}.", addition.name(), addition.title());
+    match addition {
+        Addition::Recalibration(_) => what,
+        Addition::Effect(effect) => {
+            let first = effect.meaning().split_inclusive(". ").next().unwrap_or_default();
+            format!("{what} {}", first.trim_end())
+        }
+    }
+}
+
 /// Numbers of what was added, with their intervals; of a recalibrated number what was stated. Nothing where there are
 /// too many to be read at once, and where what is left contradicts the model that intervals rest on.
 fn amounts(d: &Discovery) -> Vec<String> {
@@ -84,9 +99,10 @@ fn amounts(d: &Discovery) -> Vec<String> {
     let (c, base) = (&end.comparison, &d.steps[0].hypothesis.model);
     let keys: Vec<String> = end.hypothesis.additions.iter().flat_map(Addition::keys).collect();
     let added = c.fit.parameters.iter().zip(&c.intervals).filter(|(p, _)| keys.contains(&p.key));
+    let one = end.hypothesis.effects().len() == 1;
     let line = |(p, interval): (&Parameter, &Interval)| {
         let view = fitted(p, interval);
-        let name = p.key.trim_start_matches("effect.");
+        let name = called(p, one);
         match interval.identified {
             Identified::Yes => {}
             Identified::OneSided => return format!("{name} = {}, {}", view.value.text, identified(p, interval)),
@@ -95,10 +111,28 @@ fn amounts(d: &Discovery) -> Vec<String> {
         let stated = parameter(base, &p.key).filter(|_| !p.key.starts_with("effect."));
         let stated = stated.and_then(|p| values_in(base, &[p]).pop());
         let stated = stated.map_or(String::new(), |value| format!("; stated {}", quantity(value, p.unit, 4)));
-        format!("{name} = {} (95 %: {} to {}{stated})", view.value.text, view.low.text, view.high.text)
+        format!("{name} = {} (95 %: {}{stated})", view.value.text, range(&view.low.text, &view.high.text))
     };
     let lines: Vec<String> = added.map(line).collect();
     if lines.len() > AMOUNTS || d.verdict == Verdict::Unexplained { Vec::new() } else { lines }
+}
+
+/// What a number is called in running text: of `one` effect by its symbol alone, of a rig by what it is.
+fn called(p: &Parameter, one: bool) -> String {
+    let Some((effect, key)) = p.key.strip_prefix("effect.").and_then(|key| key.rsplit_once('.')) else {
+        return of_key(&p.key).map_or(&*p.key, |info| info.meaning).into();
+    };
+    let symbol = if p.symbol.is_empty() { key } else { p.symbol };
+    if one { symbol.into() } else { format!("{symbol} of {effect}") }
+}
+
+/// From one value to another, a unit that both have said once.
+fn range(low: &str, high: &str) -> String {
+    let unit = |text: &str| text.split_once(' ').map(|(_, unit)| unit.to_string());
+    match low.split_once(' ') {
+        Some((number, _)) if unit(low) == unit(high) => format!("{number} to {high}"),
+        _ => format!("{low} to {high}"),
+    }
 }
 
 fn fall(fall: &Fall) -> FallView {

@@ -17,6 +17,9 @@ pub struct DiscoveryView {
     pub verdict: Found,
     /// The verdict in a sentence.
     pub sentence: String,
+    /// What was added, for readers without the names of the program: `grosch: master curve of rubber (Grosch). …`.
+    #[serde(default)]
+    pub meanings: Vec<String>,
     /// How sure that is, in a sentence.
     #[serde(default)]
     pub sure: String,
@@ -27,6 +30,9 @@ pub struct DiscoveryView {
     pub story: Vec<String>,
     /// Names of what the explanation adds; empty where nothing.
     pub added: String,
+    /// What these are called in running text.
+    #[serde(default)]
+    pub titles: Vec<String>,
     /// Mean square of the residuals of the calibrated base.
     pub before: Quantity,
     /// The same of the explanation.

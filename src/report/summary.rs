@@ -207,17 +207,11 @@ fn compared(scenarios: &[ScenarioView]) -> Vec<Headline> {
 
 /// The outcome of a discovery in a line.
 fn of_discovery(scenario: &ScenarioView, d: &DiscoveryView) -> Headline {
-    let by = if d.added.is_empty() { String::new() } else { format!(" {}", d.added) };
     let sentence = d.sentence.trim_end_matches('.');
-    let numbers = match d.verdict {
-        Found::Nothing => format!("{sentence} (χ² per reading {})", d.before.text),
-        Found::Unexplained if d.added.is_empty() => format!("{sentence} (χ² per reading {})", d.before.text),
-        Found::Unexplained => format!("{sentence} (χ² per reading {} → {})", d.before.text, d.after.text),
-        Found::Effect | Found::Recalibrated => {
-            format!("explained by{by}: χ² per reading {} → {}", d.before.text, d.after.text)
-        }
-    };
-    let amounts = if d.amounts.is_empty() { String::new() } else { format!(". {}", d.amounts.join(", ")) };
+    let what = if d.verdict == Found::Effect { format!(", {}", d.titles.join(", and ")) } else { String::new() };
+    let after = if d.added.is_empty() { String::new() } else { format!(" → {}", d.after.text) };
+    let numbers = format!("{sentence}{what}. χ² per reading {}{after}", d.before.text);
+    let amounts: String = d.amounts.iter().map(|amount| format!("; {amount}")).collect();
     let made = if scenario.provenance.starts_with("synthetic") { " (synthetic readings)" } else { "" };
     Headline {
         verdict: d.verdict.words().into(),

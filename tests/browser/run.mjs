@@ -400,6 +400,21 @@ try {
       check(tip.includes("about ") && tip.includes(unit), `${name}: ${tip.replaceAll("\n", ", ")}`);
     }
     await page.finish();
+    // On a phone the maps stand one below the other, over a lying colour bar, and show all of themselves.
+    const small = await open(folder, { viewport: PHONE, hasTouch: true, isMobile: true });
+    const shown = small.locator('figure[id$="-misfit-map"] .narrow').first();
+    await shown.scrollIntoViewIfNeeded();
+    const [whole, seen] = await shown.evaluate((one) => [one.scrollWidth, one.clientWidth]);
+    check(whole <= seen + 1, `a phone shows the whole misfit map: ${whole} of ${seen} px`);
+    const red = await shown.locator(".drawing > svg").evaluate((svg) => {
+      const [left, top, width] = svg.querySelector("[data-panel]").dataset.box.split(" ").map(Number);
+      const { x, y } = new DOMPoint(left + 0.37 * width, top + 55).matrixTransform(svg.getScreenCTM());
+      return { x, y };
+    });
+    await small.touchscreen.tap(red.x, red.y);
+    const said = await shown.locator(".tip").innerText();
+    check(/about \d+ σ/.test(said), `too high there: ${said.replaceAll("\n", ", ")}`);
+    await small.finish();
   });
 
   await step("files out of the page alone", async () => {

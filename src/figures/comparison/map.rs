@@ -1,18 +1,27 @@
-//! Where the model fails: errors over condition and frequency, amplitude and phase side by side.
+//! Where the model fails: errors over condition and frequency, amplitude and phase side by side, or one below the other.
 
 use super::sigma::Sigma;
 use super::words;
 
 use crate::compare::{Compared, Comparison};
-use crate::figures::axes::{Axis, Panel, Scale};
+use crate::figures::axes::{Axis, Panel, Scale, range};
 use crate::figures::canvas::{Anchor, Canvas, Stroke, Type, document};
-use crate::figures::style::{Color, GREY, INK, Table, WIDTH, cell, count, diverging, significant};
+use crate::figures::style::{Color, GREY, INK, Table, WIDTH, cell, count, diverging, significant, text_width};
 use crate::figures::{Drawing, Figure, FigureError};
 
 /// Shades of the colour scale on either side of zero.
 const SHADES: f64 = 24.0;
 const TOP: f64 = 40.0;
 const GAP: f64 = 26.0;
+/// Below a map: its frequencies and their name \[px\].
+const FOOT: f64 = 62.0;
+/// Of the colour scale, across \[px\].
+const THICK: f64 = 18.0;
+/// On a narrow screen: width of the figure, and of a row at most \[px\].
+const NARROW: f64 = 380.0;
+const LOW: f64 = 22.0;
+/// Of a lying scale, beside either end: half the name of it \[px\].
+const SCALE_END: f64 = 40.0;
 /// Right of the maps: the colour scale with its labels.
 const SCALE: f64 = 96.0;
 
@@ -73,32 +82,75 @@ impl<'a> Data<'a> {
     }
 
     fn draw(&self, title: &str, alt: &str) -> Result<String, FigureError> {
-        let rows = self.labels.len();
-        let height = self.row * rows as f64;
-        let widest = self.labels.iter().map(|l| crate::figures::style::text_width(l, 14.0, false)).fold(0.0, f64::max);
-        let (left, n) = (widest + 40.0, self.maps.len() as f64);
+        let (left, n) = (self.widest() + 40.0, self.maps.len() as f64);
         let width = (WIDTH - left - SCALE - GAP * n) / n;
-        let edges = (0..rows).flat_map(|i| self.cells(i, self.maps[0].1)).flat_map(|(a, b, _)| [a, b]);
-        let (low, high) = crate::figures::axes::range(edges);
+        let height = self.height();
         let bar = height.max(120.0);
-        document((WIDTH, TOP + bar + 62.0), (title, alt), |canvas| {
-            for (index, (name, of)) in self.maps.iter().enumerate() {
-                let x = Axis::frequency("frequency f", low, high);
-                let y = Axis::linear("", rows as f64, 0.0);
-                let y = Axis { low: rows as f64, high: 0.0, scale: Scale::Rows, ..y };
-                let panel = Panel { left: left + (width + GAP) * index as f64, top: TOP, width, height, x, y };
-                canvas.areas(&panel, |canvas| self.map(canvas, &panel, *of));
-                let frame = Panel { y: Axis::rows(), ..panel.clone() };
-                frame.border(canvas, 1.0);
-                panel.heading(canvas, name);
-                panel.labels(canvas, true, false);
+        document((WIDTH, TOP + bar + FOOT), (title, alt), |canvas| {
+            for index in 0..self.maps.len() {
+                self.part(canvas, index, (left + (width + GAP) * index as f64, TOP, width), true);
             }
-            for (index, label) in self.labels.iter().enumerate() {
-                let at = (left - 10.0, TOP + self.row * (index as f64 + 0.5) + 5.0);
-                canvas.text(at, label, Type { size: 14.0, ..Type::at(Anchor::End) });
-            }
-            self.bar(canvas, WIDTH - SCALE + 6.0, bar);
+            self.rows(canvas, left, TOP);
+            self.bar(canvas, (WIDTH - SCALE + 6.0, TOP), bar, false);
         })
+    }
+
+    /// The maps one below the other over a lying colour scale, for a narrow screen; nothing where the names of the rows
+    /// leave them no room.
+    fn narrow(mut self, title: &str, alt: &str) -> Result<Option<String>, FigureError> {
+        let left = self.widest() + 20.0;
+        let width = NARROW - left - 20.0;
+        if width < 0.4 * NARROW {
+            return Ok(None);
+        }
+        self.row = self.row.min(LOW);
+        let (height, last) = (self.height(), self.maps.len() - 1);
+        let below = TOP + (height + TOP) * last as f64 + height + FOOT;
+        let drawn = document((NARROW, below + 48.0), (title, alt), |canvas| {
+            for index in 0..=last {
+                let top = TOP + (height + TOP) * index as f64;
+                self.part(canvas, index, (left, top, width), index == last);
+                self.rows(canvas, left, top);
+            }
+            self.bar(canvas, (SCALE_END, below), NARROW - 2.0 * SCALE_END, true);
+        })?;
+        Ok(Some(drawn))
+    }
+
+    /// Width of the longest name of a row.
+    fn widest(&self) -> f64 {
+        self.labels.iter().map(|l| text_width(l, 14.0, false)).fold(0.0, f64::max)
+    }
+
+    /// Height of a map.
+    fn height(&self) -> f64 {
+        self.row * self.labels.len() as f64
+    }
+
+    /// One map with its heading, its frequencies named or not; left edge, upper edge and width.
+    fn part(&self, canvas: &mut Canvas, index: usize, (left, top, width): (f64, f64, f64), named: bool) {
+        let (name, of) = self.maps[index];
+        let rows = self.labels.len();
+        let edges = (0..rows).flat_map(|i| self.cells(i, self.maps[0].1)).flat_map(|(a, b, _)| [a, b]);
+        let (low, high) = range(edges);
+        let x = Axis::frequency("frequency f", low, high);
+        let y = Axis { low: rows as f64, high: 0.0, scale: Scale::Rows, ..Axis::linear("", rows as f64, 0.0) };
+        let panel = Panel { left, top, width, height: self.height(), x, y };
+        canvas.areas(&panel, |canvas| self.map(canvas, &panel, of));
+        let frame = Panel { y: Axis::rows(), ..panel.clone() };
+        frame.border(canvas, 1.0);
+        panel.heading(canvas, name);
+        if named {
+            panel.labels(canvas, true, false);
+        }
+    }
+
+    /// The names of the rows, left of a map.
+    fn rows(&self, canvas: &mut Canvas, left: f64, top: f64) {
+        for (index, label) in self.labels.iter().enumerate() {
+            let at = (left - 10.0, top + self.row * (index as f64 + 0.5) + 5.0);
+            canvas.text(at, label, Type { size: 14.0, ..Type::at(Anchor::End) });
+        }
     }
 
     fn map(&self, canvas: &mut Canvas, panel: &Panel, of: Residual) {
@@ -135,38 +187,48 @@ impl<'a> Data<'a> {
         }
     }
 
-    fn bar(&self, canvas: &mut Canvas, left: f64, height: f64) {
+    /// The colour scale, from its lower left or upper left corner on, upright or lying.
+    fn bar(&self, canvas: &mut Canvas, (left, top): (f64, f64), length: f64, lying: bool) {
         let steps = (2.0 * SHADES) as usize + 1;
-        let step = height / steps as f64;
-        let y = self.scale.axis("error [σ]");
-        let panel = Panel { left, top: TOP, width: 18.0, height, x: Axis::linear("", 0.0, 1.0), y };
+        let step = length / steps as f64;
+        let (errors, across) = (self.scale.axis("error [σ]"), Axis::linear("", 0.0, 1.0));
+        let (x, y) = if lying { (errors, across) } else { (across, errors) };
+        let (width, height) = if lying { (length, THICK) } else { (THICK, length) };
+        let panel = Panel { left, top, width, height, x, y };
         canvas.color_bar(&panel, |canvas| {
             for i in 0..steps {
-                let color = diverging(1.0 - i as f64 / SHADES);
-                canvas.rectangle((left, TOP + step * i as f64), 18.0, step + 0.3, color, None);
+                let (at, shade) = (step * i as f64, 1.0 - i as f64 / SHADES);
+                if lying {
+                    canvas.rectangle((left + at, top), step + 0.3, THICK, diverging(-shade), None);
+                } else {
+                    canvas.rectangle((left, top + at), THICK, step + 0.3, diverging(shade), None);
+                }
             }
         });
-        let frame = [(left, TOP), (left + 18.0, TOP), (left + 18.0, TOP + height), (left, TOP + height), (left, TOP)];
+        let (right, bottom) = (left + width, top + height);
+        let frame = [(left, top), (right, top), (right, bottom), (left, bottom), (left, top)];
         canvas.polyline(&frame, Stroke::solid(GREY, 1.0));
-        let mut last = f64::INFINITY;
+        // Room that a name takes along the scale.
+        let room = if lying { 46.0 } else { 15.0 };
+        let mut last = f64::NEG_INFINITY;
         let ticks = self.scale.ticks();
         let ends = [-self.scale.limit, self.scale.limit];
         let all: Vec<f64> = ticks.iter().rev().map(|t| -t).chain([0.0]).chain(ticks.iter().copied()).collect();
         for tick in [ends[0]].into_iter().chain(all).chain([ends[1]]) {
-            let y = TOP + 0.5 * height * (1.0 - self.scale.place(tick));
-            canvas.line((left + 18.0, y), (left + 23.0, y), Stroke::solid(INK, 1.0));
+            let along = 0.5 * length * (1.0 + self.scale.place(tick));
+            let place = |by: f64| if lying { (left + along, bottom + by) } else { (right + by, bottom - along) };
+            canvas.line(place(0.0), place(5.0), Stroke::solid(INK, 1.0));
             // The ends are named, and of the others those whose names touch no other.
-            let end = ends.contains(&tick) && last != y;
-            if !end && (last - y < 15.0 || y - TOP < 15.0) {
+            let end = ends.contains(&tick) && last != along;
+            if !end && (along - last < room || length - along < room) {
                 continue;
             }
-            last = y;
+            last = along;
             let sign = if tick > 0.0 { "+" } else { "" };
-            canvas.text(
-                (left + 27.0, y + 5.0),
-                &format!("{sign}{} σ", significant(tick, 3)),
-                Type { size: 13.5, ..Type::default() },
-            );
+            let name = format!("{sign}{} σ", significant(tick, 3));
+            let ((x, y), anchor) = if lying { (place(20.0), Anchor::Middle) } else { (place(9.0), Anchor::Start) };
+            let y = if lying { y } else { y + 5.0 };
+            canvas.text((x, y), &name, Type { size: 13.5, ..Type::at(anchor) });
         }
     }
 
@@ -211,7 +273,7 @@ impl Figure<Comparison> for MisfitMap {
                 first.sentence
             ),
         };
-        let both = if data.maps.len() > 1 { " (left) and phase (right)" } else { "" };
+        let both = if data.maps.len() > 1 { " and of the phase" } else { "" };
         let caption = format!(
             "Error of the amplitude{both}, one row per {} and one cell per reading: red where the model is \
              too high or ahead, blue where it is too low or behind. {} {regions}",
@@ -223,13 +285,15 @@ impl Figure<Comparison> for MisfitMap {
             count(data.labels.len(), "row"),
             count(comparison.regions.len(), "outlined range")
         );
-        let svg = data.draw(self.title(), &alt)?;
+        let (svg, csv) = (data.draw(self.title(), &alt)?, data.csv());
         let largest = comparison.points.iter().map(|p| p.amplitude_residual.abs()).fold(0.0, f64::max);
         let notes = vec![
             ("Ranges of misfit".to_string(), comparison.regions.len().to_string()),
             ("Largest error of an amplitude".to_string(), format!("{} σ", significant(largest, 3))),
         ];
-        let mut drawing = Drawing::of(self, (caption, alt), (svg, data.csv()), notes);
+        let narrow = data.narrow(self.title(), &alt)?;
+        let mut drawing = Drawing::of(self, (caption, alt), (svg, csv), notes);
+        drawing.narrow = narrow;
         if !comparison.model.has_contact {
             drawing.reading[2] = ALONE.into();
         }
