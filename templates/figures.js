@@ -627,8 +627,8 @@
       return { one, input };
     });
     const output = element("output", { "aria-live": "polite" });
-    const note = element("p", { class: "small watched" }, `Drawn are solutions of the model at ${last + 1} strengths, through the readings' frequencies: from `
-      + "the calibrated base to the fit all parameters go in equal steps. Nothing is interpolated between two laws.");
+    const note = element("p", { class: "small watched" }, `Curves are solutions of the model at ${last + 1} strengths, at the readings' frequencies: all parameters `
+      + "change in equal steps from the calibrated model to the fit. Nothing is interpolated between two laws.");
     box.append(label1, ...switches.map(({ one }) => one), output);
     const data = (value, text) => element("data", { value }, text);
     const digits = (value) => written(value, 10 ** (Math.floor(Math.log10(value || 1)) - 2));

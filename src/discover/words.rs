@@ -6,6 +6,7 @@ use super::{Candidate, Discovery, MARGIN, Step, Verdict};
 use crate::compare::outlier_words;
 use crate::fit::{Identified, Interval, Parameter};
 use crate::scenario::parameters::of_key;
+use crate::units::count;
 use crate::units::readable::{percent, quantity};
 
 /// That these numbers, by key and as they are named beside their rivals, have other values; of one with what it is.
@@ -109,7 +110,7 @@ pub fn how_sure(d: &Discovery) -> String {
     }
     let chi2 = quantity(end.comparison.overall.chi2_per_point, "1", 3);
     let tested = format!(
-        "a test that could have found structure in what is left finds none (χ² per reading {chi2}, noise alone 1)"
+        "what is left shows no pattern, by a test that could have found one (χ² per reading {chi2}, noise alone 1)"
     );
     let tied = d.indistinguishable.iter().find(|group| group.len() > 1);
     if let Some(group) = tied {
@@ -137,7 +138,19 @@ pub fn how_sure(d: &Discovery) -> String {
             };
             format!("the closest rival, {label}, was given up {b:.0} behind in BIC {seen}")
         }
-        b if b >= MARGIN => format!("the closest rival, {label}, is {b:.0} behind in BIC{}", sure(b)),
+        b if b >= MARGIN => {
+            let price = match rival.hypothesis.fit.parameters.len().saturating_sub(end.hypothesis.fit.parameters.len())
+            {
+                more if more as f64 * (end.comparison.overall.readings as f64).ln() > 0.5 * b => {
+                    format!(", most of that for {} more", count(more, "parameter"))
+                }
+                _ => String::new(),
+            };
+            format!("the closest rival, {label}, is {b:.0} behind in BIC{}{price}", sure(b))
+        }
+        b if b >= 0.0 && end.hypothesis.additions.is_empty() => {
+            format!("{label} explains no more than its price (BIC {b:.1} worse with it), which does not rule it out")
+        }
         b if b >= 0.0 => {
             format!("{label} is only {b:.1} behind in BIC{}, which does not rule it out", sure(b))
         }

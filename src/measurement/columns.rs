@@ -84,7 +84,8 @@ pub(crate) fn layout(
     Layout { slots, series, sweep, aside, choices, parts, drive_assumed }
 }
 
-/// Whether nothing names a frequency and the rows are a recording in time, which is complained about.
+/// Whether nothing names a frequency, or most rows leave it empty, and the rows are a recording in time, which is
+/// complained about.
 fn is_recording(
     sheet: &Sheet,
     mapping: &[(String, String)],
@@ -100,8 +101,11 @@ fn is_recording(
                 | Meaning::BadUnit(FREQUENCY, _)
         )
     };
+    let filled = |index: usize| 2 * sheet.rows().filter(|row| !row.cells[index].is_empty()).count() > sheet.count;
     let mapped = mapping.iter().any(|(key, _)| column_of(key) == Some(FREQUENCY));
-    !mapped && !(0..sheet.header.cells.len()).any(frequency) && samples::refuse(sheet, complaints)
+    !mapped
+        && !(0..sheet.header.cells.len()).any(|index| frequency(index) && filled(index))
+        && samples::refuse(sheet, complaints)
 }
 
 /// The column that may be the drive by its name or its unit, of those that are left and hold numbers.

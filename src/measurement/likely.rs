@@ -99,6 +99,8 @@ const DEVIATES: &[&str] = &[
 ];
 /// Words for a mean, which is of the same quantity.
 pub(crate) const MEANS: &[&str] = &["mean", "avg", "average", "mittel", "mittelwert"];
+/// Words for what of a swing is measured, as in `peak-to-peak voltage`; their deviation is of the same quantity.
+const SWINGS: &[&str] = &["peak", "to", "pk", "pp", "p", "ptp", "p2p", "pkpk", "rms", "eff"];
 /// Words for how a phase counts.
 const COUNTS: &[&str] = &["lag", "shift", "difference", "diff"];
 
@@ -121,6 +123,9 @@ pub(crate) fn is_deviation(name: &str, of: &str) -> bool {
 /// Words of a name without what says no more of the quantity, and without the unit behind them.
 fn quantity(mut words: Vec<&str>) -> Vec<&str> {
     words.retain(|word| !MEANS.contains(word) && !COUNTS.contains(word));
+    if !words.iter().all(|word| SWINGS.contains(word)) {
+        words.retain(|word| !SWINGS.contains(word));
+    }
     while words.len() > 1 && words.last().is_some_and(|word| known(word)) {
         words.pop();
     }

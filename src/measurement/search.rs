@@ -412,6 +412,9 @@ impl Search<'_, '_> {
                 }
                 let (unit, stated) = header::mapped(&header, COLUMNS[column], column, self.frame).ok()?;
                 let unit = if stated { unit } else { its.clone() };
+                // What a whole swing deviates by is of the whole swing, unless it says otherwise.
+                let as_its = own != COLUMNS[column] && !unit.relative && unit.swing == Swing::Amplitude;
+                let unit = if as_its { unit.swinging(its.swing) } else { unit };
                 // A level deviates by a factor.
                 let serves = unit.relative || unit.si == its.si && !unit.is_level();
                 serves.then_some(Candidate { index, unit, stated })

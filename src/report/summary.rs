@@ -26,7 +26,7 @@ pub const SECTIONS: [&str; 12] = [
     SECTION,
 ];
 
-const PAPER: &str = "The experiment of Nakano and others (Frontiers in Mechanical Engineering 5:9, 2019), simulated from its printed \
+const PAPER: &str = "the experiment of Nakano and others (Frontiers in Mechanical Engineering 5:9, 2019), simulated from its printed \
     values: what each claim comes to, the figures with their numbers, and how far these can be trusted.";
 
 const PLAIN: &str = "Simulations of a torsional rig in frictional contact with a driven roller, after Nakano and others (Frontiers in \
@@ -35,7 +35,13 @@ const PLAIN: &str = "Simulations of a torsional rig in frictional contact with a
 /// What the report is, in a paragraph.
 fn lead(claims: &[ClaimView], scenarios: &[ScenarioView]) -> String {
     match (claims.is_empty(), scenarios.iter().any(|scenario| scenario.rig.is_some())) {
-        (false, _) => PAPER.into(),
+        (false, _) => match comparisons(scenarios).count() {
+            0 => format!("This is {PAPER}"),
+            tables => {
+                let of = units::count(tables, "table");
+                format!("{of} of measurements{}, held against the model. Then the paper: {PAPER}", synthetic(scenarios))
+            }
+        },
         (true, false) => PLAIN.into(),
         (true, true) => of_others(scenarios),
     }

@@ -23,6 +23,10 @@ fn view(main: &Series, others: &[Series], figures: &[FigureInput]) -> TrustView 
         "In blind trials the kind of the answer (nothing missing, recalibrate, an effect, unexplained) was right in {}",
         right(&all.verdict)
     );
+    if all.visible.successes < all.visible.of {
+        let unseen = all.visible.of - all.visible.successes;
+        sentence += &format!(" ({unseen} more draws of a cause were too weak to show in the data and are not counted)");
+    }
     if all.named.of > 0 {
         sentence += &format!("; planted effects were named, or in a declared tie, in {}", right(&all.named));
     }

@@ -68,6 +68,8 @@ fn deviations_are_known_by_the_names_of_what_they_are_of() {
         ("Freq. [Hz],Force [N],AMPLITUDE [MM],AMPLITUDE ERROR,PHASE LAG [deg],PHASE ERROR", "80,0.5,2,0.02,90,0.5"),
         ("F Hz,force_n,Amp.mittel [mm],Amp.std,Phi-mittel [°],Phi-std", "80,0.5,2,0.02,-90,0.5"),
         ("F Hz,force_n,Amplitude [mmpp],Amplitude std,Phi [°],Phi std", "80,0.5,4,0.04,-90,0.5"),
+        ("F Hz,force_n,Amplitude [mmpp],Amplitude err [mm],Phi [°],Phi std", "80,0.5,4,0.04,-90,0.5"),
+        ("F Hz,force_n,peak-to-peak voltage (volt),unc voltage (volt),Phi [°],Phi std", "80,0.5,4,0.04,-90,0.5"),
     ] {
         let [amplitude, phase] = of(header, cells);
         assert!((amplitude - 0.01).abs() < 1e-12 && (phase - 0.5).abs() < 1e-4, "{header}: {amplitude} {phase}");
@@ -248,6 +250,13 @@ fn samples_in_time_are_recognised() {
     let message =
         load("t.csv", format!("time,force_n,amplitude_m\n{odd}").as_bytes(), "", "").expect_err("no frequency");
     assert!(message.contains("no column for frequency"), "{message}");
+    // A program that writes a frequency and an amplitude once in a while beside the samples.
+    let now_and_then = |n: usize| if n % 40 == 0 { "1.25,0.3" } else { "," };
+    let sparse: String =
+        (0..200).map(|n| format!("{:.2},{:.3},{}\n", 0.02 * n as f64, -0.1, now_and_then(n))).collect();
+    let text = format!("Time (s),Angle (rad),Driving Frequency (Hz),Amplitude (rad)\n{sparse}");
+    let message = load("t.csv", text.as_bytes(), "", "").expect_err("samples");
+    assert!(message.contains("the table holds samples in time") && message.matches("error:").count() == 1, "{message}");
 }
 
 /// A resonance as students write it down: frequency, amplitude in cm, its deviation and a phase in degrees, in the rows

@@ -251,7 +251,7 @@ impl Figure<Comparison> for MisfitMap {
     }
 
     fn title(&self) -> &'static str {
-        "Where the model fails"
+        "Errors by condition and frequency"
     }
 
     fn reading(&self) -> [&'static str; 3] {
@@ -266,9 +266,11 @@ impl Figure<Comparison> for MisfitMap {
         let data = Data::of(comparison);
         let regions = match comparison.regions.as_slice() {
             [] => "No range of frequencies has a misfit that noise would not have.".into(),
-            [one] => format!("The outline marks the one range where the misfit is no chance: {}.", one.sentence),
+            [one] => {
+                format!("The outline marks the one range where the misfit is not due to chance: {}.", one.sentence)
+            }
             [first, ..] => format!(
-                "Outlines mark the {} ranges where the misfit is no chance, the worst being: {}.",
+                "Outlines mark the {} ranges where the misfit is not due to chance, the worst being: {}.",
                 comparison.regions.len(),
                 first.sentence
             ),

@@ -257,8 +257,8 @@ impl Figure<Discovery> for BeforeAfter {
         let (caption, alt) = match shown.fall {
             Some(_) => (
                 format!(
-                    "Measured {what} with 95 % bars, the calibrated model, and the model with what was found, {conditions}. Right: \
-                     χ² per reading as that grows from nothing to its fitted strength, {} to {}.",
+                    "Measured {what} with 95 % bars, the calibrated model, and the model with what was found, {conditions}. Last \
+                     panel: χ² per reading as what was found grows from nothing to its fitted strength, {} to {}.",
                     chi2[0], chi2[1]
                 ),
                 format!(
