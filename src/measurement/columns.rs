@@ -4,7 +4,7 @@
 use super::frame::{DRIVES, Frame};
 use super::header::{self, Meaning};
 use super::likely::{is_deviation, is_setting};
-use super::names::{AMPLITUDE, DRIVE, FREQUENCY, LOAD, NUMBERS, SERIES, SPEED, SWEEP};
+use super::names::{AMPLITUDE, DRIVE, FREQUENCY, LOAD, NUMBERS, PHASE, SERIES, SPEED, SWEEP};
 use super::parts::Parts;
 use super::samples;
 use super::search::{Found, Slot, column_of, search};
@@ -84,27 +84,28 @@ pub(crate) fn layout(
     Layout { slots, series, sweep, aside, choices, parts, drive_assumed }
 }
 
-/// Whether nothing names a frequency, or most rows leave it empty, and the rows are a recording in time, which is
-/// complained about.
+/// Whether nothing names a frequency or a phase, or most rows leave it empty, and the rows are a recording in time, which
+/// is complained about.
 fn is_recording(
     sheet: &Sheet,
     mapping: &[(String, String)],
     frame: &Frame<'_>,
     complaints: &mut Complaints<'_>,
 ) -> bool {
-    let frequency = |index: usize| {
+    // A phase by that word has no meaning from sample to sample; a letter such as `phi` may be an angle.
+    let of_state = |index: usize| {
         matches!(
             header::meaning(&sheet.headed(index), frame),
-            Meaning::Column(FREQUENCY, ..)
+            Meaning::Column(FREQUENCY | PHASE, ..)
                 | Meaning::Alias(FREQUENCY, ..)
-                | Meaning::Likely(FREQUENCY, _)
+                | Meaning::Likely(FREQUENCY | PHASE, _)
                 | Meaning::BadUnit(FREQUENCY, _)
         )
     };
     let filled = |index: usize| 2 * sheet.rows().filter(|row| !row.cells[index].is_empty()).count() > sheet.count;
     let mapped = mapping.iter().any(|(key, _)| column_of(key) == Some(FREQUENCY));
     !mapped
-        && !(0..sheet.header.cells.len()).any(|index| frequency(index) && filled(index))
+        && !(0..sheet.header.cells.len()).any(|index| of_state(index) && filled(index))
         && samples::refuse(sheet, complaints)
 }
 
