@@ -231,8 +231,24 @@ fn scattered(parameters: &[Parameter], number: u32, seed: u32) -> Vec<f64> {
 }
 
 /// Readings that are far off where their neighbours along the frequency are not. `residuals` holds (row, residual) of
-/// one column of one curve, in the order of the frequency; `noise` is that of the readings over the stated one.
+/// one column of one curve, in the order of the frequency; `noise` is that of the readings over the stated one. What
+/// stands out is taken out and the others are looked at again: of several near each other one may hide the others.
 pub(crate) fn outliers(column: &'static str, residuals: &[(usize, f64)], noise: f64) -> Vec<Outlier> {
+    let mut kept = residuals.to_vec();
+    let mut found: Vec<Outlier> = Vec::new();
+    loop {
+        let next = far_off(column, &kept, noise);
+        if next.is_empty() {
+            found.sort_by_key(|outlier| residuals.iter().position(|(row, _)| *row == outlier.row));
+            return found;
+        }
+        kept.retain(|(row, _)| !next.iter().any(|outlier| outlier.row == *row));
+        found.extend(next);
+    }
+}
+
+/// Those of them that their neighbours tell at once.
+fn far_off(column: &'static str, residuals: &[(usize, f64)], noise: f64) -> Vec<Outlier> {
     let mut found = Vec::new();
     for (i, &(row, residual)) in residuals.iter().enumerate() {
         // As many on one side as are missing on the other.
@@ -310,6 +326,15 @@ mod tests {
             let found: Vec<usize> = found.iter().map(|o| o.row).collect();
             assert_eq!(found, [first as usize, first as usize + 1], "{size}");
         }
+    }
+
+    #[test]
+    fn a_third_reading_off_nearby_hides_no_two_at_an_end() {
+        // Where a planted drag is fitted, of an independent table with 6 % of its readings off.
+        let few = [14.1, 21.8, 0.0, -0.3, 1.5, -19.0, -0.3, -0.8, 0.9, -0.9, 0.2, -0.5, -1.5, -1.0, -0.9, -0.8];
+        let rows: Vec<(usize, f64)> = few.into_iter().enumerate().collect();
+        let found: Vec<usize> = outliers("amplitude_v", &rows, 1.0).iter().map(|o| o.row).collect();
+        assert_eq!(found, [0, 1, 5]);
     }
 
     #[test]

@@ -11,13 +11,14 @@ use super::view::{
 use crate::units;
 
 /// Ids of the page's own sections.
-pub const SECTIONS: [&str; 12] = [
+pub const SECTIONS: [&str; 13] = [
     "top",
     "content",
     "summary",
     "run",
     "baseline",
     "history",
+    "simulations",
     "claims",
     "atlas",
     "trust",
