@@ -191,9 +191,10 @@ fn compare_draws_where_asked_and_leaves_out_what_needs_phases() {
             assert!(names.contains(&format!("measured/{figure}.{kind}")), "{figure}.{kind} in {names:?}");
         }
     }
-    let others = ["report.html", "report.json", "measured/overlay-narrow.svg"];
-    assert!(others.iter().all(|name| names.contains(&name.to_string())), "{names:?}");
-    assert_eq!(names.len(), 24);
+    let narrow = ["overlay", "misfit-map"].map(|figure| format!("measured/{figure}-narrow.svg"));
+    let others = ["report.html", "report.json"].map(String::from).into_iter().chain(narrow);
+    assert!(others.into_iter().all(|name| names.contains(&name)), "{names:?}");
+    assert_eq!(names.len(), 25);
 }
 
 #[test]

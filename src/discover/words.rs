@@ -123,22 +123,24 @@ pub fn how_sure(d: &Discovery) -> String {
         if end.hypothesis.additions.is_empty() { !c.hypothesis.additions.is_empty() } else { !contains(c) }
     };
     let Some(rival) = d.candidates.iter().find(is_rival) else { return tested };
+    format!("{tested}; {}", beside(d, rival, rival.delta_bic - own))
+}
+
+/// How far a rival is behind the explanation, and what that rests on.
+fn beside(d: &Discovery, rival: &Candidate, behind: f64) -> String {
+    let end = d.explanation();
+    let points = end.comparison.table.points.len();
     let alone = rival.hypothesis.additions.is_empty();
     let label = if alone { "the calibrated model alone".into() } else { rival.hypothesis.label() };
-    // What was left before its fit had ended may come nearer: no odds are told of it.
-    let sure = |behind: f64| match rival.hypothesis.basis() {
-        Basis::AllPoints => odds(behind),
-        basis => format!(", as far as it was fitted ({})", basis.words(end.comparison.table.points.len())),
-    };
-    let rival = match rival.delta_bic - own {
-        b if b >= MARGIN && matches!(rival.hypothesis.basis(), Basis::SomePoints(_) | Basis::Linear) => {
-            let seen = match rival.hypothesis.basis() {
-                Basis::SomePoints(some) => format!("after {some} of {} points", end.comparison.table.points.len()),
-                _ => "on an estimate, before any fit".into(),
-            };
-            format!("the closest rival, {label}, was given up {b:.0} behind in BIC {seen}")
+    match (rival.hypothesis.basis(), behind) {
+        (_, b) if b < 0.0 => format!("{label} is {:.1} ahead in BIC, too little to decide for it among so many", -b),
+        (Basis::SomePoints(some), b) if b >= MARGIN => {
+            format!("the closest rival, {label}, was given up {b:.0} behind in BIC after {some} of {points} points")
         }
-        b if b >= MARGIN => {
+        (Basis::Linear, b) if b >= MARGIN => {
+            format!("the closest rival, {label}, was given up {b:.0} behind in BIC on an estimate, before any fit")
+        }
+        (_, b) if b >= MARGIN => {
             let price = match rival.hypothesis.fit.parameters.len().saturating_sub(end.hypothesis.fit.parameters.len())
             {
                 more if more as f64 * (end.comparison.overall.readings as f64).ln() > 0.5 * b => {
@@ -146,17 +148,20 @@ pub fn how_sure(d: &Discovery) -> String {
                 }
                 _ => String::new(),
             };
-            format!("the closest rival, {label}, is {b:.0} behind in BIC{}{price}", sure(b))
+            format!("the closest rival, {label}, is {b:.0} behind in BIC{}{price}", odds(b))
         }
-        b if b >= 0.0 && end.hypothesis.additions.is_empty() => {
+        (_, b) if end.hypothesis.additions.is_empty() => {
             format!("{label} explains no more than its price (BIC {b:.1} worse with it), which does not rule it out")
         }
-        b if b >= 0.0 => {
-            format!("{label} is only {b:.1} behind in BIC{}, which does not rule it out", sure(b))
+        // What was left before its fit had ended may come nearer: no odds are told of it.
+        (Basis::AllPoints, b) => format!("{label} is only {b:.1} behind in BIC{}, which does not rule it out", odds(b)),
+        (basis, b) => {
+            let fitted = basis.words(points);
+            format!(
+                "{label} is only {b:.1} behind in BIC, as far as it was fitted ({fitted}), which does not rule it out"
+            )
         }
-        b => format!("{label} is {:.1} ahead in BIC, too little to decide for it among so many", -b),
-    };
-    format!("{tested}; {rival}")
+    }
 }
 
 /// The odds that a difference in Schwarz's criterion stands for, where they can be said in words.

@@ -93,14 +93,15 @@ fn is_recording(
     complaints: &mut Complaints<'_>,
 ) -> bool {
     // A phase by that word has no meaning from sample to sample; a letter such as `phi` may be an angle.
-    let of_state = |index: usize| {
-        matches!(
-            header::meaning(&sheet.headed(index), frame),
-            Meaning::Column(FREQUENCY | PHASE, ..)
-                | Meaning::Alias(FREQUENCY, ..)
-                | Meaning::Likely(FREQUENCY | PHASE, _)
-                | Meaning::BadUnit(FREQUENCY, _)
-        )
+    let of_state = |index: usize| match header::meaning(&sheet.headed(index), frame) {
+        Meaning::Column(column, ..) | Meaning::Alias(column, ..) | Meaning::Likely(column, _) if column == PHASE => {
+            header::plain(&sheet.headed(index)).starts_with("phas")
+        }
+        Meaning::Column(column, ..)
+        | Meaning::Alias(column, ..)
+        | Meaning::Likely(column, _)
+        | Meaning::BadUnit(column, _) => column == FREQUENCY,
+        _ => false,
     };
     let filled = |index: usize| 2 * sheet.rows().filter(|row| !row.cells[index].is_empty()).count() > sheet.count;
     let mapped = mapping.iter().any(|(key, _)| column_of(key) == Some(FREQUENCY));

@@ -256,7 +256,7 @@ fn samples_in_time_are_recognised() {
     let message = load("t.csv", text.as_bytes(), "", "").expect_err("no frequency");
     assert!(message.contains("no column for frequency"), "{message}");
     // A program that writes a frequency and an amplitude once in a while beside the samples.
-    let now_and_then = |n: usize| if n % 40 == 0 { "1.25,0.3" } else { "," };
+    let now_and_then = |n: usize| if n.is_multiple_of(40) { "1.25,0.3" } else { "," };
     let sparse: String =
         (0..200).map(|n| format!("{:.2},{:.3},{}\n", 0.02 * n as f64, -0.1, now_and_then(n))).collect();
     let text = format!("Time (s),Angle (rad),Driving Frequency (Hz),Amplitude (rad)\n{sparse}");
