@@ -31,10 +31,11 @@ impl Addition {
         }
     }
 
-    /// What it is called in running text: `master curve of rubber (Grosch)`, `damping of the torsional spring`.
-    pub fn title(&self) -> String {
+    /// What it is called in running text, of a torsional `arm` or an oscillator: `master curve of rubber (Grosch)`,
+    /// `damping of the torsional spring`.
+    pub fn title(&self, arm: bool) -> String {
         match self {
-            Self::Recalibration(key) => of_key(key).map_or(*key, |info| info.meaning).into(),
+            Self::Recalibration(key) => of_key(key, arm).map_or(*key, |info| info.meaning).into(),
             Self::Effect(effect) => uncapital(effect.title()),
         }
     }

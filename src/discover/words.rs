@@ -9,9 +9,10 @@ use crate::scenario::parameters::of_key;
 use crate::units::count;
 use crate::units::readable::{percent, quantity};
 
-/// That these numbers, by key and as they are named beside their rivals, have other values; of one with what it is.
-fn recalibration(keys: &[String], named: &[String]) -> String {
-    let one = if let [key] = keys { of_key(key) } else { None };
+/// That these numbers, by key and as they are named beside their rivals, have other values; of one with what it is, on
+/// a torsional `arm` or an oscillator.
+fn recalibration(keys: &[String], named: &[String], arm: bool) -> String {
+    let one = if let [key] = keys { of_key(key, arm) } else { None };
     let meaning = one.map_or_else(String::new, |info| format!(", the {}", info.meaning));
     format!("recalibrate {}{meaning}: no effect is needed", named.join(", "))
 }
@@ -33,7 +34,9 @@ pub fn sentence(d: &Discovery) -> String {
             d.asked.len(),
             noise(d)
         ),
-        Verdict::Recalibrate => recalibration(&end.hypothesis.recalibrated(), &recalibrated),
+        Verdict::Recalibrate => {
+            recalibration(&end.hypothesis.recalibrated(), &recalibrated, end.hypothesis.model.rig.is_arm())
+        }
         Verdict::EffectMissing if recalibrated.is_empty() => format!("missing: {}", effects.join(" + ")),
         Verdict::EffectMissing => format!("missing: {}; recalibrate {}", effects.join(" + "), recalibrated.join(", ")),
         Verdict::Unexplained if !end.comparison.whiteness.testable => {

@@ -314,7 +314,7 @@ mod tests {
 
     #[test]
     fn an_angle_has_no_bounds_and_one_turn_of_values() {
-        let info = crate::scenario::parameters::of_key("instrument.phase_offset").expect("an angle");
+        let info = crate::scenario::parameters::of_key("instrument.phase_offset", true).expect("an angle");
         let angle = of_base("instrument.phase_offset", info, 0, (3.0, 1.0), 1.0);
         for value in [3.0, -0.1, 6.1] {
             let u = angle.coordinate(value);

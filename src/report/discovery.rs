@@ -40,6 +40,7 @@ pub fn discovery_view(d: &Discovery, figures: &[FigureInput]) -> DiscoveryView {
     let end = d.explanation();
     let c = &end.comparison;
     let id = &c.scenario.id;
+    let arm = end.hypothesis.model.rig.is_arm();
     let views: Vec<FigureView> = figures.iter().map(|input| figure(id, input)).collect();
     let (first, more) = views.into_iter().partition(|view| FIRST.contains(&view.name.as_str()));
     let words = |(p, i)| super::view::FittedView { meaning: identified(p, i).into(), ..fitted(p, i) };
@@ -47,12 +48,12 @@ pub fn discovery_view(d: &Discovery, figures: &[FigureInput]) -> DiscoveryView {
         anchor: anchor::discovery(id),
         verdict: Found::of(d.verdict),
         sentence: capital(&discover::sentence(d)),
-        meanings: end.hypothesis.additions.iter().map(meaning).collect(),
+        meanings: end.hypothesis.additions.iter().map(|addition| meaning(addition, arm)).collect(),
         sure: capital(&discover::how_sure(d)),
         amounts: amounts(d),
         story: story(d),
         added: if end.hypothesis.additions.is_empty() { String::new() } else { end.hypothesis.label() },
-        titles: end.hypothesis.additions.iter().map(Addition::title).collect(),
+        titles: end.hypothesis.additions.iter().map(|addition| addition.title(arm)).collect(),
         before: shown(d.steps[0].comparison.overall.chi2_per_point, "1", 3),
         after: shown(c.overall.chi2_per_point, "1", 3),
         steps: d.steps.iter().map(step).collect(),
@@ -81,8 +82,8 @@ pub fn discovery_view(d: &Discovery, figures: &[FigureInput]) -> DiscoveryView {
 }
 
 /// What is added, in a sentence: its title, and of an effect the first sentence of what it is physically.
-fn meaning(addition: &Addition) -> String {
-    let what = format!("{}: {}.", addition.name(), addition.title());
+fn meaning(addition: &Addition, arm: bool) -> String {
+    let what = format!("{}: {}.", addition.name(), addition.title(arm));
     match addition {
         Addition::Recalibration(_) => what,
         Addition::Effect(effect) => {
@@ -102,7 +103,7 @@ fn amounts(d: &Discovery) -> Vec<String> {
     let one = end.hypothesis.effects().len() == 1;
     let line = |(p, interval): (&Parameter, &Interval)| {
         let view = fitted(p, interval);
-        let name = called(p, one);
+        let name = called(p, one, base.rig.is_arm());
         match interval.identified {
             Identified::Yes => {}
             Identified::OneSided => return format!("{name} = {}, {}", view.value.text, identified(p, interval)),
@@ -117,10 +118,11 @@ fn amounts(d: &Discovery) -> Vec<String> {
     if lines.len() > AMOUNTS || d.verdict == Verdict::Unexplained { Vec::new() } else { lines }
 }
 
-/// What a number is called in running text: of `one` effect by its symbol alone, of a rig by what it is.
-fn called(p: &Parameter, one: bool) -> String {
+/// What a number is called in running text: of `one` effect by its symbol alone, of a torsional `arm` or an oscillator by
+/// what it is.
+fn called(p: &Parameter, one: bool, arm: bool) -> String {
     let Some((effect, key)) = p.key.strip_prefix("effect.").and_then(|key| key.rsplit_once('.')) else {
-        return of_key(&p.key).map_or(&*p.key, |info| info.meaning).into();
+        return of_key(&p.key, arm).map_or(&*p.key, |info| info.meaning).into();
     };
     let symbol = if p.symbol.is_empty() { key } else { p.symbol };
     if one { symbol.into() } else { format!("{symbol} of {effect}") }
@@ -162,7 +164,7 @@ fn story(d: &Discovery) -> Vec<String> {
         "The calibrated model leaves χ² = {} per reading, and an error of {} in the amplitude where the noise is {}.",
         number(before.chi2_per_point),
         percent(before.rms_error_percent),
-        percent(before.noise_percent)
+        quantity(before.noise_percent, "%", 2)
     )];
     if d.verdict == Verdict::NothingMissing {
         let tried = d.candidates.len().saturating_sub(1);

@@ -3,14 +3,14 @@
 use super::view::{EquationView, SymbolView};
 use minijinja::HtmlEscape;
 
-/// Symbol and meaning of the parameter that a key such as `rig.stiffness` or `effect.cubic-stiffness.K_3` names;
-/// nothing where it is a formula's.
-pub fn parameter(key: &str) -> String {
+/// Symbol and meaning of the parameter that a key such as `rig.stiffness` or `effect.cubic-stiffness.K_3` names, of a
+/// torsional `arm` or an oscillator; nothing where it is a formula's.
+pub fn parameter(key: &str, arm: bool) -> String {
     let of_effect = || {
         let (effect, own) = key.strip_prefix("effect.")?.rsplit_once('.')?;
         crate::effects::find_among(crate::effects::REGISTRY, effect)?.parameters().iter().find(|info| info.key == own)
     };
-    let found = crate::scenario::parameters::of_key(key).or_else(of_effect);
+    let found = crate::scenario::parameters::of_key(key, arm).or_else(of_effect);
     found.map_or(String::new(), |info| match info.symbol {
         "" => info.meaning.into(),
         symbol => format!("{symbol}, {}", info.meaning),

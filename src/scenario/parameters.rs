@@ -156,12 +156,13 @@ pub fn base_keys() -> &'static [String] {
     &KEYS
 }
 
-/// The parameter of a rig, contact or instrument that a key such as `rig.stiffness` names; of any rig that has it,
-/// since units differ only.
-pub fn of_key(key: &str) -> Option<&'static ParameterInfo> {
+/// The parameter of a rig, contact or instrument that a key such as `rig.stiffness` names, of a torsional `arm` or of an
+/// oscillator; of a displacement or an angle, since units differ only.
+pub fn of_key(key: &str, arm: bool) -> Option<&'static ParameterInfo> {
     let (table, own) = key.split_once('.')?;
     let lists: &[&'static [ParameterInfo]] = match table {
-        "rig" => &[RIG, OF_DISPLACEMENT],
+        "rig" if arm => &[RIG],
+        "rig" => &[OF_DISPLACEMENT, OF_ANGLE],
         "contact" => &[CONTACT],
         "instrument" => &[INSTRUMENT, DRIVE_SENSITIVITY, SENSITIVITY],
         _ => return None,
@@ -249,6 +250,15 @@ pub const MAX_POINTS: u128 = 1_000_000;
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_key_that_two_rigs_have_means_what_it_is_of_the_one() {
+        let meaning = |key: &str, arm: bool| of_key(key, arm).map_or("", |info| info.meaning);
+        for key in ["rig.inertia", "rig.spring_stiffness", "rig.spring_damping"] {
+            assert!(meaning(key, true) != meaning(key, false) && !meaning(key, false).is_empty(), "{key}");
+        }
+        assert_eq!((meaning("rig.mass", true), meaning("rig.mass", false)), ("", "modal mass"));
+    }
 
     #[test]
     fn every_parameter_has_a_readable_unit_a_range_and_a_meaning() {
