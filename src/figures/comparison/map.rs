@@ -1,6 +1,7 @@
 //! Where the model fails: errors over condition and frequency, amplitude and phase side by side, or one below the other.
 
 use super::sigma::Sigma;
+use super::stack::WIDTH as NARROW;
 use super::words;
 
 use crate::compare::{Compared, Comparison};
@@ -17,8 +18,7 @@ const GAP: f64 = 26.0;
 const FOOT: f64 = 62.0;
 /// Of the colour scale, across \[px\].
 const THICK: f64 = 18.0;
-/// On a narrow screen: width of the figure, and of a row at most \[px\].
-const NARROW: f64 = 380.0;
+/// Height of a row on a narrow screen at most \[px\].
 const LOW: f64 = 22.0;
 /// Of a lying scale, beside either end: half the name of it \[px\].
 const SCALE_END: f64 = 40.0;

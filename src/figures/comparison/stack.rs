@@ -9,7 +9,7 @@ use crate::figures::legend::{Entry, legend};
 /// Panels of readings at most, so that a phone shows them with what stands below on little more than one screen.
 pub const MOST: usize = 4;
 /// Width in logical pixels: ticks of 15 of them have 13 on a phone that gives a figure 340.
-const WIDTH: f64 = 380.0;
+pub const WIDTH: f64 = 380.0;
 /// Room for tick labels; what the axis shows stands above the panels.
 const LEFT: f64 = 66.0;
 const RIGHT: f64 = 16.0;
