@@ -197,7 +197,8 @@ impl<'a> Data<'a> {
         let panel = Panel { left, top, width, height, x, y };
         canvas.color_bar(&panel, |canvas| {
             for i in 0..steps {
-                let (at, shade) = (step * i as f64, 1.0 - i as f64 / SHADES);
+                // As a cell has it, to the last digit: the colour is looked up.
+                let (at, shade) = (step * i as f64, (SHADES - i as f64) / SHADES);
                 if lying {
                     canvas.rectangle((left + at, top), step + 0.3, THICK, diverging(-shade), None);
                 } else {
