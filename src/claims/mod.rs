@@ -7,10 +7,11 @@ use crate::scenario::{Formulation, Scenario};
 use crate::units;
 use quantity::{Context, Setting};
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 /// Verdict on a statement.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, serde::Serialize, serde::Deserialize)]
 pub enum Verdict {
     /// The relation holds.
     Reproduced,

@@ -91,6 +91,22 @@ where
     cache.put(key, &Part { result, files });
 }
 
+/// A part out of the cache, or computed, drawn below `out` and kept; whether it was kept before.
+///
+/// # Errors
+/// Those of the computation, and of writing its files.
+pub fn or_draw<T>(cache: &Cache, key: &Key, out: &Folder, compute: impl FnOnce() -> Result<T>) -> Result<(T, bool)>
+where
+    T: Illustrated + Clone + PartialEq + Serialize + DeserializeOwned,
+{
+    if let Some(kept) = get(cache, key, out)? {
+        return Ok((kept, true));
+    }
+    let computed = compute()?;
+    put(cache, key, &computed, &[], out);
+    Ok((computed, false))
+}
+
 /// A result without figures out of the cache, or computed and kept; whether it was kept before.
 ///
 /// # Errors

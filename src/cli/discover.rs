@@ -18,6 +18,7 @@ use crate::gate::{self, Judged};
 use crate::measurement::Table;
 use crate::scenario::Scenario;
 use crate::units::{Frequencies, count};
+use schemars::JsonSchema;
 use std::path::{Path, PathBuf};
 
 /// Candidates shown on the terminal.
@@ -52,8 +53,8 @@ pub struct Job<'a> {
 }
 
 /// A discovery with the free form beside it, in JSON.
-#[derive(serde::Serialize)]
-struct Told<'a> {
+#[derive(JsonSchema, serde::Serialize)]
+pub struct Told<'a> {
     #[serde(flatten)]
     discovery: &'a discover::DiscoveryJson,
     #[serde(flatten)]

@@ -6,11 +6,12 @@ use crate::error::{Error, Result};
 use crate::gate::Judged;
 use crate::scenario::diagnostic::whole_file;
 use crate::{files, results, terminal};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// A result with what judged it.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct Stamped<'a, T> {
     #[serde(flatten)]
     result: &'a T,

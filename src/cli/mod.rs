@@ -29,6 +29,7 @@ mod record;
 pub mod report;
 mod rerender;
 pub mod run;
+mod schema;
 mod sections;
 mod select;
 mod shell;
@@ -201,6 +202,11 @@ enum Command {
         #[arg(default_value = ".")]
         dir: PathBuf,
     },
+    /// Print the JSON Schema of what a command writes
+    Schema {
+        /// Whose
+        name: schema::Name,
+    },
     /// Print the completions of a shell
     Completions {
         /// The shell
@@ -316,6 +322,7 @@ pub fn run(cli: Cli) -> Result<()> {
         Command::Check { scenarios } => check::execute(&scenarios),
         Command::Effects { name, of } => effects::execute(name.as_deref(), of.as_deref()),
         Command::Init { dir } => init::execute(&dir),
+        Command::Schema { name } => schema::execute(name),
         Command::Completions { shell } => shell::completions(shell),
         Command::Man { out } => shell::man(out.as_deref(), &global),
     }

@@ -15,11 +15,8 @@ use std::path::{Path, PathBuf};
 
 /// Looks at `table` and writes the scenario to `output`, or beside the table under its name.
 pub fn execute(table: &Path, output: Option<&Path>, global: &Global) -> Result<()> {
-    let mut seen = survey(table)?;
-    let modes = modes(&seen.table);
-    if let Some(strongest) = modes.first() {
-        seen = survey_between(table, strongest.band)?;
-    }
+    let whole = survey(table)?;
+    let modes = modes(&whole.table);
     let target = output.map_or_else(|| table.with_extension("toml"), PathBuf::from);
     if target.symlink_metadata().is_ok() {
         let title = format!("{} exists already, nothing was written", target.display());
@@ -29,8 +26,16 @@ pub fn execute(table: &Path, output: Option<&Path>, global: &Global) -> Result<(
         let title = format!("{} cannot be written: there is no folder {}", target.display(), folder.display());
         return Err(Error::Input(whole_file(&title, "make it, or name another file with -o")));
     }
-    let draft = Draft::new(&seen, table, &modes)?;
-    let (text, chosen) = draft.best_scenario(&target, global)?;
+    let drafted = |band: Option<(f64, f64)>| {
+        let seen = band.map_or_else(|| Ok(whole.clone()), |band| survey_between(table, band))?;
+        Draft::new(seen, table, &modes, band)
+    };
+    let mut draft = drafted(modes.first().map(|mode| mode.band))?;
+    let (mut text, mut chosen) = draft.best_scenario(&target, global)?;
+    if let Some(band) = draft.followed_alone(&target, &text)? {
+        draft = drafted(Some(band))?;
+        (text, chosen) = draft.best_scenario(&target, global)?;
+    }
     files::create(&target, text.as_bytes())?;
     for line in draft.description() {
         say(global, &line)?;

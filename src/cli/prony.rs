@@ -11,6 +11,7 @@ use crate::scenario;
 use crate::scenario::diagnostic::whole_file;
 use crate::units::{self, readable::percent};
 use clap::Args;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::f64::consts::TAU;
 use std::path::PathBuf;
@@ -160,25 +161,29 @@ fn words(analysis: &Analysis, contact: &Contact, factor: Option<f64>) -> Vec<Str
 }
 
 /// The JSON.
-#[derive(Serialize)]
-struct View<'a> {
+#[derive(JsonSchema, Serialize)]
+pub struct View<'a> {
     schema: &'static str,
     program: &'static str,
     table: TableView<'a>,
     series: LawView,
+    /// Of its terms in order; of a compliance retardation times.
     relaxation_times_s: &'a [f64],
     /// Of series of 1, 2, ... terms.
     left_out: Vec<LeftOut>,
     spring_pot: LawView,
     exponent: Interval,
+    /// A storage and a loss modulus that do not depend on the frequency.
     constant: Option<LeftOut>,
     contact: ContactView<'a>,
+    /// What the data cannot tell.
     remarks: &'a [String],
 }
 
-#[derive(Serialize)]
+#[derive(JsonSchema, Serialize)]
 struct TableView<'a> {
     file: &'a str,
+    /// BLAKE3 of its bytes.
     hash: &'a str,
     kind: Kind,
     rows: usize,
@@ -187,24 +192,28 @@ struct TableView<'a> {
     notes: &'a [String],
 }
 
-#[derive(Serialize)]
+#[derive(JsonSchema, Serialize)]
 struct LawView {
+    /// Root mean square of the relative error of each reading: storage and loss modulus, or the one of a time.
     rms_error: Vec<f64>,
     left_out: LeftOut,
-    /// The elastic part first.
+    /// Elastic part first, with 95 % intervals, in the unit of the table.
     amounts: Vec<Interval>,
     /// Where the amount of a spring-pot is that of its modulus: frequency \[rad/s\] or time \[s\].
     center: f64,
 }
 
-#[derive(Serialize)]
+#[derive(JsonSchema, Serialize)]
 struct LeftOut {
+    /// Root mean square of the relative error at blocks that were left out.
     rms_error: f64,
+    /// Mean over the blocks of its square.
     mean_square: f64,
+    /// Standard error of that mean.
     standard_error: f64,
 }
 
-#[derive(Serialize)]
+#[derive(JsonSchema, Serialize)]
 struct ContactView<'a> {
     /// Stiffness per modulus \[m\]; none where the contact is one of 1 N/m.
     geometry_m: Option<f64>,

@@ -14,10 +14,11 @@ use super::{Global, compare, say, select, simulate};
 use crate::cache::{Cache, Key};
 use crate::error::{Error, Result};
 use crate::gate::{self, Judged};
-use crate::report::{self, CheckView, EffectView, FigureView, Provenance, ReportView};
+use crate::report::{self, CheckView, EffectView, FigureView, Provenance, ReportView, TrustView};
 use crate::scenario::{self, Scenario};
+use crate::trial::{self, Series};
 use crate::units::readable as format;
-use crate::{figures, trial, verification};
+use crate::{figures, verification};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -101,7 +102,7 @@ pub fn execute(arguments: &Arguments, global: &Global) -> Result<()> {
     // The trials that come with the program are of the paper's rig as well.
     let tried = scenarios.iter().zip(&tables).any(|(scenario, table)| scenario.rig.is_arm() && table.is_some());
     if tried && let [main, others @ ..] = trial::committed() {
-        plain = plain.with_trust(main, others, &simulate::committed_trials(main, others, &results)?);
+        plain = plain.with_trust(trust(main, others, (&cache, &results))?);
     }
     let against = match &baseline {
         Some(baseline) => Some(baseline.against(&plain.clone().with_gates(&judged), &results)?),
@@ -257,16 +258,23 @@ fn title(scenarios: &[Scenario]) -> String {
     }
 }
 
+/// How the search fared in the trials that come with the program, with their figures.
+fn trust(main: &Series, others: &[Series], (cache, out): (&Cache, &Folder)) -> Result<TrustView> {
+    let key = Key::of("trust", &(main, others));
+    let draw = || Ok(report::trust_view(main, others, &simulate::committed_trials(main, others, out)?));
+    Ok(caching::or_draw(cache, &key, out, draw)?.0)
+}
+
+impl Illustrated for TrustView {
+    fn figures(&mut self) -> Vec<&mut FigureView> {
+        self.figures.iter_mut().collect()
+    }
+}
+
 /// The atlas of effects, and whether an earlier run has kept it.
 fn atlas(cache: &Cache, out: &Folder) -> Result<(Atlas, bool)> {
     let rig = scenario::paper();
-    let key = Key::of("atlas", &rig);
-    if let Some(kept) = caching::get(cache, &key, out)? {
-        return Ok((kept, true));
-    }
-    let atlas = Atlas(simulate::atlas(&rig, out)?);
-    caching::put(cache, &key, &atlas, &[], out);
-    Ok((atlas, false))
+    caching::or_draw(cache, &Key::of("atlas", &rig), out, || Ok(Atlas(simulate::atlas(&rig, out)?)))
 }
 
 /// The sections of the atlas.

@@ -5,6 +5,7 @@ use crate::model::Model;
 use crate::solver::time::Plan;
 use crate::solver::{Status, integrated, plan_for};
 use rayon::prelude::*;
+use schemars::JsonSchema;
 
 /// Points at which both solvers are compared.
 const NUMERICAL_POINTS: usize = 4;
@@ -12,7 +13,7 @@ const NUMERICAL_POINTS: usize = 4;
 const PLAN: Plan = Plan { steps: 2000, cycles: 400, settled: 1e-7, window: 1, solved: 1e-9 };
 
 /// Root mean square errors of the amplitude in percent; the squares of the three parts add up to that of the total.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, JsonSchema, serde::Serialize)]
 pub struct ErrorBudget {
     /// Difference of the two solvers, at a sample of the points; NaN where a rig without contact rings too long for
     /// that.

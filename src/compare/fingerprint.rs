@@ -5,11 +5,12 @@
 use super::Compared;
 use crate::model::Model;
 use crate::model::lumps::Lumps;
+use schemars::JsonSchema;
 use std::f64::consts::TAU;
 
 /// Dynamic stiffness and damping of the contact at one point: `k + i w c = [Gamma e^{i phi0}/(alpha e^{i phi}) - (K - J
 /// w^2 + i w C)]/b^2`; without a contact those of the missing force, with b = 1 and in the units of K and C.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, JsonSchema, serde::Serialize)]
 pub struct ContactPoint {
     /// Data row of the table, from 1.
     pub row: usize,

@@ -4,6 +4,7 @@ use super::{Comparison, ContactPoint, Peak, Region, Setting, Whiteness};
 use crate::measurement::{NoiseSource, Table};
 use crate::model::Model;
 use crate::scenario::{Coordinate, Rig, Signals};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -11,7 +12,7 @@ use std::collections::BTreeMap;
 pub const SCHEMA: &str = "stickslip.comparison/1";
 
 /// What `stickslip compare --json` writes.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, JsonSchema, Serialize)]
 // Wide: a field is a key of the file, in the order in which it is written.
 pub struct ComparisonJson {
     schema: &'static str,
@@ -46,7 +47,7 @@ pub struct ComparisonJson {
 }
 
 /// A fitted parameter with its 95 % interval.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, JsonSchema, Serialize)]
 pub struct ParameterJson {
     value: f64,
     low: f64,
@@ -65,7 +66,7 @@ impl ParameterJson {
 
 /// A condition as scripts read it: keys with units where they are those of the paper's rig, and for any other one the
 /// drive with its unit, and its series.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, JsonSchema, Serialize)]
 pub struct SettingJson {
     #[serde(skip_serializing_if = "Option::is_none")]
     speed_m_s: Option<f64>,
@@ -81,7 +82,7 @@ pub struct SettingJson {
     series: Option<SeriesJson>,
 }
 
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, JsonSchema, Serialize)]
 struct SeriesJson {
     number: usize,
     name: String,
@@ -114,7 +115,7 @@ impl SettingJson {
 }
 
 /// A peak, its height by the key of the paper's rig where that is its unit.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, JsonSchema, Serialize)]
 struct PeakJson {
     frequency_hz: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -139,7 +140,7 @@ impl PeakJson {
 
 /// The force that must have acted on a rig without contact besides those of its model, as a dynamic stiffness and
 /// damping.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, JsonSchema, Serialize)]
 pub struct ForceJson {
     stiffness_unit: &'static str,
     damping_unit: &'static str,
@@ -147,7 +148,7 @@ pub struct ForceJson {
     points: Vec<ForcePointJson>,
 }
 
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, JsonSchema, Serialize)]
 struct ForcePointJson {
     row: usize,
     condition: usize,
@@ -194,7 +195,7 @@ pub fn units_of_force(model: &Model) -> [&'static str; 3] {
     }
 }
 
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, JsonSchema, Serialize)]
 struct ConditionJson {
     #[serde(flatten)]
     setting: SettingJson,

@@ -4,6 +4,7 @@ use super::{Compared, Setting};
 use crate::linear::least_squares;
 use crate::measurement::Point;
 use crate::statistics::median;
+use schemars::JsonSchema;
 
 /// Points through which the parabola of a peak is laid.
 const PEAK_POINTS: usize = 5;
@@ -28,7 +29,7 @@ pub struct Metrics {
 }
 
 /// A resonance peak.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, JsonSchema, serde::Serialize)]
 pub struct Peak {
     /// Where \[Hz\].
     pub frequency_hz: f64,

@@ -36,6 +36,7 @@ use crate::solver::cycle::Tolerance;
 use crate::statistics::wrap;
 use crate::units::count;
 use crate::units::readable::quantity;
+use schemars::JsonSchema;
 use std::sync::OnceLock;
 
 /// Version of the comparison: raised whenever the same input may give other numbers, so that a limit that is suddenly
@@ -43,7 +44,8 @@ use std::sync::OnceLock;
 pub const COMPARATOR: &str = "6";
 
 /// Load, speed and drive of a measured curve.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[serde(into = "SettingKeys")]
 pub struct Setting {
     /// V \[m/s\].
     pub speed: f64,
@@ -92,24 +94,38 @@ impl Label {
     }
 }
 
-impl serde::Serialize for Setting {
-    /// Speed and load where there is a contact, the drive with its unit where it is not that of the paper's rig.
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
-        use serde::ser::SerializeMap;
-        let mut map = serializer.serialize_map(None)?;
-        if self.contact {
-            map.serialize_entry("speed", &self.speed)?;
-            map.serialize_entry("load", &self.load)?;
+/// What is written of a setting.
+#[derive(JsonSchema, serde::Serialize)]
+struct SettingKeys {
+    /// V \[m/s\], where there is a contact.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    speed: Option<f64>,
+    /// W \[N\], where there is a contact.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    load: Option<f64>,
+    /// Drive \[m, or the unit that is stated\].
+    drive: f64,
+    /// Unit of the drive, where it is not that of the paper's rig.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    drive_unit: Option<&'static str>,
+    /// Number of the series from 1, where drives alone do not tell them apart.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    series: Option<usize>,
+    /// What the table calls it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    series_name: Option<String>,
+}
+
+impl From<Setting> for SettingKeys {
+    fn from(s: Setting) -> Self {
+        Self {
+            speed: s.contact.then_some(s.speed),
+            load: s.contact.then_some(s.load),
+            drive: s.drive,
+            drive_unit: (!s.contact || s.signal != Signals::ARM.drive).then_some(s.signal.unit),
+            series: (s.number > 0).then_some(s.number),
+            series_name: (s.number > 0).then(|| s.name.as_str().into()),
         }
-        map.serialize_entry("drive", &self.drive)?;
-        if !self.contact || self.signal != Signals::ARM.drive {
-            map.serialize_entry("drive_unit", self.signal.unit)?;
-        }
-        if self.number > 0 {
-            map.serialize_entry("series", &self.number)?;
-            map.serialize_entry("series_name", self.name.as_str())?;
-        }
-        map.end()
     }
 }
 
@@ -136,7 +152,7 @@ pub struct Compared {
 }
 
 /// A single reading that no model of the kind explains: far off where its neighbours are not.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, serde::Serialize)]
 pub struct Outlier {
     /// Data row of the table, from 1.
     pub row: usize,
@@ -352,7 +368,7 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
     let outliers = (0..settings.len()).flat_map(|i| standing_out(&of(i), column, noise)).collect();
     let at_bounds = Calibration { fit: fit.clone(), ..calibration.clone() };
     let mut notes = notes(&at_bounds.at_bounds(), unfinished, &points, table);
-    notes.extend(flank(&model, &points, table));
+    notes.extend(flank(&model, &points, table).or_else(|| astray(&model, &whiteness, table)));
     Comparison {
         scenario: scenario.clone(),
         table: table.clone(),
@@ -373,6 +389,20 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
         error_budget: OnceLock::new(),
         curves: OnceLock::new(),
     }
+}
+
+/// That a model which leaves structure resonates otherwise than its readings do, in words.
+fn astray(model: &Model, whiteness: &Whiteness, table: &Table) -> Option<String> {
+    let ((frequency, quality), seen) = resonance::astray(model, &table.points).filter(|_| whiteness.structured)?;
+    // Digits enough to tell the two apart.
+    let digits = (2.0 - (frequency / seen.frequency - 1.0).abs().log10()).ceil().clamp(3.0, 12.0) as usize;
+    let [own, of_readings] = [frequency, seen.frequency].map(|f| quantity(f, "Hz", digits));
+    Some(format!(
+        "the model resonates at {own} with Q {}, the readings near {of_readings} with Q about {}: they hold more than the motion of \
+         one mode, such as a constant background or further resonances",
+        quantity(quality, "1", 2),
+        quantity(seen.quality, "1", 2)
+    ))
 }
 
 /// What has to be known of a comparison: parameters that ended at a bound, ends of intervals that were not found,

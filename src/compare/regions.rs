@@ -4,16 +4,18 @@ use super::{Compared, ConditionMetrics, Setting};
 use crate::scenario::{Signal, Signals};
 use crate::statistics::SIGNIFICANCE;
 use crate::units::{self, Frequencies};
+use schemars::JsonSchema;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// A residual's square above which a reading counts as misfit.
 const EXCESS: f64 = 3.0;
 
 /// A range of one condition at which the model fails.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, serde::Serialize)]
 pub struct Region {
     /// The condition.
     #[serde(flatten)]
+    #[schemars(with = "super::SettingKeys")]
     pub setting: Setting,
     /// Index of the condition.
     pub condition: usize,

@@ -4,6 +4,7 @@ use super::Compared;
 use super::calibrate::outliers;
 use crate::measurement::{self, Noise, NoiseSource, Point, Spread, Table};
 use crate::statistics::{CLIP, SIGNIFICANCE, median};
+use schemars::JsonSchema;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, Normal};
 
 /// Smooth components (polynomials of the point's number) that a curve is searched for, at most.
@@ -14,7 +15,7 @@ const POINTS_PER_COMPONENT: usize = 3;
 const MEDIAN_EFFICIENCY: f64 = 0.3675;
 
 /// Tests of residuals against noise; every probability is that of noise looking at least as structured.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, JsonSchema, serde::Serialize)]
 // Wide: a field is a key of the file, where they stand side by side.
 pub struct Whiteness {
     /// Runs of equal sign along the frequency or, where that tells nothing and the order of the rows does, in that, over

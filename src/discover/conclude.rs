@@ -53,7 +53,11 @@ fn beyond_prediction(steps: &mut Vec<Step>) -> Option<String> {
     while let [.., before, last] = &steps[..]
         && (chi2(last) >= chi2(before) || single && !pays(before, last))
     {
-        first = steps.pop()?.added.map(|name| format!("{name} gains no more than its price"));
+        let why = match chi2(last) >= chi2(before) {
+            true => "lowers no squares",
+            false => "gains no more than its price over as many readings as are independent in what is left",
+        };
+        first = steps.pop()?.added.map(|name| format!("{name} {why}"));
     }
     first
 }

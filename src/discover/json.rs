@@ -5,6 +5,7 @@ use crate::compare::{ContactPoint, ForceJson, Outlier, ParameterJson, Region, Se
 use crate::fit::Correlation;
 use crate::measurement::Noise;
 use crate::scenario::Signals;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -12,7 +13,7 @@ use std::collections::BTreeMap;
 pub const SCHEMA: &str = "stickslip.discovery/1";
 
 /// What `stickslip discover --json` writes.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, JsonSchema, Serialize)]
 // Wide: a field is a key of the file, in the order in which it is written.
 pub struct DiscoveryJson {
     schema: &'static str,
@@ -27,6 +28,7 @@ pub struct DiscoveryJson {
     steps: Vec<StepJson>,
     candidates: Vec<CandidateJson>,
     indistinguishable: Vec<Vec<String>>,
+    /// Effects that the search asked for, the usual ones or those of `--candidates`.
     asked: Vec<&'static str>,
     not_testable: Vec<String>,
     not_testable_details: Vec<NotTestable>,
@@ -45,7 +47,7 @@ pub struct DiscoveryJson {
     notes: Vec<String>,
 }
 
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, JsonSchema, Serialize)]
 struct NextJson {
     #[serde(flatten)]
     setting: SettingJson,
@@ -55,7 +57,7 @@ struct NextJson {
     ruled_out_by: Option<f64>,
 }
 
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, JsonSchema, Serialize)]
 struct StepJson {
     added: Option<String>,
     chi2_per_point: f64,
@@ -69,7 +71,7 @@ struct StepJson {
     regions: Vec<Region>,
 }
 
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, JsonSchema, Serialize)]
 // Wide: a field is a key of the file, in the order in which it is written.
 struct CandidateJson {
     effects: Vec<String>,

@@ -33,6 +33,7 @@ pub use fall::{Fall, Part, STRENGTHS, State};
 pub use held_out::{HeldOut, held_out};
 pub use hypothesis::{Addition, Basis, Estimate, Hypothesis, additions, compatible, extended, has_size};
 pub use json::{DiscoveryJson, SCHEMA, json};
+pub use narrow::narrower;
 pub use next::{Bounds, NextMeasurement, farthest};
 pub use options::{MARGIN, SearchOptions};
 pub use select::{discover, discover_counted, explain};
@@ -43,10 +44,11 @@ pub use words::{how_sure, identified, open_ends, sentence};
 use crate::compare::{Comparison, Outlier};
 use crate::fit::{Correlation, Interval};
 use crate::measurement::Noise;
+use schemars::JsonSchema;
 use std::sync::OnceLock;
 
 /// What the data say.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// The calibrated base explains the data within their noise.
@@ -116,7 +118,7 @@ pub struct Candidate {
 }
 
 /// An effect that the data cannot show, and where it would show.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, serde::Serialize)]
 pub struct NotTestable {
     /// Its name.
     pub effect: String,

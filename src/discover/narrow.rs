@@ -3,53 +3,79 @@
 use super::Verdict;
 use super::select::Search;
 use crate::compare::{self, Compared, Comparison, calibrate};
-use crate::measurement::{Point, TOLD};
+use crate::fit::resonance::{Resonance, of_all};
+use crate::measurement::{Point, TOLD, Table};
 use crate::model::Model;
+use crate::scenario::Scenario;
 use crate::solver::cycle::Tolerance;
 use crate::statistics::median_of_three;
 use crate::units::readable::percent;
+use std::ops::Range;
 
 /// By how much smaller residuals have to be for it to be told.
 const BETTER: f64 = 2.0;
+
+/// Readings about the resonance that calibration alone follows far better than all of them are followed.
+pub struct Narrower {
+    /// First and last of their frequencies \[Hz\].
+    pub band: (f64, f64),
+    /// How many they are.
+    count: usize,
+    /// Root mean square error of the amplitude of these, and of all.
+    errors: [f64; 2],
+    /// Steady states that were solved.
+    solved: u64,
+}
+
+/// Whether readings about the resonance are followed far better alone, by a rig without contact, than `all` of a table
+/// are by some model.
+pub fn narrower(scenario: &Scenario, table: &Table, all: &[Compared], seed: u32) -> Option<Narrower> {
+    let model = Model::new(scenario);
+    if model.has_contact {
+        return None;
+    }
+    let seen = of_all(&table.points, model.signals.reading.order);
+    let (from, to) = about_the_peak(&table.points, seen)?;
+    let inside = |p: &Point| (from..=to).contains(&p.frequency);
+    let points: Vec<Point> = table.points.iter().filter(|p| inside(p)).cloned().collect();
+    let alone = calibrate(&model, &scenario.free, &points, Tolerance::FIT, seed);
+    let followed = compare::compared(&points, &alone.fit.evaluation.predictions);
+    // Readings enough to have left an error, and half of that of all.
+    let is_told = points.len() > 2 * alone.fit.parameters.len();
+    let is_better = BETTER * BETTER * mean_square(followed.iter()) <= mean_square(all.iter());
+    let errors = [error(followed.iter()), error(all.iter())];
+    (is_told && is_better).then_some(Narrower { band: (from, to), count: points.len(), errors, solved: alone.solved })
+}
 
 impl Search<'_> {
     /// Where nothing explains the readings of a rig without contact, though calibration alone follows those about the
     /// resonance far better than the best explanation follows all: which they are, in words.
     pub(super) fn followed_alone(&self, verdict: Verdict, end: &Comparison) -> Option<String> {
-        let model = Model::new(self.scenario);
-        if verdict != Verdict::Unexplained || model.has_contact {
+        if verdict != Verdict::Unexplained {
             return None;
         }
-        let (from, to) = about_the_peak(&self.table.points)?;
-        let inside = |p: &Point| (from..=to).contains(&p.frequency);
-        let points: Vec<Point> = self.table.points.iter().filter(|p| inside(p)).cloned().collect();
-        let alone = calibrate(&model, &self.scenario.free, &points, Tolerance::FIT, self.options.seed);
-        self.data.count(alone.solved);
-        let followed = compare::compared(&points, &alone.fit.evaluation.predictions);
-        // Readings enough to have left an error, and half of that of all.
-        let is_told = points.len() > 2 * alone.fit.parameters.len();
-        let is_better = BETTER * BETTER * mean_square(followed.iter()) <= mean_square(end.points.iter());
-        if !(is_told && is_better) {
-            return None;
-        }
-        let [now, all] = [error(followed.iter()), error(end.points.iter())].map(|error| percent(error, 2));
+        let found = narrower(self.scenario, self.table, &end.points, self.options.seed)?;
+        self.data.count(found.solved);
+        let (from, to) = found.band;
+        let [now, all] = found.errors.map(|error| percent(error, 2));
         Some(format!(
             "the {} points from {from} to {to} Hz, about the resonance, are followed to {now} by calibration alone (all: \
              {all}): what lies beyond has another cause; for that resonance write frequency = {{ from = \"{from} Hz\", to = \
              \"{to} Hz\" }} in [measurement]",
-            points.len()
+            found.count
         ))
     }
 }
 
-/// The frequencies \[Hz\] about the largest response per drive, on either side down to the geometric mean of it and the
-/// least there, over all series; `None` where these are all readings, or too few.
-fn about_the_peak(points: &[Point]) -> Option<(f64, f64)> {
+/// The frequencies \[Hz\] about the peak of the response per drive, on either side down to the geometric mean of it and
+/// the least there, over all series; `None` where these are all readings, or too few. The peak is that of the resonance
+/// that is `seen`, or else the largest response.
+fn about_the_peak(points: &[Point], seen: Option<Resonance>) -> Option<(f64, f64)> {
     let series = points.iter().map(|p| p.series).max()?;
     let bands = (0..=series).filter_map(|series| {
         let mut own: Vec<&Point> = points.iter().filter(|p| p.series == series && p.drive > 0.0).collect();
         own.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
-        of_series(&own)
+        of_series(&own, seen)
     });
     let (from, to) = bands.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))?;
     let inside = points.iter().filter(|p| (from..=to).contains(&p.frequency)).count();
@@ -57,11 +83,18 @@ fn about_the_peak(points: &[Point]) -> Option<(f64, f64)> {
 }
 
 /// As [`about_the_peak`], of one series in the order of the frequency.
-fn of_series(points: &[&Point]) -> Option<(f64, f64)> {
+fn of_series(points: &[&Point], seen: Option<Resonance>) -> Option<(f64, f64)> {
     let sizes: Vec<f64> = points.iter().map(|p| (p.amplitude / p.drive).ln()).collect();
     // One reading far off is no peak.
     let y = median_of_three(&sizes);
-    let peak = (0..y.len()).max_by(|a, b| y[*a].total_cmp(&y[*b]))?;
+    let highest = |of: Range<usize>| of.max_by(|a, b| y[*a].total_cmp(&y[*b]));
+    // Within the width of the resonance; what is highest at an end of that is the flank of something else.
+    let near = seen.and_then(|seen| {
+        let away = |p: &&Point| (p.frequency - seen.frequency) * seen.quality / seen.frequency;
+        let (first, end) = (points.partition_point(|p| away(p) < -1.0), points.partition_point(|p| away(p) <= 1.0));
+        highest(first..end).filter(|peak| first < *peak && *peak + 1 < end)
+    });
+    let peak = near.or_else(|| highest(0..y.len()))?;
     let below = |side: &[f64]| 0.5 * (y[peak] + side.iter().copied().fold(y[peak], f64::min));
     let (left, right) = (below(&y[..peak]), below(&y[peak..]));
     let first = (0..peak).rev().take_while(|&i| y[i] >= left).last().unwrap_or(peak);

@@ -9,18 +9,21 @@ use crate::scenario::parameters::of_key;
 use crate::units::count;
 use crate::units::readable::{percent, quantity};
 
-/// That these numbers, by key and as they are named beside their rivals, have other values; of one with what it is, on
-/// a torsional `arm` or an oscillator.
-fn recalibration(keys: &[String], named: &[String], arm: bool) -> String {
-    let one = if let [key] = keys { of_key(key, arm) } else { None };
-    let meaning = one.map_or_else(String::new, |info| format!(", the {}", info.meaning));
-    format!("recalibrate {}{meaning}: no effect is needed", named.join(", "))
+/// That these numbers, by key, have other values, each with its rivals; of one with what it is, on the rig of `d`.
+fn recalibration(d: &Discovery, keys: &[String]) -> String {
+    let arm = d.explanation().hypothesis.model.rig.is_arm();
+    let meaning = match keys {
+        [key] => of_key(key, arm).map_or_else(String::new, |info| format!(", the {}", info.meaning)),
+        _ => String::new(),
+    };
+    let named: Vec<String> = keys.iter().map(|key| format!("{key}{meaning}{}", rivals(d, key))).collect();
+    format!("recalibrate {}: no effect is needed", named.join(", "))
 }
 
 /// The verdict in a sentence.
 pub fn sentence(d: &Discovery) -> String {
     let end = d.explanation();
-    let named = |names: Vec<String>| names.iter().map(|name| with_rivals(d, name)).collect::<Vec<_>>();
+    let named = |names: Vec<String>| names.iter().map(|name| format!("{name}{}", rivals(d, name))).collect::<Vec<_>>();
     let (effects, recalibrated) = (named(end.hypothesis.effects()), named(end.hypothesis.recalibrated()));
     let all = end.hypothesis.label();
     match d.verdict {
@@ -34,9 +37,7 @@ pub fn sentence(d: &Discovery) -> String {
             d.asked.len(),
             noise(d)
         ),
-        Verdict::Recalibrate => {
-            recalibration(&end.hypothesis.recalibrated(), &recalibrated, end.hypothesis.model.rig.is_arm())
-        }
+        Verdict::Recalibrate => recalibration(d, &end.hypothesis.recalibrated()),
         Verdict::EffectMissing if recalibrated.is_empty() => format!("missing: {}", effects.join(" + ")),
         Verdict::EffectMissing => format!("missing: {}; recalibrate {}", effects.join(" + "), recalibrated.join(", ")),
         Verdict::Unexplained if !end.comparison.whiteness.testable => {
@@ -67,8 +68,12 @@ pub fn sentence(d: &Discovery) -> String {
                 "but one sweep without phases does not tell a law of the amplitude from one of the frequency: sweep again \
                  at a third or three times the drive"
             };
-            // The search goes by squares over the noise: the relative error of the amplitude need not fall with them.
-            if after < before && from != to {
+            // The search goes by squares over the noise: the relative error of the amplitude need not fall with them, where
+            // readings far below the peak, which are mostly noise, make most of it.
+            let [chi2, left] = [&d.steps[0], end].map(|step| step.comparison.overall.chi2_per_point);
+            if 2.0 * left / chi2 < (after / before).powi(2) {
+                format!("unexplained: {all} takes chi2 per reading from {chi2:.2} to {left:.2}, {but}")
+            } else if after < before && from != to {
                 format!("unexplained: {all} takes the rms error from {from} to {to}, {but}")
             } else {
                 format!("unexplained: {all} helps, {but}")
@@ -194,12 +199,12 @@ fn noise(d: &Discovery) -> String {
     }
 }
 
-/// A part of the explanation, with what the data do not tell from it.
-fn with_rivals(d: &Discovery, name: &str) -> String {
+/// What the data do not tell from a part of the explanation, in brackets.
+fn rivals(d: &Discovery, name: &str) -> String {
     let group = d.indistinguishable.iter().find(|group| group.first().is_some_and(|first| first == name));
-    match group {
-        Some(group) if group.len() > 1 => format!("{name} (or {})", group[1..].join(", or ")),
-        _ => name.into(),
+    match group.map(Vec::as_slice) {
+        Some([_, others @ ..]) if !others.is_empty() => format!(" (or {})", others.join(", or ")),
+        _ => String::new(),
     }
 }
 

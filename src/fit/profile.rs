@@ -3,6 +3,7 @@
 use super::{Fit, Parameter, Problem, Settings, minimise, robust_chi2};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use schemars::JsonSchema;
 
 /// 95 % quantile of chi squared with one degree of freedom.
 const RISE: f64 = 3.841_458_820_694_124;
@@ -23,7 +24,7 @@ const DONE: f64 = 0.005;
 const STRONG: f64 = 0.95;
 
 /// What the data say of a parameter.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Identified {
     /// Bounded from both sides.
@@ -46,7 +47,7 @@ impl Identified {
 }
 
 /// 95 % interval of a parameter by profile likelihood; an open end is the bound of the search.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, JsonSchema, serde::Serialize)]
 pub struct Interval {
     /// Estimate.
     pub value: f64,
@@ -59,7 +60,7 @@ pub struct Interval {
 }
 
 /// Two estimates that the data tie together.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, serde::Serialize)]
 pub struct Correlation {
     /// Keys of the two.
     pub parameters: (String, String),

@@ -22,6 +22,10 @@ const NEAR: [f64; 3] = [0.0, 0.1, std::f64::consts::FRAC_1_SQRT_2];
 /// Quality factors beyond these are estimates of noise.
 const QUALITY: (f64, f64) = (0.5, 1e7);
 
+/// So many widths off, or so many times as sharp or as broad, a resonance is another one than that of the readings: an
+/// order of magnitude, which no law bends a peak by.
+const ASTRAY: f64 = 10.0;
+
 /// A linear resonance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Resonance {
@@ -143,7 +147,7 @@ fn straight_line(values: &[(f64, Complex<f64>)]) -> Option<(Complex<f64>, Comple
     Some(((z * dd - dz * d) / determinant, (dz * n - z * d) / determinant))
 }
 
-/// Shift, width and slope of y = slope^2 [(d - shift)^2 + width^2].
+/// Shift, width at resonance and slope of y = slope^2 [(d - shift)^2 + width^2 (1 + d) / (1 + shift)].
 fn parabola(values: &[(f64, f64)]) -> Option<(f64, f64, f64)> {
     let reach = values.iter().map(|(d, _)| d.abs()).fold(0.0, f64::max);
     let rows = DMatrix::from_fn(values.len(), 3, |i, j| (values[i].0 / reach).powi(j as i32) / values[i].1);
@@ -157,8 +161,12 @@ fn parabola(values: &[(f64, f64)]) -> Option<(f64, f64, f64)> {
     let square = a / c - shift * shift;
     // Where noise hides the width, that of the amplitudes within a factor of the root of two of the largest.
     let near: Vec<f64> = values.iter().filter(|(_, y)| *y < 2.0).map(|(d, _)| (d - shift).abs()).collect();
-    let width = if square > 0.0 { square.sqrt() } else { near.iter().copied().fold(0.0, f64::max) };
-    (width > 0.0).then(|| (shift, width, c.sqrt()))
+    let square = if square > 0.0 { square } else { near.iter().copied().fold(0.0, f64::max).powi(2) };
+    // The damping grows with the frequency: y = slope^2 [(d - at)^2 + loss (1 + d)] has the same three numbers.
+    let loss = 2.0 * square / (1.0 + shift + (1.0 + shift).hypot(square.sqrt()));
+    let at = shift + 0.5 * loss;
+    let width = (loss * (1.0 + at)).sqrt();
+    (width > 0.0).then(|| (at, width, c.sqrt()))
 }
 
 /// The resonances of all series, the median of each of their numbers; `None` where no series tells one.
@@ -178,6 +186,27 @@ pub fn of_all(points: &[Point], order: u8) -> Option<Resonance> {
         phase,
         spanned: first.spanned,
     })
+}
+
+/// The same of readings of which it is not known how many times they are the motion differentiated: as the one of
+/// `orders` of which it leaves the least squares. Any but the first has to have its resonance among the readings, and a
+/// peak.
+pub fn of_any(points: &[Point], orders: impl IntoIterator<Item = u8>) -> Option<Resonance> {
+    let series = points.iter().map(|p| p.series).max()?;
+    let left_over = |resonance: &Resonance, order: u8| -> f64 {
+        let of = |index: usize| points.iter().filter(|p| p.series == index && p.drive > 0.0).collect::<Vec<_>>();
+        (0..=series).map(of).filter(|own| !own.is_empty()).map(|own| left(&own, resonance, order)).sum()
+    };
+    let mut best: Option<(f64, Resonance)> = None;
+    for (number, order) in orders.into_iter().enumerate() {
+        let Some(found) = of_all(points, order) else { continue };
+        let left = left_over(&found, order);
+        let is_peak = number == 0 || found.spanned && !found.is_overdamped();
+        if is_peak && best.as_ref().is_none_or(|(least, _)| left < *least) {
+            best = Some((left, found));
+        }
+    }
+    best.map(|(_, resonance)| resonance)
 }
 
 /// The model with those of its numbers that are `free` to move where the resonance of the readings puts them; `None`
@@ -246,6 +275,22 @@ pub fn left_readings(model: &Model, points: &[Point]) -> Option<(f64, f64)> {
     }
     let seen = of_all(points, model.signals.reading.order)?;
     seen.spanned.then_some((own, seen.frequency))
+}
+
+/// Natural frequency \[Hz\] and quality factor of a rig by itself that are not those of the resonance which its readings
+/// show among them, and that resonance.
+pub fn astray(model: &Model, points: &[Point]) -> Option<((f64, f64), Resonance)> {
+    let Rig::Oscillator(rig) = &model.rig else { return None };
+    if model.has_contact {
+        return None;
+    }
+    let (stiffness, damping) = (rig.stiffness(), rig.damping());
+    let own = ((stiffness / rig.mass).sqrt() / TAU, (stiffness * rig.mass).sqrt() / damping);
+    let seen = of_all(points, model.signals.reading.order)?;
+    let shift = (own.0 - seen.frequency).abs() / (seen.frequency / seen.quality);
+    let sharper = (own.1 / seen.quality).ln().abs();
+    let is_astray = seen.spanned && !seen.is_overdamped() && !(shift < ASTRAY && sharper < ASTRAY.ln());
+    is_astray.then_some((own, seen))
 }
 
 /// Whether points show a resonance among them.
@@ -341,6 +386,24 @@ mod tests {
             point(row, f, reading.norm() * 7.0, phase)
         };
         (0..41).map(at).collect()
+    }
+
+    #[test]
+    fn amplitudes_of_a_linear_rig_tell_it_exactly_however_broad_it_is() {
+        for (quality, order) in [(0.6, 1), (0.8, 2), (1.0, 0), (1.0, 1), (3.0, 2), (1e4, 0)] {
+            let at = |row: usize| {
+                let f = 750.0 * (1.0 + 1.0 / quality).powf((row as f64 - 19.3) / 20.0);
+                let (w, w0) = (TAU * f, TAU * 750.0);
+                let z = Complex::new(w0 * w0 - w * w, w * w0 / quality).norm();
+                point(row, f, 3.0 * w.powi(order) / z, None)
+            };
+            let points: Vec<Point> = (0..41).map(at).collect();
+            let found = of_all(&points, order as u8).expect("a resonance");
+            assert!((found.frequency / 750.0 - 1.0).abs() < 1e-9, "{quality} {order}: {found:?}");
+            assert!((found.quality / quality - 1.0).abs() < 1e-6, "{quality} {order}: {found:?}");
+            let known = of_any(&points, [2, 1, 0]).expect("a resonance");
+            assert!((found.frequency / known.frequency - 1.0).abs() < 1e-3, "{quality} {order}: {known:?}");
+        }
     }
 
     #[test]

@@ -1,25 +1,29 @@
 //! The free form in the JSON of a discovery.
 
 use super::{Curve, Dependence, FreeForm, Shape, Standing, Variable};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// What `stickslip discover --json` writes of it; without a free form the lists are empty.
-#[derive(Debug, Clone, Default, Serialize)]
+#[derive(Debug, Clone, Default, JsonSchema, Serialize)]
 pub struct FreeFormJson {
+    /// What smooth stiffness and damping of each variable leave, less their means over the readings, with 95 % bands;
+    /// empty where it was not asked for. `docs/free-form.md` tells what each number is.
     depends_on: Vec<DependenceJson>,
+    /// Named effects with the shape of the leading class, nearest first.
     shapes: Vec<Shape>,
     #[serde(skip_serializing_if = "Option::is_none")]
     free_form: Option<Summary>,
 }
 
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, JsonSchema, Serialize)]
 struct Summary {
     statement: String,
     acts_on: &'static str,
     notes: Vec<String>,
 }
 
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, JsonSchema, Serialize)]
 struct DependenceJson {
     variable: String,
     standing: Standing,
@@ -32,7 +36,7 @@ struct DependenceJson {
     further_curves: Vec<CurveJson>,
 }
 
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, JsonSchema, Serialize)]
 struct CurveJson {
     variable: Variable,
     unit: &'static str,
@@ -43,7 +47,7 @@ struct CurveJson {
     damping: Vec<BandJson>,
 }
 
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Copy, JsonSchema, Serialize)]
 struct BandJson {
     value: f64,
     low: f64,

@@ -35,6 +35,7 @@ use judge::Judged;
 use nalgebra::DVector;
 use rayon::prelude::*;
 use readings::Readings;
+use schemars::JsonSchema;
 
 /// Places at which a smooth curve is given.
 const PLACES: usize = 41;
@@ -42,7 +43,7 @@ const PLACES: usize = 41;
 const BAND: f64 = 1.959_963_984_540_054;
 
 /// What the data say of a class of laws.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Standing {
     /// A constant: what the others are held against.

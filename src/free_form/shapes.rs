@@ -9,6 +9,7 @@ use crate::model::Model;
 use crate::model::alone::Alone;
 use crate::solver::describing::describing;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Places along the range of each parameter at which a law is tried first.
@@ -19,7 +20,7 @@ const HALVINGS: usize = 6;
 const SAME: f64 = 1e-3;
 
 /// A named effect and how far it stays from what its class can reach.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, JsonSchema, Serialize)]
 pub struct Shape {
     /// The effect.
     pub effect: &'static str,

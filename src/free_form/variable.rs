@@ -1,10 +1,11 @@
 //! The variables that what is missing may depend on.
 
 use crate::measurement::{Point, Series};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A variable of the free force.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Variable {
     /// Amplitude of the motion of the coordinate.

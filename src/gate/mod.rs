@@ -7,13 +7,14 @@ use crate::compare::{Compared, Comparison};
 use crate::discover::Discovery;
 use crate::scenario::Gate;
 use crate::units;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Share of the points without a steady state up to which an error over the others may pass.
 const UNSOLVED: f64 = 0.01;
 
 /// One demand and what came of it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct Judged {
     /// Id of the scenario.
     pub scenario: String,

@@ -37,6 +37,7 @@ mod unit;
 mod universal;
 mod workbook;
 
+use schemars::JsonSchema;
 use std::path::{Path, PathBuf};
 
 pub(crate) use file::bytes;
@@ -99,7 +100,7 @@ impl Point {
 }
 
 /// Where standard deviations come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum NoiseSource {
     /// The table states them.

@@ -1,5 +1,6 @@
 //! Every point gets its standard deviations: stated, from repeated readings, or from the scatter about smooth curves.
 
+use schemars::JsonSchema;
 use std::path::Path;
 
 use super::frame::amplitude_header;
@@ -15,7 +16,7 @@ const FLOOR: f64 = 1e-6;
 
 /// Standard deviations that are gone by, over those of a table: by the scatter of the residuals about anything smooth,
 /// where that contradicts the stated ones.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, JsonSchema, serde::Serialize)]
 pub struct Noise {
     /// Of the amplitudes.
     pub amplitude: f64,

@@ -28,7 +28,8 @@ pub(crate) struct Parts {
     pub stated: bool,
 }
 
-/// The one pair of columns among those that are not `taken` whose names differ in the part alone.
+/// The pair of columns among those that are not `taken` whose names differ in the part alone: of several channels whose
+/// names say that they are parts the first.
 pub(crate) fn parts(sheet: &Sheet, frame: &Frame<'_>, taken: &[bool], tallies: &[Tally]) -> Option<Parts> {
     let of = |index: usize| Some((index, part(&sheet.headed(index), frame)?));
     // What is zero throughout is no part, but what an analyser writes beside a magnitude.
@@ -47,10 +48,10 @@ pub(crate) fn parts(sheet: &Sheet, frame: &Frame<'_>, taken: &[bool], tallies: &
             return None;
         }
         let unit = part.unit.clone().unwrap_or(Unit::of(frame.serving(AMPLITUDE).last()?));
-        Some(Parts { real: *real, imaginary, unit, stated: part.unit.is_some() })
+        Some((part.doubtful, Parts { real: *real, imaginary, unit, stated: part.unit.is_some() }))
     });
     match (pairs.next(), pairs.next()) {
-        (Some(first), None) => Some(first),
+        (Some((_, first)), None) | (Some((false, first)), Some((false, _))) => Some(first),
         (Some(_), Some(_)) => None,
         (None, _) => complex(sheet, frame, taken),
     }
@@ -103,7 +104,8 @@ struct Part {
 fn part(header: &str, frame: &Frame<'_>) -> Option<Part> {
     let (name, bracket) = split(header);
     // `Gain (Real)`: which part it is stands where a unit would.
-    let is_word = |text: &str| WORDS.iter().any(|words| words.contains(&text.to_lowercase().as_str()));
+    let is_word =
+        |text: &str| WORDS.iter().any(|words| words.contains(&text.trim_end_matches('.').to_lowercase().as_str()));
     let (name, bracket) = match bracket.filter(|text| is_word(text)) {
         Some(text) => (format!("{name} {text}"), None),
         None => (name.to_string(), bracket),

@@ -12,6 +12,9 @@ const SEPARATORS: [u8; 4] = *b";\t, ";
 /// Lines among which the numbers begin: what has more before them is no table.
 const MOST: usize = 1000;
 
+/// Names of a column of comments.
+const COMMENTS: [&str; 3] = ["comment", "comments", "remark"];
+
 /// What is told of a file whose cells blanks part.
 pub(super) const BLANKS: &str = "blanks separate the cells";
 
@@ -29,12 +32,19 @@ impl Line<'_> {
 
     /// Its cells where they are numbers, two or more, and what parts them.
     fn numbers(&self) -> Option<(u8, usize)> {
-        SEPARATORS.into_iter().find_map(|separator| {
-            let cells = cells(self.text, separator);
-            let filled: Vec<&String> = cells.iter().filter(|cell| !cell.is_empty()).collect();
-            let numeric = filled.iter().all(|cell| cell.replace(',', ".").parse::<f64>().is_ok_and(f64::is_finite));
-            (filled.len() > 1 && numeric).then_some((separator, cells.len()))
-        })
+        SEPARATORS.into_iter().find_map(|separator| self.parted_by(separator))
+    }
+
+    /// The same where more than one tab stands between the numbers.
+    fn tabbed(&self) -> Option<(u8, usize)> {
+        self.parted_by(b' ').filter(|_| self.text.trim().contains("\t\t"))
+    }
+
+    fn parted_by(&self, separator: u8) -> Option<(u8, usize)> {
+        let cells = cells(self.text, separator);
+        let filled: Vec<&String> = cells.iter().filter(|cell| !cell.is_empty()).collect();
+        let numeric = filled.iter().all(|cell| cell.replace(',', ".").parse::<f64>().is_ok_and(f64::is_finite));
+        (filled.len() > 1 && numeric).then_some((separator, cells.len()))
     }
 }
 
@@ -67,9 +77,21 @@ fn cells(line: &str, separator: u8) -> Vec<String> {
 /// Makes header and numbers of a text the first that stands in it; tells what was done, in words. A text that is such a
 /// table already, and one in which no header is seen, are left as they are.
 pub(super) fn bare(text: &mut String) -> Vec<String> {
+    marked(text);
     let mut told: Vec<String> = closed(text).into_iter().collect();
     told.extend(opened(text));
     told
+}
+
+/// Gives remarks of other programs the sign that they have here: a line that `%` (MATLAB), `*` (loudspeaker programs) or
+/// `!` (analysers) begins.
+fn marked(text: &mut String) {
+    let is_marked = |line: &Line<'_>| line.text.starts_with(['%', '*', '!']);
+    let starts: Vec<usize> = lines(text).filter(is_marked).map(|line| line.start).collect();
+    let mut bytes = std::mem::take(text).into_bytes();
+    starts.into_iter().for_each(|start| bytes[start] = b'#');
+    // Only ASCII was replaced.
+    *text = String::from_utf8(bytes).unwrap_or_default();
 }
 
 /// Takes away the line that closes the numbers, as analysers write it: `END`.
@@ -85,9 +107,10 @@ fn closed(text: &mut String) -> Option<String> {
 /// Makes header and numbers the first that stand in a text.
 fn opened(text: &mut String) -> Vec<String> {
     let first: Vec<Line<'_>> = lines(text).take(MOST).collect();
-    let Some(Found { header, units, separator, remark }) = find(&first) else { return Vec::new() };
+    let Some(Found { header, units, shape, remark }) = find(&first) else { return Vec::new() };
+    let separator = shape.0;
     let before = first[..header].iter().filter(|line| !line.is_remark()).count();
-    let parts_alike = header_line(first[header].text, separator) == first[header].text;
+    let parts_alike = header_line(first[header].text, shape) == first[header].text;
     if before == 0 && !remark && separator != b' ' && parts_alike {
         return Vec::new();
     }
@@ -96,7 +119,7 @@ fn opened(text: &mut String) -> Vec<String> {
     for (number, line) in lines(text).enumerate().take_while(|(number, _)| *number <= last || separator == b' ') {
         let own = &mut bytes[line.start..line.start + line.text.len()];
         if number == header || (remark && Some(number) == units) {
-            own.copy_from_slice(header_line(line.text, separator).as_bytes());
+            own.copy_from_slice(header_line(line.text, shape).as_bytes());
         } else if number < last && !(number < header && line.is_remark()) {
             own.fill(b' ');
         } else if separator == b' ' && !line.is_remark() {
@@ -114,7 +137,7 @@ fn opened(text: &mut String) -> Vec<String> {
     if remark {
         told.push("the header is the last remark before the numbers".into());
     }
-    if !parts_alike && !remark && separator == b'\t' {
+    if !parts_alike && !remark && separator == b'\t' && !first[header].text.contains('\t') {
         told.push("blanks separate the names in the header, tabs the numbers".into());
     }
     if separator == b' ' {
@@ -134,23 +157,36 @@ struct Found {
     header: usize,
     /// Of the row below it that states units, where there is one.
     units: Option<usize>,
-    separator: u8,
+    /// What parts the numbers of a row, and how many they are.
+    shape: (u8, usize),
     /// Whether the header stands in a remark.
     remark: bool,
 }
 
 fn find(lines: &[Line<'_>]) -> Option<Found> {
+    begun(lines, false).or_else(|| begun(lines, true))
+}
+
+/// Where it begins, if its numbers are parted by one separator or by `tabs`.
+fn begun(lines: &[Line<'_>], tabs: bool) -> Option<Found> {
+    let numbers = |line: &Line<'_>| if tabs { line.tabbed() } else { line.numbers() };
     let is_data = |number: usize| {
         let (line, next) = (lines.get(number)?, lines.get(number + 1).or(lines.get(number))?);
-        line.numbers().filter(|shape| !line.is_remark() && next.numbers() == Some(*shape))
+        numbers(line).filter(|shape| !line.is_remark() && numbers(next) == Some(*shape))
     };
-    let (first, (separator, width)) = (0..lines.len()).find_map(|number| Some((number, is_data(number)?)))?;
+    let (first, shape) = (0..lines.len()).find_map(|number| Some((number, is_data(number)?)))?;
+    above(lines, first, shape)
+}
+
+/// The header above the first row of numbers.
+fn above(lines: &[Line<'_>], first: usize, shape: (u8, usize)) -> Option<Found> {
+    let (separator, width) = shape;
     // Cells that a row leaves empty at its end have names, too: LabVIEW closes its header with a comment.
     let most = if separator == b' ' { width } else { lines[first].text.split(char::from(separator)).count() };
     let named = |line: &str| {
         // A row of words and numbers is one of the table.
         let is_word = |cell: &&String| cell.replace(',', ".").parse::<f64>().is_err();
-        Some(header_cells(line, separator)).filter(|cells| {
+        Some(header_cells(line, shape)).filter(|cells| {
             let filled: Vec<&String> = cells.iter().filter(|cell| !cell.is_empty()).collect();
             (width..=most).contains(&cells.len()) && filled.len() > 1 && filled.iter().all(is_word)
         })
@@ -161,8 +197,8 @@ fn find(lines: &[Line<'_>]) -> Option<Found> {
         let is_units = units_of(&own, width).is_some();
         let before = above.iter().rev().nth(1).filter(|&&number| is_units && named(lines[number].text).is_some());
         return Some(match before {
-            Some(&header) => Found { header, units: Some(last), separator, remark: false },
-            None => Found { header: last, units: None, separator, remark: false },
+            Some(&header) => Found { header, units: Some(last), shape, remark: false },
+            None => Found { header: last, units: None, shape, remark: false },
         });
     }
     let remark = |number: usize| named(lines[number].text.trim_start_matches('#'));
@@ -170,14 +206,14 @@ fn find(lines: &[Line<'_>]) -> Option<Found> {
     // Its units may stand in a remark of their own.
     let is_units = remark(header).is_some_and(|own| units_of(&own, width).is_some());
     match header.checked_sub(1).filter(|&above| is_units && remark(above).is_some()) {
-        Some(above) => Some(Found { header: above, units: Some(header), separator, remark: true }),
-        None => Some(Found { header, units: None, separator, remark: true }),
+        Some(above) => Some(Found { header: above, units: Some(header), shape, remark: true }),
+        None => Some(Found { header, units: None, shape, remark: true }),
     }
 }
 
 /// The cells of a header above numbers that this separator parts, which need not part the header.
-fn header_cells(line: &str, separator: u8) -> Vec<String> {
-    let line = header_line(line, separator);
+fn header_cells(line: &str, shape: (u8, usize)) -> Vec<String> {
+    let (separator, line) = (shape.0, header_line(line, shape));
     let mut cells = cells(&line, if separator == b' ' { b'\t' } else { separator });
     while cells.len() > 1 && cells.last().is_some_and(String::is_empty) {
         cells.pop();
@@ -185,8 +221,8 @@ fn header_cells(line: &str, separator: u8) -> Vec<String> {
     cells
 }
 
-/// A header with its cells parted as the numbers are, of the same length in bytes; without its remark sign.
-fn header_line(line: &str, separator: u8) -> String {
+/// A header with its cells parted as the numbers of this shape are, of the same length in bytes; without its remark sign.
+fn header_line(line: &str, (separator, width): (u8, usize)) -> String {
     let marks = line.len() - line.trim_start_matches('#').len();
     // A mark between blanks parts names.
     let mut line = " ".repeat(marks) + &line[marks..].replace(" # ", "   ");
@@ -207,6 +243,29 @@ fn header_line(line: &str, separator: u8) -> String {
     };
     while let Some(at) = line.rfind(char::from(separator)).filter(|at| is_attribute(&line[*at..])) {
         line.replace_range(at.., &" ".repeat(line.len() - at));
+    }
+    let names = |line: &str| line.split(char::from(separator)).filter(|name| !name.trim().is_empty()).count();
+    // A column of comments has no cell in a row without one.
+    if let Some(at) = line.trim_end().rfind(char::from(separator))
+        && names(&line) > width
+        && COMMENTS.contains(&line[at + 1..].trim().to_lowercase().as_str())
+    {
+        line.replace_range(at.., &" ".repeat(line.len() - at));
+    }
+    // As many names as numbers, with more than one separator between them.
+    if names(&line) == width && line.trim().split(char::from(separator)).count() > width {
+        let mut bytes = line.into_bytes();
+        let mut last = None;
+        for at in 0..bytes.len() {
+            if bytes[at] == separator
+                && let Some(before) = last.replace(at)
+            {
+                bytes[before] = b' ';
+            } else if bytes[at] != separator && !bytes[at].is_ascii_whitespace() {
+                last = None;
+            }
+        }
+        return String::from_utf8(bytes).unwrap_or_default();
     }
     line
 }
@@ -294,5 +353,14 @@ mod tests {
         assert_eq!(bared(text).0[0], "f\ta\tp\tComment");
         let (lines, _) = bared("f [Hz]  A [V]\n 1.0   2.0\n 1.5   2.5\n");
         assert_eq!(lines[0], "f [Hz]\tA [V]");
+        // A loudspeaker program, a header padded with tabs, doubled tabs, a comment that no row has.
+        let (lines, _) = bared("% Fs 57.7\n% Freq    Impedance\n1.0  \t4.9 \n1.1  \t4.8 \n");
+        assert_eq!((lines[0].as_str(), lines.len()), ("Freq   \tImpedance", 3));
+        let (lines, told) = bared("Frequency\tPhase Shift\t\tAmplitude\t\n1\t2\t3\n2\t3\t4\n");
+        assert_eq!((lines[0].trim(), told), ("Frequency\tPhase Shift\tAmplitude", Vec::new()));
+        let (lines, _) = bared("# f Uc\n# kHz V\n\n15\t\t11\n16\t\t12\n");
+        assert_eq!(lines, ["f\tUc", "kHz\tV", "15\t11", "16\t12"]);
+        let (lines, _) = bared("Writer\t2\nX_Value\tAcceleration\tComment\n0.1\t-7\n0.2\t-9\n");
+        assert_eq!(lines[0], "X_Value\tAcceleration");
     }
 }

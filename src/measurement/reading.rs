@@ -2,9 +2,10 @@
 
 use super::Column;
 use crate::scenario::Signals;
+use schemars::JsonSchema;
 
 /// Which way the frequency was swept.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Direction {
     /// From low to high.

@@ -204,7 +204,7 @@ impl Search<'_, '_> {
         }
         self.find_hertz();
         // A name says more than a unit.
-        if unstated[AMPLITUDE].is_empty() {
+        if unstated[AMPLITUDE].is_empty() && !(self.frame.is_free() && self.bare(|name| name == "a").is_some()) {
             self.find_reading(with_speed);
         }
         self.find_drive();
@@ -362,21 +362,24 @@ impl Search<'_, '_> {
         }
     }
 
+    /// The first column without a use and without a unit that has such a name.
+    fn bare(&self, is_named: impl Fn(&str) -> bool) -> Option<usize> {
+        (0..self.taken.len()).filter(|index| !self.taken[*index]).find(|index| {
+            let header = self.sheet.headed(*index);
+            let (name, unit) = header::split(&header);
+            unit.is_none() && is_named(&header::plain(name))
+        })
+    }
+
     /// Drive and reading where none has a unit: the one that has its name or letter, of two columns the reading by what the
     /// other is; without a scenario that says what they are.
     fn find_without_unit(&mut self, mut named: [Vec<Candidate>; NUMBERS]) {
         if !self.frame.is_free() {
             return;
         }
-        if named[AMPLITUDE].is_empty() && self.slots[FREQUENCY].is_some() {
+        if named[AMPLITUDE].is_empty() && self.slots[AMPLITUDE].is_none() && self.slots[FREQUENCY].is_some() {
             let (sheet, both) = (self.sheet, self.taken.len() == 2);
-            let is_bare = |index: &usize| {
-                let header = sheet.headed(*index);
-                let (name, unit) = header::split(&header);
-                let name = header::plain(name);
-                !self.taken[*index] && unit.is_none() && if both { !is_time(&name) } else { name == "a" }
-            };
-            if let Some(index) = (0..self.taken.len()).find(is_bare) {
+            if let Some(index) = self.bare(|name| if both { !is_time(name) } else { name == "a" }) {
                 self.choices.push((COLUMNS[AMPLITUDE].into(), sheet.header.cells[index].clone()));
                 // Of two columns the name may end in the unit: `theta_rad`.
                 let wanted = Wanted { possible: READINGS, natural: None, share: false, per_drive: false };

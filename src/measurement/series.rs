@@ -1,5 +1,6 @@
 //! Series: one sweep of the frequency each, along which structure, noise and shape are judged.
 
+use schemars::JsonSchema;
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::Point;
@@ -9,7 +10,7 @@ use crate::scenario::Scenario;
 use crate::statistics::{is_alike, median, spread};
 
 /// One sweep.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, serde::Serialize)]
 pub struct Series {
     /// What the table calls it; empty where it does not.
     pub name: String,

@@ -7,6 +7,7 @@ use crate::effects;
 use crate::scenario::diagnostic::quote;
 use crate::units::{self, readable};
 use nalgebra::{Complex, DMatrix, DVector};
+use schemars::JsonSchema;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
@@ -25,7 +26,7 @@ const GAIN: f64 = 0.9;
 const DIGITS: usize = 5;
 
 /// E(iw) = elastic + iw viscous + sum of amount iwt/(1 + iwt).
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, serde::Serialize)]
 pub struct Contact {
     /// Band for which it holds \[Hz\].
     pub band_hz: [f64; 2],
@@ -40,7 +41,7 @@ pub struct Contact {
 }
 
 /// A spring and a dashpot in series.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, JsonSchema, serde::Serialize)]
 pub struct Branch {
     /// Modulus \[Pa\].
     pub amount: f64,

@@ -18,6 +18,7 @@ pub use contact::{Branch, Contact, branches, fragment, hertz, told};
 pub use law::{Fitted, Law};
 pub use read::{read, read_bytes};
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::ops::Range;
 
@@ -33,7 +34,7 @@ const ROUNDING: f64 = f64::EPSILON;
 const PLACES: usize = 121;
 
 /// What a table holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
     /// Storage and loss modulus \[Pa\] against angular frequency \[rad/s\].
@@ -137,7 +138,7 @@ impl Moduli {
 }
 
 /// A number with its 95 % interval.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, JsonSchema, Serialize)]
 pub struct Interval {
     /// The number.
     pub value: f64,

@@ -3,6 +3,7 @@
 use crate::compare::{Peak, peak};
 use crate::solver::Status;
 use crate::sweep::Curve;
+use schemars::JsonSchema;
 
 /// A peak is clearly lower from this many tolerances on.
 pub const CLEARLY: f64 = 2.0;
@@ -10,7 +11,7 @@ pub const CLEARLY: f64 = 2.0;
 const NO_PEAK: f64 = 10.0;
 
 /// What a curve has of the one to be resembled.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, serde::Serialize)]
 pub struct Features {
     /// Its peak; `None` where it has none within the range, or has points that are not steady.
     pub peak: Option<Peak>,

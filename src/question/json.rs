@@ -1,6 +1,7 @@
 //! The answer as JSON, schema `stickslip.question/1`, and its table as CSV.
 
 use super::{Answer, Deciding, Features, Otherwise, Setting};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -37,7 +38,7 @@ struct EffectJson {
     least_strained: Option<SettingJson>,
 }
 
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, JsonSchema, Serialize)]
 struct SettingJson {
     parameters: BTreeMap<&'static str, f64>,
     strain: f64,

@@ -1,5 +1,6 @@
 //! What the report says of an earlier run that it is held against, and of the runs before, as data.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::figure_view::FigureView;
@@ -7,7 +8,7 @@ use super::verdict::Change;
 use crate::units::readable::Quantity;
 
 /// This run against an earlier one.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct BaselineView {
     /// The earlier report as the user named it.
     pub path: String,
@@ -32,7 +33,7 @@ pub struct BaselineView {
 }
 
 /// A value or a verdict that is another one than before.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct ChangeView {
     /// What became of it.
     pub verdict: Change,
@@ -51,7 +52,7 @@ pub struct ChangeView {
 }
 
 /// An input that is another one than before.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct ChangedInputView {
     /// Scenario, or its measurements.
     pub id: String,
@@ -66,7 +67,7 @@ pub struct ChangedInputView {
 }
 
 /// A figure that looks different.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct PictureView {
     /// Title of the figure.
     pub title: String,
@@ -82,7 +83,7 @@ pub struct PictureView {
 }
 
 /// The runs before this one, and this one.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct HistoryView {
     /// The file of records as the user named it.
     pub path: String,
@@ -99,7 +100,7 @@ pub struct HistoryView {
 }
 
 /// A value that moved from one level to another.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct StepChangeView {
     /// What became of it.
     pub verdict: Change,

@@ -1,5 +1,6 @@
 //! What the report says of a comparison, as data.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::figure_view::{FigureView, NoteView};
@@ -8,7 +9,7 @@ use super::verdict::Match;
 use crate::units::readable::Quantity;
 
 /// Model against measurements.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 // Wide: a field is a place of the template, and a key of the JSON beside the page.
 pub struct ComparisonView {
     /// Stable id in the page.
@@ -56,7 +57,7 @@ pub struct ComparisonView {
 }
 
 /// How well a model matches some readings; of several conditions together, settings and peaks are empty.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 // Wide: a field is a column of the table.
 pub struct MatchView {
     /// The series by its name or number, where the rig is not the paper's.
@@ -89,7 +90,7 @@ pub struct MatchView {
 }
 
 /// A resonance peak.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct PeakView {
     /// Where.
     pub frequency: Quantity,
@@ -98,7 +99,7 @@ pub struct PeakView {
 }
 
 /// A calibrated parameter.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct FittedView {
     /// Key in a scenario file.
     pub key: String,
@@ -115,7 +116,7 @@ pub struct FittedView {
 }
 
 /// A reading that stands out.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct OutlierView {
     /// Data row of the table, from 1.
     pub row: usize,

@@ -1,5 +1,6 @@
 //! What the report says of a discovery, as data.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::comparison_view::{FittedView, OutlierView};
@@ -8,7 +9,7 @@ use super::verdict::Found;
 use crate::units::readable::Quantity;
 
 /// Which effect is missing, as a story.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 // Wide: a field is a place of the template, and a key of the JSON beside the page.
 pub struct DiscoveryView {
     /// Stable id in the page.
@@ -75,7 +76,7 @@ pub struct DiscoveryView {
 }
 
 /// How the error falls.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct FallView {
     /// What was found.
     pub additions: Vec<String>,
@@ -86,7 +87,7 @@ pub struct FallView {
 }
 
 /// The error at every strength of a part of what was found.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct FallPartView {
     /// What it has.
     pub additions: Vec<String>,
@@ -97,7 +98,7 @@ pub struct FallPartView {
 }
 
 /// A rung of the ladder.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct StepView {
     /// What it added.
     pub name: String,
@@ -116,7 +117,7 @@ pub struct StepView {
 }
 
 /// A ranked candidate.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct CandidateView {
     /// What it adds.
     pub name: String,
@@ -135,7 +136,7 @@ pub struct CandidateView {
 }
 
 /// An effect that the data cannot show.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct NotTestableView {
     /// Its name.
     pub effect: String,
@@ -146,7 +147,7 @@ pub struct NotTestableView {
 }
 
 /// The measurement that decides most.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct NextView {
     /// V.
     pub speed: Quantity,

@@ -1,9 +1,10 @@
 //! What the report says of a figure, as data.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A drawing.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct FigureView {
     /// Name of the figure.
     pub name: String,
@@ -34,7 +35,7 @@ pub struct FigureView {
 }
 
 /// A labelled remark under a figure.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct NoteView {
     /// Label, e.g. "largest difference".
     pub label: String,
@@ -43,7 +44,7 @@ pub struct NoteView {
 }
 
 /// A file beside the report.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct FileView {
     /// Path relative to the report.
     pub name: String,

@@ -2,10 +2,11 @@
 
 use super::figure_view::FigureView;
 use crate::units::readable::Quantity;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The free form, as data.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct FreeFormView {
     /// Stable id in the page.
     pub anchor: String,
@@ -24,7 +25,7 @@ pub struct FreeFormView {
 }
 
 /// A class of laws.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct DependenceView {
     /// Its variables.
     pub name: String,
@@ -39,7 +40,7 @@ pub struct DependenceView {
 }
 
 /// A named effect.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct ShapeView {
     /// Its name.
     pub effect: String,

@@ -58,6 +58,8 @@ pub use question::question_view;
 pub use render::{PAGES, RenderError, json, others, render};
 pub use scenario::{FigureInput, NARROW_ENDING, scenario_view};
 pub use trend::{Trend, figure_view};
+pub use trust::trust_view;
+pub use trust_view::TrustView;
 pub use values::{Value, values};
 pub use verdict::{Agreement, Change, Completeness, Found, Match, Passed, Tone, Verdict};
 pub use view::{

@@ -1,12 +1,13 @@
 //! What the report says of a question to the catalogue, as data.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::figure_view::FigureView;
 use crate::units::readable::Quantity;
 
 /// Which effects can give the curve asked for: hypotheses, all simulated.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct QuestionView {
     /// Stable id in the page.
     pub anchor: String,
@@ -21,7 +22,7 @@ pub struct QuestionView {
 }
 
 /// An effect and what it can do.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct AbleView {
     /// Its name.
     pub effect: String,
@@ -38,7 +39,7 @@ pub struct AbleView {
 }
 
 /// An effect at certain values.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct SettingView {
     /// Its parameters with units.
     pub parameters: String,

@@ -1,9 +1,10 @@
 //! What the report says of a rig: its signals, its equations and their symbols, as data.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A rig that is not the paper's.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct RigView {
     /// What drives it and what is read of it in a sweep.
     #[serde(flatten)]
@@ -17,7 +18,7 @@ pub struct RigView {
 }
 
 /// What drives a rig and what is read of it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct SignalsView {
     /// The drive.
     pub drive: SignalView,
@@ -26,7 +27,7 @@ pub struct SignalsView {
 }
 
 /// A drive or a reading.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct SignalView {
     /// Name in running text.
     pub name: String,
@@ -37,7 +38,7 @@ pub struct SignalView {
 }
 
 /// A symbol of the equations.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct SymbolView {
     /// Id in the page.
     #[serde(default)]
@@ -51,7 +52,7 @@ pub struct SymbolView {
 }
 
 /// An equation of the model.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct EquationView {
     /// What it is of.
     pub of: String,

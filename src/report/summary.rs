@@ -92,6 +92,16 @@ fn distinguish(scenarios: &mut [ScenarioView]) {
     }
 }
 
+/// What was measured comes before what was not, the most serious outcome first; what is alike keeps its order.
+fn by_severity(scenarios: &mut [ScenarioView]) {
+    let tone = |(scenario, c): (&ScenarioView, &ComparisonView)| Tone::of(outcome(scenario, c));
+    let chi2 = |c: &ComparisonView| c.overall.chi2.value.unwrap_or(f64::INFINITY);
+    scenarios.sort_by(|one, other| match (&one.comparison, &other.comparison) {
+        (Some(a), Some(b)) => tone((other, b)).cmp(&tone((one, a))).then(chi2(b).total_cmp(&chi2(a))),
+        (a, b) => b.is_some().cmp(&a.is_some()),
+    });
+}
+
 /// Makes the anchors of a part of the page and of its figures unique.
 fn claim_part<'a>(anchors: &mut Anchors, part: &mut String, figures: impl IntoIterator<Item = &'a mut FigureView>) {
     *part = anchors.claim(part);
@@ -128,6 +138,7 @@ impl ReportView {
         provenance: &Provenance,
     ) -> Self {
         distinguish(&mut scenarios);
+        by_severity(&mut scenarios);
         let mut anchors = Anchors::default();
         for section in SECTIONS {
             anchors.claim(section);
@@ -188,12 +199,8 @@ fn comparisons(scenarios: &[ScenarioView]) -> impl Iterator<Item = (&ScenarioVie
     scenarios.iter().filter_map(|scenario| Some((scenario, scenario.comparison.as_ref()?)))
 }
 
-/// One line per comparison, the most serious first.
+/// One line per comparison.
 fn compared(scenarios: &[ScenarioView]) -> Vec<Headline> {
-    let mut found: Vec<_> = comparisons(scenarios).collect();
-    let tone = |(scenario, c): (&ScenarioView, &ComparisonView)| Tone::of(outcome(scenario, c));
-    let chi2 = |c: &ComparisonView| c.overall.chi2.value.unwrap_or(f64::INFINITY);
-    found.sort_by(|&a, &b| tone(b).cmp(&tone(a)).then(chi2(b.1).total_cmp(&chi2(a.1))));
     let line = |(scenario, c): (&ScenarioView, &ComparisonView)| {
         if let Some(d) = &scenario.discovery {
             return of_discovery(scenario, d);
@@ -209,7 +216,7 @@ fn compared(scenarios: &[ScenarioView]) -> Vec<Headline> {
             anchor: c.anchor.clone(),
         }
     };
-    found.into_iter().map(line).collect()
+    comparisons(scenarios).map(line).collect()
 }
 
 /// The outcome of a discovery in a line.

@@ -8,13 +8,14 @@ use crate::trial::{ByCause, Kind, Proportion, Score, Scores, Series, Summary};
 
 impl ReportView {
     /// The report with the section on how far the search can be trusted.
-    pub fn with_trust(mut self, main: &Series, others: &[Series], figures: &[FigureInput]) -> Self {
-        self.trust = Some(view(main, others, figures));
+    pub fn with_trust(mut self, trust: TrustView) -> Self {
+        self.trust = Some(trust);
         self
     }
 }
 
-fn view(main: &Series, others: &[Series], figures: &[FigureInput]) -> TrustView {
+/// The section: the `main` series of trials, those under other conditions, and the figures of all.
+pub fn trust_view(main: &Series, others: &[Series], figures: &[FigureInput]) -> TrustView {
     let s = &main.summary;
     let all = &s.scores[0];
     let noise: Vec<String> = noise_levels(s).iter().map(|n| quantity(100.0 * n, "%", 2)).collect();
@@ -179,7 +180,7 @@ mod tests {
     #[test]
     fn every_series_and_level_of_noise_has_its_row_and_every_series_its_command_and_program() {
         let [main, others @ ..] = committed() else { panic!("no committed trials") };
-        let view = view(main, others, &[]);
+        let view = trust_view(main, others, &[]);
         assert_eq!((view.commands.len(), view.programs.len()), (others.len(), others.len()));
         for (series, program) in others.iter().zip(&view.programs) {
             assert!(series.summary.builds.iter().all(|build| program.contains(build)), "{program}");

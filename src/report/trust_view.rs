@@ -1,10 +1,11 @@
 //! What the report says of how far the search can be trusted, as data.
 
 use super::figure_view::FigureView;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The section of the page.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct TrustView {
     /// The result in a sentence.
     pub sentence: String,
@@ -32,7 +33,7 @@ pub struct TrustView {
 }
 
 /// A share of the trials.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct ScoreView {
     /// Of what.
     pub what: String,
@@ -45,7 +46,7 @@ pub struct ScoreView {
 }
 
 /// Scores under some conditions.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct OtherwiseView {
     /// The conditions.
     pub conditions: String,
@@ -66,7 +67,7 @@ pub struct OtherwiseView {
 }
 
 /// One cause.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct CauseView {
     /// Its name.
     pub cause: String,

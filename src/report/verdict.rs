@@ -1,5 +1,6 @@
 //! Verdicts as the report words them, and how serious each is.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// How a verdict is to be read, from good to bad; decides symbol, colour and order, never the words.
@@ -59,7 +60,7 @@ impl Tone {
 }
 
 /// Verdict on a published claim.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, JsonSchema, Serialize, Deserialize)]
 pub enum Verdict {
     /// The computed value agrees within the tolerance.
     #[serde(rename = "reproduced")]
@@ -102,7 +103,7 @@ impl Verdict {
 }
 
 /// Whether every point of a scenario is a steady state.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, JsonSchema, Serialize, Deserialize)]
 pub enum Completeness {
     /// All points are steady.
     #[serde(rename = "all points steady")]
@@ -139,7 +140,7 @@ impl Completeness {
 }
 
 /// What a model leaves of its measurements.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, JsonSchema, Serialize, Deserialize)]
 pub enum Match {
     /// A misfit that noise would not have: something is missing or wrong.
     #[serde(rename = "structured misfit")]
@@ -176,7 +177,7 @@ impl Match {
 }
 
 /// What a discovery makes of a table of measurements.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, JsonSchema, Serialize, Deserialize)]
 pub enum Found {
     /// Structured misfit is left whatever is added.
     #[serde(rename = "unexplained")]
@@ -228,7 +229,7 @@ impl Found {
 }
 
 /// Verdict on a number that proves the solvers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, JsonSchema, Serialize, Deserialize)]
 pub enum Agreement {
     /// The difference is within the tolerance.
     #[serde(rename = "agrees")]
@@ -261,7 +262,7 @@ impl Agreement {
 }
 
 /// Verdict on a gate.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, JsonSchema, Serialize, Deserialize)]
 pub enum Passed {
     /// What is demanded holds.
     #[serde(rename = "gate passed")]
@@ -293,7 +294,7 @@ impl Passed {
 }
 
 /// What became of a value since an earlier run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, JsonSchema, Serialize, Deserialize)]
 pub enum Change {
     /// It is worse.
     #[serde(rename = "regressed")]

@@ -1,5 +1,6 @@
 //! What the report says, as data. The JSON is this; the HTML shows this and nothing else.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use super::baseline_view::{BaselineView, HistoryView, StepChangeView};
@@ -17,7 +18,7 @@ pub use crate::units::readable::Quantity;
 pub const SCHEMA: &str = "stickslip.report/1";
 
 /// The whole report.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 // Wide: a field is a place of the template, and a key of the JSON beside the page.
 pub struct ReportView {
     /// [`SCHEMA`].
@@ -58,7 +59,7 @@ pub struct ReportView {
 }
 
 /// What to know first.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, JsonSchema, Serialize, Deserialize)]
 pub struct SummaryView {
     /// One sentence with the result of everything.
     pub sentence: String,
@@ -77,7 +78,7 @@ pub struct SummaryView {
 }
 
 /// A demand and what came of it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct GateView {
     /// Id of the scenario.
     pub scenario: String,
@@ -94,7 +95,7 @@ pub struct GateView {
 }
 
 /// How many have one verdict.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct TallyView {
     /// The verdict in words.
     pub verdict: String,
@@ -103,7 +104,7 @@ pub struct TallyView {
 }
 
 /// A sentence that leads to its place in the report.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct Headline {
     /// The verdict in words.
     pub verdict: String,
@@ -116,7 +117,7 @@ pub struct Headline {
 }
 
 /// A published statement, computed and judged.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, JsonSchema, Serialize, Deserialize)]
 // Wide: a field is a place of the template, and a key of the JSON beside the page.
 pub struct ClaimView {
     /// Stable identifier, e.g. `no-influence-of-mu`.
@@ -146,7 +147,7 @@ pub struct ClaimView {
 }
 
 /// A scenario: what was simulated, with which numbers, and what came out.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 // Wide: a field is a place of the template, and a key of the JSON beside the page.
 pub struct ScenarioView {
     /// Stable identifier of the scenario.
@@ -204,7 +205,7 @@ pub struct ScenarioView {
 }
 
 /// A parameter with its origin.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct ParameterView {
     /// Key in a scenario file, e.g. `rig.inertia`.
     pub key: String,
@@ -221,7 +222,7 @@ pub struct ParameterView {
 }
 
 /// An effect of the catalogue and what it does to resonance curves.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct EffectView {
     /// Name in the registry.
     pub name: String,
@@ -246,7 +247,7 @@ pub struct EffectView {
 }
 
 /// A parameter of an effect.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct EffectParameterView {
     /// Key in a scenario file.
     pub key: String,
@@ -261,7 +262,7 @@ pub struct EffectParameterView {
 }
 
 /// A setting that distinguishes curves, or is the same for all of them.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct AxisView {
     /// Field of [`CurveView`].
     pub key: String,
@@ -274,7 +275,7 @@ pub struct AxisView {
 }
 
 /// What one curve amounts to.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 // Wide: a field is a column of the table.
 pub struct CurveView {
     /// Formulation solved.
@@ -308,7 +309,7 @@ pub struct CurveView {
 }
 
 /// Peak of a limiting case in closed form.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct LimitView {
     /// Which case.
     pub case: String,
@@ -325,7 +326,7 @@ pub struct LimitView {
 }
 
 /// A number that proves a solver.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, JsonSchema, Serialize, Deserialize)]
 pub struct CheckView {
     /// Id in the page; [`ReportView::assemble`] fills it.
     pub anchor: String,
@@ -346,7 +347,7 @@ pub struct CheckView {
 }
 
 /// Where the report comes from.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, JsonSchema, Serialize, Deserialize)]
 // Wide: a field is a place of the template, and a key of the JSON beside the page.
 pub struct ProvenanceView {
     /// Program.
@@ -381,7 +382,7 @@ pub struct ProvenanceView {
 }
 
 /// An input file.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct InputView {
     /// Scenario.
     pub id: String,
@@ -392,7 +393,7 @@ pub struct InputView {
 }
 
 /// Wall time of one part of the run.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct TimingView {
     /// Part.
     pub part: String,

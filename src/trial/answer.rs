@@ -3,12 +3,13 @@
 use super::cause::Kind;
 use crate::error::{Error, Result};
 use crate::results::Results;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// How many draws a trial took.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct Draws {
     /// Draws that the data could not show.
     pub invisible: usize,
@@ -19,7 +20,7 @@ pub struct Draws {
 }
 
 /// What was planted.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct Answer {
     /// Name of the trial.
     pub id: String,

@@ -4,6 +4,7 @@ use super::outside::{self, OUTSIDE, Outside};
 use crate::effects::{self, Effect, REGISTRY, fits_rig};
 use crate::error::{Error, Result};
 use crate::scenario::diagnostic::{nearest, whole_file};
+use schemars::JsonSchema;
 use std::collections::BTreeMap;
 
 /// Numbers of the rig and the instrument that may be off.
@@ -28,7 +29,7 @@ const PAIRS: &[[&str; 2]] = &[
 ];
 
 /// Sort of cause.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, JsonSchema, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
     /// Nothing is missing.

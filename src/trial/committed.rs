@@ -5,6 +5,7 @@ use super::agreement::parse;
 use std::sync::OnceLock;
 
 /// A series of trials that comes with the program.
+#[derive(Debug)]
 pub struct Series {
     /// What is measured otherwise than in the first; empty for that.
     pub otherwise: &'static str,

@@ -3,13 +3,14 @@
 use crate::discover::{self, Discovery};
 use crate::error::{Error, Result};
 use crate::{measurement, scenario};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 
 /// A parameter as it was found, with its 95 % interval.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct Estimate {
     /// Estimate.
     pub value: f64,
@@ -22,7 +23,7 @@ pub struct Estimate {
 }
 
 /// A rung of the ladder.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct Rung {
     /// What it added.
     pub added: Option<String>,
@@ -33,7 +34,7 @@ pub struct Rung {
 }
 
 /// What a search found.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct Found {
     /// Verdict.
     pub verdict: String,

@@ -1,12 +1,13 @@
 //! Shares of trials with Wilson's interval.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// 97.5 % quantile of the normal distribution.
 const Z: f64 = 1.959_963_984_540_054;
 
 /// So many of so many, with Wilson's 95 % interval of the share.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct Proportion {
     /// Successes.
     pub successes: usize,

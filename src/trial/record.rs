@@ -6,6 +6,7 @@ use super::score::{Score, score};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::results::Results;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -13,7 +14,7 @@ use std::path::Path;
 pub(super) const MAX_BYTES: u64 = 64 << 20;
 
 /// Everything known of a finished trial.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct Record {
     /// Name of the trial.
     pub id: String,

@@ -5,10 +5,11 @@ use super::cause::Kind;
 use super::examine::Found;
 use crate::dual::Dual;
 use crate::effects::{ParameterInfo, find, typical};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A planted parameter beside its estimate.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct Share {
     /// Its key.
     pub key: String,
@@ -29,7 +30,7 @@ pub struct Share {
 }
 
 /// How a search did; `None` where a question does not arise for the sort of cause.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct Score {
     /// The verdict is right.
     pub verdict: bool,

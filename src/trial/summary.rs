@@ -5,13 +5,14 @@ use super::proportion::Proportion;
 use super::record::Record;
 use super::score::{Score, Share};
 use super::{Options, VISIBLE, program};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Version of the JSON.
 pub const SCHEMA: &str = "stickslip.trial/1";
 
 /// Scores over some trials.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 // Wide: a field is a key of the file, and a column of the table.
 pub struct Scores {
     /// Level of noise; `None` for all together.
@@ -44,7 +45,7 @@ pub struct Scores {
 }
 
 /// How one cause fared.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct ByCause {
     /// Its name.
     pub cause: String,
@@ -59,7 +60,7 @@ pub struct ByCause {
 }
 
 /// Intervals of one parameter over all trials in which what was planted was found.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct Coverage {
     /// Its key.
     pub key: String,
@@ -72,7 +73,7 @@ pub struct Coverage {
 }
 
 /// Planted against named.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct Confusion {
     /// Names of the rows.
     pub planted: Vec<String>,
@@ -86,7 +87,7 @@ pub struct Confusion {
 }
 
 /// Everything about a series of trials.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize, Deserialize)]
 // Wide: a field is a key of the file, in the order in which it is written.
 pub struct Summary {
     /// [`SCHEMA`].

@@ -1,12 +1,13 @@
 //! Numbers as a reader wants them: SI prefixes, sensible digits, a true minus sign.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Shown where there is no number.
 pub const NONE: &str = "–";
 
 /// A number with its wording.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, JsonSchema, Serialize, Deserialize)]
 pub struct Quantity {
     /// The value in SI; absent where there is none (not a number).
     pub value: Option<f64>,

@@ -1,11 +1,10 @@
 //! Which kind of rig and reading explains a table best, where it does not say.
 
-use super::draft::{Draft, Kind};
+use super::draft::{Draft, Kind, brief, thinned};
 use crate::cli::Global;
 use crate::cli::progress::of_searches;
 use crate::compare::{EXCESS, calibrate, judge};
-use crate::discover::{Candidates, Hypothesis, MARGIN, SearchOptions, explain};
-use crate::effects::REGISTRY;
+use crate::discover::{Hypothesis, MARGIN, SearchOptions, explain};
 use crate::error::Result;
 use crate::fit::{deviance, price, robust_square, typical_of};
 use crate::free_form;
@@ -18,16 +17,16 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
-use std::sync::{Arc, LazyLock};
 
-/// The search that decides between kinds of readings: by what acts on the motion. What is read beside it makes one kind
-/// of another, since an acceleration and a share of the drive are a displacement.
-static SHORT: LazyLock<SearchOptions> = LazyLock::new(|| {
-    let whole = SearchOptions::default();
-    let of_motion = REGISTRY.iter().filter(|effect| !effect.is_read_beside()).map(|effect| effect.name()).collect();
-    SearchOptions { max_effects: 2, budget: whole.budget / 10, candidates: Candidates::Named(of_motion), ..whole }
-});
+/// The search that decides between so many kinds of readings: by what acts on the motion. What is read beside it makes
+/// one kind of another, since an acceleration and a share of the drive are a displacement. All of them together take a
+/// tenth of what a whole search may.
+fn short(kinds: usize) -> SearchOptions {
+    let brief = brief(false);
+    SearchOptions { max_effects: 2, budget: brief.budget / kinds.max(1) as u64, ..brief }
+}
 
 /// What can be left of readings by a scenario with what it lacks.
 struct Left {
@@ -42,11 +41,11 @@ struct Left {
 
 impl Left {
     /// By effects of the catalogue and, where a search is too short for these, by any law of the amplitude.
-    fn by(scenario: &Scenario, table: &Table, solved: &Arc<AtomicU64>) -> Vec<Self> {
+    fn by(scenario: &Scenario, table: &Table, short: &SearchOptions, solved: &Arc<AtomicU64>) -> Vec<Self> {
         let model = Model::new(&table.applied_to(scenario));
         let calibration = calibrate(&model, &scenario.free, &table.points, Tolerance::FIT, 0);
         let law = free_form::left_by_amplitude(&judge(scenario, table, &calibration, None));
-        let (Hypothesis { fit, .. }, looked_at) = explain(scenario, table, &SHORT, solved);
+        let (Hypothesis { fit, .. }, looked_at) = explain(scenario, table, short, solved);
         let freedom = table.freedom;
         let effects =
             Self { residuals: fit.evaluation.residuals, parameters: fit.parameters.len(), freedom, looked_at };
@@ -78,14 +77,15 @@ impl Draft<'_> {
             let text = self.scenario(target, kind);
             let scenario = crate::scenario::load_text(target, &text)?;
             if let Some(table) = load(&scenario)? {
-                drafts.push((kind, text, scenario, table));
+                drafts.push((kind, text, scenario, thinned(table)));
             }
         }
-        let explained: Vec<Vec<Left>> = of_searches(global, drafts.len(), SHORT.budget, |solved| {
+        let short = short(drafts.len());
+        let explained: Vec<Vec<Left>> = of_searches(global, drafts.len(), short.budget, |solved| {
             drafts
                 .par_iter()
                 .zip(solved)
-                .map(|((.., scenario, table), solved)| Left::by(scenario, table, solved))
+                .map(|((.., scenario, table), solved)| Left::by(scenario, table, &short, solved))
                 .collect()
         });
         let typical = |left: &Left| typical_of(&left.residuals);

@@ -82,6 +82,11 @@ impl Draft<'_> {
                 show(first.frequency),
                 others.join(", ")
             ));
+        } else if let Some((from, to)) = self.band {
+            lacking.push(format!(
+                "the readings from {from} to {to} Hz, about the resonance, are used: calibrated to all, the model has another one; \
+                 what lies beyond is of other causes, and used again without `frequency` in [measurement]"
+            ));
         }
         if self.resonance.phase.is_none() {
             lacking.push("no phases: delays cannot be told, damping and nonlinearity less well".into());

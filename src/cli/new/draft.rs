@@ -1,13 +1,22 @@
 //! What a table tells of its rig before any model.
 
+use crate::compare::{calibrate, compared, judge};
+use crate::discover::{Candidates, SearchOptions, explain, narrower};
+use crate::effects::REGISTRY;
 use crate::error::{Error, Result};
-use crate::fit::resonance::{Resonance, of_all};
-use crate::measurement::{Mode, Point, Series, Survey};
+use crate::fit::resonance::{Resonance, astray, of_any};
+use crate::measurement::{Mode, Point, Series, Survey, Table, load};
+use crate::model::Model;
 use crate::scenario::diagnostic::whole_file;
-use crate::scenario::{Coordinate, Signal};
+use crate::scenario::{self, Coordinate, Signal};
+use crate::solver::cycle::Tolerance;
 use crate::statistics::wrap;
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI};
 use std::path::Path;
+use std::sync::Arc;
+
+/// Most readings of a series that a draft is held against: what tells kinds of rigs apart is the shape of the whole curve.
+const MOST: usize = 512;
 
 /// How a rig is driven and read, as far as the table does not say.
 #[derive(Clone, Copy)]
@@ -22,23 +31,25 @@ pub struct Kind {
 
 /// What a table tells of its rig.
 pub struct Draft<'a> {
-    pub seen: &'a Survey,
+    pub seen: Survey,
     pub table: &'a Path,
     pub coordinate: Coordinate,
     pub resonance: Resonance,
     /// The resonance with the contact stuck, where one is told by roller speeds or loads.
     pub stuck: Option<Resonance>,
     pub rolls: bool,
-    /// The resonances of the whole table, where there are several: the readings about the first are used.
+    /// The resonances of the whole table, where there are several.
     pub modes: &'a [Mode],
+    /// Between which frequencies \[Hz\] readings are used, where not all are.
+    pub band: Option<(f64, f64)>,
 }
 
 impl<'a> Draft<'a> {
-    /// What is seen in a table, `modes` of which are resonances.
+    /// What is `seen` of a table in a band of frequencies; `modes` of the whole one are resonances.
     ///
     /// # Errors
     /// Where it is no oscillator of one coordinate, or shows no resonance.
-    pub fn new(seen: &'a Survey, table: &'a Path, modes: &'a [Mode]) -> Result<Self> {
+    pub fn new(seen: Survey, table: &'a Path, modes: &'a [Mode], band: Option<(f64, f64)>) -> Result<Self> {
         let refuse =
             |title: &str, help: &str| Err(Error::Input(whole_file(&format!("`{}`: {title}", table.display()), help)));
         let Some(coordinate) = seen.coordinate() else {
@@ -55,9 +66,12 @@ impl<'a> Draft<'a> {
         let unloaded = points.iter().any(|p| p.load == 0.0);
         let alone = |p: &&Point| if unloaded { p.load == 0.0 } else { p.speed == fastest };
         let slowest = points.iter().filter(|p| p.load > 0.0).map(|p| p.speed).fold(f64::INFINITY, f64::min);
-        let of = |part: Vec<Point>| {
-            of_all(&part, seen.table.signals.reading.order).filter(|resonance| !resonance.is_overdamped())
-        };
+        let reading = seen.table.signals.reading;
+        // Of a voltage it is not said what of the motion it is: what is broad as a displacement may be none.
+        let orders = if reading.unit == "V" { 0..=2 } else { reading.order..=reading.order };
+        // On one side of a resonance that has no peak nothing is seen of it.
+        let is_seen = |r: &Resonance| !r.is_overdamped() && (r.spanned || r.quality > FRAC_1_SQRT_2);
+        let of = |part: Vec<Point>| of_any(&part, orders.clone()).filter(is_seen);
         // At the smallest drive, where a rig that is not linear is nearest to it.
         let gentlest = seen.table.series.iter().map(|s| s.drive).fold(f64::INFINITY, f64::min);
         let gentle = |p: &&Point| seen.table.series[p.series].drive <= gentlest;
@@ -74,7 +88,7 @@ impl<'a> Draft<'a> {
             );
         };
         let stuck = if rolls { of(stuck) } else { None };
-        Ok(Self { seen, table, coordinate, resonance, stuck, rolls, modes })
+        Ok(Self { seen, table, coordinate, resonance, stuck, rolls, modes, band })
     }
 
     /// Drive and reading.
@@ -101,6 +115,26 @@ impl<'a> Draft<'a> {
         self.resonance.phase.map(|phase| wrap(phase - expected))
     }
 
+    /// Between which frequencies \[Hz\] readings about the resonance are followed far better alone, where the scenario
+    /// of this `text`, calibrated to all of them, has another resonance than they have: better than all are with
+    /// something read beside the motion.
+    ///
+    /// # Errors
+    /// Where the scenario cannot be read.
+    pub fn followed_alone(&self, target: &Path, text: &str) -> Result<Option<(f64, f64)>> {
+        let scenario = scenario::load_text(target, text)?;
+        let Some(table) = load(&scenario)?.filter(|_| self.band.is_none()).map(thinned) else { return Ok(None) };
+        let applied = table.applied_to(&scenario);
+        let calibration = calibrate(&Model::new(&applied), &scenario.free, &table.points, Tolerance::FIT, 0);
+        let calibrated = judge(&scenario, &table, &calibration, None).model;
+        let Some((_, seen)) = astray(&calibrated, &table.points) else { return Ok(None) };
+        let (with, _) = explain(&scenario, &table, &SearchOptions { max_effects: 1, ..brief(true) }, &Arc::default());
+        let all = compared(&table.points, &with.fit.evaluation.predictions);
+        let band = narrower(&applied, &table, &all, 0).map(|found| found.band);
+        // Of a notch the largest readings are beside it.
+        Ok(band.filter(|(from, to)| (*from..=*to).contains(&seen.frequency)))
+    }
+
     /// The series with their points.
     pub fn series(&self) -> impl Iterator<Item = (&Series, Vec<&Point>)> {
         let table = &self.seen.table;
@@ -112,4 +146,24 @@ impl<'a> Draft<'a> {
 /// The number with so many significant digits.
 pub fn digits(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value)
+}
+
+/// A table with at most [`MOST`] readings of each series, evenly over its rows.
+pub fn thinned(table: Table) -> Table {
+    let mut seen = vec![0; table.series.len()];
+    let stride = |series: usize| table.points.iter().filter(|p| p.series == series).count().div_ceil(MOST);
+    let strides: Vec<usize> = (0..table.series.len()).map(stride).collect();
+    let is_kept = |series: usize, seen: &mut Vec<usize>| {
+        seen[series] += 1;
+        (seen[series] - 1).is_multiple_of(strides[series].max(1))
+    };
+    let points = table.points.iter().filter(|p| is_kept(p.series, &mut seen)).cloned().collect();
+    Table { points, ..table }
+}
+
+/// A tenth of a search, by the effects that are read beside the motion or by those that act on it.
+pub fn brief(beside: bool) -> SearchOptions {
+    let whole = SearchOptions::default();
+    let own = REGISTRY.iter().filter(|effect| effect.is_read_beside() == beside).map(|effect| effect.name()).collect();
+    SearchOptions { budget: whole.budget / 10, candidates: Candidates::Named(own), ..whole }
 }

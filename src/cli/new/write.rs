@@ -1,7 +1,6 @@
 //! A scenario in the notation of its file.
 
 use super::draft::{Draft, Kind, digits};
-use crate::measurement::Mode;
 use crate::scenario::Coordinate;
 use crate::statistics::wrap;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -60,7 +59,7 @@ impl Draft<'_> {
         if let Some(record) = self.seen.record {
             let _ = writeln!(text, "record = {record}");
         }
-        if let Some(Mode { band: (from, to), .. }) = self.modes.first() {
+        if let Some((from, to)) = self.band {
             let _ = writeln!(
                 text,
                 "frequency = {{ from = \"{from} Hz\", to = \"{to} Hz\" }}    # the readings that are used"
