@@ -135,7 +135,7 @@ fn without_outliers(c: &Comparison) -> Option<String> {
 }
 
 /// Where a reading that stands out is, and by how much.
-pub(super) fn stands_out(c: &Comparison, outlier: &Outlier) -> String {
+fn stands_out(c: &Comparison, outlier: &Outlier) -> String {
     let point = c.table.points.iter().find(|p| p.row == outlier.row);
     let line = point.map_or(0, |p| p.line);
     let place = if line > 0 { format!("line {line} (row {})", outlier.row) } else { format!("row {}", outlier.row) };
@@ -185,11 +185,20 @@ pub(super) fn words(c: &Comparison) -> Vec<String> {
             lines.push(format!("  and {} more", c.regions.len() - REGIONS));
         }
     }
-    for outlier in &c.outliers {
-        lines.push(stands_out(c, outlier));
-    }
+    lines.extend(outlier_lines(c, &c.outliers, REGIONS));
     if c.whiteness.structured {
         lines.push(format!("next: stickslip discover {}", c.scenario.path.display()));
+    }
+    lines
+}
+
+/// Outliers in lines, `most` of them.
+pub(super) fn outlier_lines(c: &Comparison, outliers: &[Outlier], most: usize) -> Vec<String> {
+    let mut lines: Vec<String> = outliers.iter().take(most).map(|outlier| stands_out(c, outlier)).collect();
+    if outliers.len() > most {
+        let more = units::count(outliers.len() - most, "reading");
+        let verb = if outliers.len() - most == 1 { "stands" } else { "stand" };
+        lines.push(format!("and {more} more that {verb} out (see --json)"));
     }
     lines
 }

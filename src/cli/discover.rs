@@ -2,7 +2,7 @@
 
 use super::bounds::Limits;
 use super::changed_scenario::{Edit, Rewriting};
-use super::compare::{interval_words, parameter, stands_out, uncalibrated, verdict, with_measurements};
+use super::compare::{interval_words, outlier_lines, parameter, uncalibrated, verdict, with_measurements};
 use super::figure_output::FigureOutput;
 use super::folder::Folder;
 use super::gates::{self, GateLimits, Verdicts};
@@ -17,7 +17,7 @@ use crate::free_form::{self, FreeForm};
 use crate::gate::{self, Judged};
 use crate::measurement::Table;
 use crate::scenario::Scenario;
-use crate::units::{Frequencies, count};
+use crate::units::Frequencies;
 use schemars::JsonSchema;
 use std::path::{Path, PathBuf};
 
@@ -253,12 +253,7 @@ fn not_testable(d: &Discovery) -> Option<String> {
 fn misfits(d: &Discovery, c: &Comparison) -> Vec<String> {
     // Beside a model that fails what stands out of it is no finding of its own.
     let outliers = if d.verdict == Verdict::Unexplained { 1 } else { SHOWN };
-    let mut lines: Vec<String> = d.outliers.iter().take(outliers).map(|outlier| stands_out(c, outlier)).collect();
-    if d.outliers.len() > outliers {
-        let more = count(d.outliers.len() - outliers, "reading");
-        let verb = if d.outliers.len() - outliers == 1 { "stands" } else { "stand" };
-        lines.push(format!("and {more} more that {verb} out (see --json)"));
-    }
+    let mut lines = outlier_lines(c, &d.outliers, outliers);
     if d.verdict == Verdict::Unexplained && !c.regions.is_empty() {
         lines.push("where the best model still fails:".into());
         lines.extend(c.regions.iter().take(SHOWN).map(|region| format!("  {}", region.sentence)));

@@ -347,9 +347,13 @@ impl Search<'_> {
         let full = |h: &Hypothesis| h.basis() == Basis::AllPoints;
         let least = all.iter().map(|(h, _)| h).filter(|h| full(h)).map(|h| h.bic).fold(f64::INFINITY, f64::min);
         all.iter_mut().filter(|(h, _)| !full(h)).for_each(|(h, _)| h.bic = h.bic.max(least));
+        // Of what is as good to the digits that are told the explanation is the first: a law may be typed as a formula, too.
+        let told = |h: &Hypothesis| (10.0 * h.bic).round();
+        let other = |h: &Hypothesis| !steps.last().is_some_and(|step| step.hypothesis.same_additions(h));
         all.sort_by(|(a, _), (b, _)| {
-            let by_basis = full(b).cmp(&full(a));
-            a.bic.total_cmp(&b.bic).then(by_basis).then_with(|| a.label().cmp(&b.label()))
+            let by_basis = || full(b).cmp(&full(a)).then(other(a).cmp(&other(b)));
+            let closer = || a.bic.total_cmp(&b.bic).then_with(|| a.label().cmp(&b.label()));
+            told(a).total_cmp(&told(b)).then_with(by_basis).then_with(closer)
         });
         let best = all.first().map_or(0.0, |(h, _)| h.bic);
         // An estimate that was not allowed to be better has no share in the evidence: that was not looked at.
@@ -370,7 +374,7 @@ impl Search<'_> {
             };
             let is_rival = rank < RIVALS && hypothesis.estimate.is_none();
             Candidate {
-                delta_bic: hypothesis.bic - best,
+                delta_bic: (hypothesis.bic - best).max(0.0),
                 weight: evidence(&hypothesis) / total,
                 testable,
                 chi2_per_point: hypothesis.chi2() / self.readings() as f64,

@@ -390,7 +390,7 @@ mod tests {
 
     #[test]
     fn amplitudes_of_a_linear_rig_tell_it_exactly_however_broad_it_is() {
-        for (quality, order) in [(0.6, 1), (0.8, 2), (1.0, 0), (1.0, 1), (3.0, 2), (1e4, 0)] {
+        for (quality, order) in [(0.6_f64, 1), (0.8, 2), (1.0, 0), (1.0, 1), (3.0, 2), (1e4, 0)] {
             let at = |row: usize| {
                 let f = 750.0 * (1.0 + 1.0 / quality).powf((row as f64 - 19.3) / 20.0);
                 let (w, w0) = (TAU * f, TAU * 750.0);

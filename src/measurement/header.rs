@@ -226,8 +226,16 @@ pub(crate) fn time_unit(header: &str) -> Option<String> {
     None
 }
 
-/// Name and unit of `speed [mm/s]`, `speed (mm/s)`, `speed / mm/s` and `speed in mm/s`.
+/// What stands in place of a unit where none is known.
+const ARBITRARY: [&str; 8] = ["a.u.", "au", "a. u.", "arb. u.", "arb. units", "arb", "skt", "w.e."];
+
+/// Name and unit of `speed [mm/s]`, `speed (mm/s)`, `speed / mm/s` and `speed in mm/s`; none of `A (a.u.)`.
 pub(crate) fn split(header: &str) -> (&str, Option<&str>) {
+    let (name, unit) = name_and_unit(header);
+    (name, unit.filter(|unit| !ARBITRARY.contains(&unit.to_lowercase().as_str())))
+}
+
+fn name_and_unit(header: &str) -> (&str, Option<&str>) {
     // The number of a run, as some programs write it behind every header.
     let is_number = |text: &str| !text.is_empty() && text.chars().all(|c| c.is_ascii_digit());
     let run = header.rsplit_once(" Run #").filter(|(_, number)| is_number(number));

@@ -330,7 +330,8 @@ impl Cells<'_, '_> {
         if sd == 0.0 {
             let index = self.layout.slots[column].as_ref().and_then(Slot::index).unwrap_or(0);
             let label = "needs to be more than zero";
-            let help = "a reading without uncertainty would outweigh all others; remove the column to have the noise estimated";
+            let help = "a reading without uncertainty would outweigh all others: write the least that could be told there, or remove the \
+                        column to have the noise estimated";
             self.fail(index, "deviation", "the standard deviation is zero", label, help);
             return None;
         }
