@@ -79,7 +79,8 @@ fn left(usable: &[&Point], of: &Resonance, order: u8) -> f64 {
         (p.amplitude / p.drive, shape)
     });
     let (yy, ys, ss) = values.fold((0.0, 0.0, 0.0), |(yy, ys, ss), (y, s)| (yy + y * y, ys + y * s, ss + s * s));
-    yy - ys * ys / ss
+    // Never less than rounding.
+    (yy - ys * ys / ss).max(f64::EPSILON * yy)
 }
 
 /// Whether readings lie on both sides of a resonance.

@@ -108,7 +108,7 @@ fn closed(text: &mut String) -> Option<String> {
 fn opened(text: &mut String) -> Vec<String> {
     let first: Vec<Line<'_>> = lines(text).take(MOST).collect();
     let Some(Found { header, units, shape, remark }) = find(&first) else { return Vec::new() };
-    let separator = shape.0;
+    let separator = shape.separator;
     let before = first[..header].iter().filter(|line| !line.is_remark()).count();
     let parts_alike = header_line(first[header].text, shape) == first[header].text;
     if before == 0 && !remark && separator != b' ' && parts_alike {
@@ -151,14 +151,24 @@ fn opened(text: &mut String) -> Vec<String> {
     Vec::new()
 }
 
+/// The form of the rows of numbers.
+#[derive(Clone, Copy)]
+struct Shape {
+    /// What parts the cells.
+    separator: u8,
+    /// How many are filled, up to the last.
+    width: usize,
+    /// How many there are, empty ones at the end too.
+    most: usize,
+}
+
 /// Where the table begins.
 struct Found {
     /// Number of the line of the header.
     header: usize,
     /// Of the row below it that states units, where there is one.
     units: Option<usize>,
-    /// What parts the numbers of a row, and how many they are.
-    shape: (u8, usize),
+    shape: Shape,
     /// Whether the header stands in a remark.
     remark: bool,
 }
@@ -174,15 +184,15 @@ fn begun(lines: &[Line<'_>], tabs: bool) -> Option<Found> {
         let (line, next) = (lines.get(number)?, lines.get(number + 1).or(lines.get(number))?);
         numbers(line).filter(|shape| !line.is_remark() && numbers(next) == Some(*shape))
     };
-    let (first, shape) = (0..lines.len()).find_map(|number| Some((number, is_data(number)?)))?;
-    above(lines, first, shape)
+    let (first, (separator, width)) = (0..lines.len()).find_map(|number| Some((number, is_data(number)?)))?;
+    // Cells that a row leaves empty at its end have names, too: LabVIEW closes its header with a comment.
+    let cells = || lines[first].text.split(char::from(separator)).count();
+    above(lines, first, Shape { separator, width, most: if separator == b' ' { width } else { cells() } })
 }
 
 /// The header above the first row of numbers.
-fn above(lines: &[Line<'_>], first: usize, shape: (u8, usize)) -> Option<Found> {
-    let (separator, width) = shape;
-    // Cells that a row leaves empty at its end have names, too: LabVIEW closes its header with a comment.
-    let most = if separator == b' ' { width } else { lines[first].text.split(char::from(separator)).count() };
+fn above(lines: &[Line<'_>], first: usize, shape: Shape) -> Option<Found> {
+    let Shape { width, most, .. } = shape;
     let named = |line: &str| {
         // A row of words and numbers is one of the table.
         let is_word = |cell: &&String| cell.replace(',', ".").parse::<f64>().is_err();
@@ -212,8 +222,8 @@ fn above(lines: &[Line<'_>], first: usize, shape: (u8, usize)) -> Option<Found> 
 }
 
 /// The cells of a header above numbers that this separator parts, which need not part the header.
-fn header_cells(line: &str, shape: (u8, usize)) -> Vec<String> {
-    let (separator, line) = (shape.0, header_line(line, shape));
+fn header_cells(line: &str, shape: Shape) -> Vec<String> {
+    let (separator, line) = (shape.separator, header_line(line, shape));
     let mut cells = cells(&line, if separator == b' ' { b'\t' } else { separator });
     while cells.len() > 1 && cells.last().is_some_and(String::is_empty) {
         cells.pop();
@@ -222,7 +232,7 @@ fn header_cells(line: &str, shape: (u8, usize)) -> Vec<String> {
 }
 
 /// A header with its cells parted as the numbers of this shape are, of the same length in bytes; without its remark sign.
-fn header_line(line: &str, (separator, width): (u8, usize)) -> String {
+fn header_line(line: &str, Shape { separator, width, most }: Shape) -> String {
     let marks = line.len() - line.trim_start_matches('#').len();
     // A mark between blanks parts names.
     let mut line = " ".repeat(marks) + &line[marks..].replace(" # ", "   ");
@@ -247,7 +257,7 @@ fn header_line(line: &str, (separator, width): (u8, usize)) -> String {
     let names = |line: &str| line.split(char::from(separator)).filter(|name| !name.trim().is_empty()).count();
     // A column of comments has no cell in a row without one.
     if let Some(at) = line.trim_end().rfind(char::from(separator))
-        && names(&line) > width
+        && names(&line) > most
         && COMMENTS.contains(&line[at + 1..].trim().to_lowercase().as_str())
     {
         line.replace_range(at.., &" ".repeat(line.len() - at));
