@@ -365,7 +365,7 @@ mod tests {
         assert_eq!(lines[0], "f [Hz]\tA [V]");
         // A loudspeaker program, a header padded with tabs, doubled tabs, a comment that no row has.
         let (lines, _) = bared("% Fs 57.7\n% Freq    Impedance\n1.0  \t4.9 \n1.1  \t4.8 \n");
-        assert_eq!((lines[0].as_str(), lines.len()), ("Freq   \tImpedance", 3));
+        assert_eq!((lines[0].as_str(), lines.len()), ("Freq  \tImpedance", 3));
         let (lines, told) = bared("Frequency\tPhase Shift\t\tAmplitude\t\n1\t2\t3\n2\t3\t4\n");
         assert_eq!((lines[0].trim(), told), ("Frequency\tPhase Shift\tAmplitude", Vec::new()));
         let (lines, _) = bared("# f Uc\n# kHz V\n\n15\t\t11\n16\t\t12\n");
