@@ -15,7 +15,7 @@ use std::ops::Range;
 /// By how much smaller residuals have to be for it to be told.
 const BETTER: f64 = 2.0;
 
-/// Readings about the resonance that calibration alone follows far better than all of them are followed.
+/// Readings about the resonance, and how calibration follows them alone.
 pub struct Narrower {
     /// First and last of their frequencies \[Hz\].
     pub band: (f64, f64),
@@ -23,12 +23,14 @@ pub struct Narrower {
     count: usize,
     /// Root mean square error of the amplitude of these, and of all.
     errors: [f64; 2],
+    /// Whether they are followed far better so.
+    pub is_better: bool,
     /// Steady states that were solved.
     solved: u64,
 }
 
-/// Whether readings about the resonance are followed far better alone, by a rig without contact, than `all` of a table
-/// are by some model.
+/// How a rig without contact follows the readings about the resonance alone, against `all` of a table by some model;
+/// `None` where there are none of their own.
 pub fn narrower(scenario: &Scenario, table: &Table, all: &[Compared], seed: u32) -> Option<Narrower> {
     let model = Model::new(scenario);
     if model.has_contact {
@@ -42,9 +44,9 @@ pub fn narrower(scenario: &Scenario, table: &Table, all: &[Compared], seed: u32)
     let followed = compare::compared(&points, &alone.fit.evaluation.predictions);
     // Readings enough to have left an error, and half of that of all.
     let is_told = points.len() > 2 * alone.fit.parameters.len();
-    let is_better = BETTER * BETTER * mean_square(followed.iter()) <= mean_square(all.iter());
+    let is_better = is_told && BETTER * BETTER * mean_square(followed.iter()) <= mean_square(all.iter());
     let errors = [error(followed.iter()), error(all.iter())];
-    (is_told && is_better).then_some(Narrower { band: (from, to), count: points.len(), errors, solved: alone.solved })
+    Some(Narrower { band: (from, to), count: points.len(), errors, is_better, solved: alone.solved })
 }
 
 impl Search<'_> {
@@ -56,6 +58,9 @@ impl Search<'_> {
         }
         let found = narrower(self.scenario, self.table, &end.points, self.options.seed)?;
         self.data.count(found.solved);
+        if !found.is_better {
+            return None;
+        }
         let (from, to) = found.band;
         let [now, all] = found.errors.map(|error| percent(error, 2));
         Some(format!(

@@ -83,11 +83,12 @@ pub(super) fn bare(text: &mut String) -> Vec<String> {
     told
 }
 
-/// Gives remarks of other programs the sign that they have here: a line that `%` (MATLAB), `*` (loudspeaker programs) or
-/// `!` (analysers) begins.
+/// Gives remarks of other programs before the numbers the sign that they have here: a line that `%` (MATLAB), `*`
+/// (loudspeaker programs) or `!` (analysers) begins. Below them such a mark may be one of a reading.
 fn marked(text: &mut String) {
     let is_marked = |line: &Line<'_>| line.text.starts_with(['%', '*', '!']);
-    let starts: Vec<usize> = lines(text).filter(is_marked).map(|line| line.start).collect();
+    let above = lines(text).take_while(|line| line.numbers().is_none());
+    let starts: Vec<usize> = above.filter(is_marked).map(|line| line.start).collect();
     let mut bytes = std::mem::take(text).into_bytes();
     starts.into_iter().for_each(|start| bytes[start] = b'#');
     // Only ASCII was replaced.
@@ -366,6 +367,8 @@ mod tests {
         // A loudspeaker program, a header padded with tabs, doubled tabs, a comment that no row has.
         let (lines, _) = bared("% Fs 57.7\n% Freq    Impedance\n1.0  \t4.9 \n1.1  \t4.8 \n");
         assert_eq!((lines[0].as_str(), lines.len()), ("Freq  \tImpedance", 3));
+        let (lines, _) = bared("f,a\n1,2\n*3,4\n5,6\n");
+        assert_eq!(lines[2], "*3,4", "a reading that is marked is no remark");
         let (lines, told) = bared("Frequency\tPhase Shift\t\tAmplitude\t\n1\t2\t3\n2\t3\t4\n");
         assert_eq!((lines[0].trim(), told), ("Frequency\tPhase Shift\tAmplitude", Vec::new()));
         let (lines, _) = bared("# f Uc\n# kHz V\n\n15\t\t11\n16\t\t12\n");

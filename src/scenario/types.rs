@@ -203,8 +203,8 @@ pub struct Scenario {
     pub title: String,
     /// What the scenario is about, one or two sentences; may be empty.
     pub description: String,
-    /// Where the numbers come from: "published number", "independent computation", "synthetic, hidden effect known only to the generator",
-    /// "measured"; may be empty.
+    /// Where the numbers come from: "published number", "independent computation", "synthetic, hidden effect (if any)
+    /// known only to the generator", "measured"; may be empty.
     pub provenance: String,
     /// Where the numbers come from that stand in a file that this one extends, by their keys, e.g. `rig.inertia`.
     #[serde(skip)]

@@ -130,7 +130,7 @@ impl<'a> Draft<'a> {
         let Some((_, seen)) = astray(&calibrated, &table.points) else { return Ok(None) };
         let (with, _) = explain(&scenario, &table, &SearchOptions { max_effects: 1, ..brief(true) }, &Arc::default());
         let all = compared(&table.points, &with.fit.evaluation.predictions);
-        let band = narrower(&applied, &table, &all, 0).map(|found| found.band);
+        let band = narrower(&applied, &table, &all, 0).filter(|found| found.is_better).map(|found| found.band);
         // Of a notch the largest readings are beside it.
         Ok(band.filter(|(from, to)| (*from..=*to).contains(&seen.frequency)))
     }
