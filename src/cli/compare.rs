@@ -143,7 +143,8 @@ fn stands_out(c: &Comparison, outlier: &Outlier) -> String {
         0 | 1 => String::new(),
         several => format!(", the first of {several} pooled rows"),
     };
-    format!("outlier: {place}{pooled}, {}: {:+.1} sigma", outlier.column, outlier.sigma)
+    let side = if outlier.sigma < 0.0 { "above" } else { "below" };
+    format!("outlier: {place}{pooled}, {}: {:.1} sigma {side} the model", outlier.column, outlier.sigma.abs())
 }
 
 /// The comparison in lines of text.

@@ -158,7 +158,7 @@ pub struct Outlier {
     pub row: usize,
     /// Column, e.g. `amplitude_rad`, or [`PHASE`].
     pub column: &'static str,
-    /// Residual in standard deviations.
+    /// Model minus measured, in standard deviations.
     pub sigma: f64,
 }
 

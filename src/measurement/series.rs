@@ -132,11 +132,33 @@ pub(super) fn group(list: &mut [Reading], arm: bool, notes: &mut Vec<String>) ->
 pub(super) fn sweeps(list: &[Reading]) -> (usize, bool) {
     let rows: Vec<usize> = (0..list.len()).collect();
     let passes = passes(list, &rows);
+    if is_in_no_order(list) && is_one_curve(list) {
+        return (1, true);
+    }
     let most = passes.iter().map(|pass| span(list, pass)).fold(0.0, f64::max);
     let told: Vec<&Vec<usize>> =
         passes.iter().filter(|pass| pass.len() >= SWEPT && span(list, pass) >= WAVERS * most).collect();
     let agree = told.windows(2).all(|pair| is_of_its_drive(list, pair[0], pair[1]));
     (told.len(), agree)
+}
+
+/// Whether the frequency turns at least half as often as in an order left to chance, in which two of three rows are a
+/// turning point (Bienaymé).
+fn is_in_no_order(list: &[Reading]) -> bool {
+    let turns =
+        |three: &[Reading]| (three[1].frequency - three[0].frequency) * (three[2].frequency - three[1].frequency) < 0.0;
+    list.len() > 2 * SWEPT && 3 * list.windows(3).filter(|three| turns(three)).count() >= list.len() - 2
+}
+
+/// Whether readings are mostly as large as those beside them along the frequency, as those of one drive are.
+fn is_one_curve(list: &[Reading]) -> bool {
+    let mut along: Vec<(f64, f64)> = list.iter().map(|one| (one.frequency, one.amplitude.ln())).collect();
+    along.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let off = |three: &[(f64, f64)]| {
+        let share = (three[1].0 - three[0].0) / (three[2].0 - three[0].0);
+        three[1].1 - three[0].1 - share * (three[2].1 - three[0].1)
+    };
+    spread(along.windows(3).map(off).filter(|off| off.is_finite()), 0.0) < 0.5 * LEVEL
 }
 
 /// Whether a sweep is as large as another where the two meet, or one goes on where the other ends: within what they
