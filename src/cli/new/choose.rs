@@ -20,10 +20,11 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
-/// The search that decides between so many kinds of readings: by what acts on the motion, or by what is read beside it.
-/// All of them together take a tenth of what a whole search may.
-fn short(kinds: usize, beside: bool) -> SearchOptions {
-    let brief = brief(beside);
+/// The search that decides between so many kinds of readings: by what acts on the motion. What is read beside it makes
+/// one kind of another, since an acceleration and a share of the drive are a displacement. All of them together take a
+/// tenth of what a whole search may.
+fn short(kinds: usize) -> SearchOptions {
+    let brief = brief(false);
     SearchOptions { max_effects: 2, budget: brief.budget / kinds.max(1) as u64, ..brief }
 }
 
@@ -79,28 +80,16 @@ impl Draft<'_> {
                 drafts.push((kind, text, scenario, thinned(table)));
             }
         }
+        let short = short(drafts.len());
+        let explained: Vec<Vec<Left>> = of_searches(global, drafts.len(), short.budget, |solved| {
+            drafts
+                .par_iter()
+                .zip(solved)
+                .map(|((.., scenario, table), solved)| Left::by(scenario, table, &short, solved))
+                .collect()
+        });
         let typical = |left: &Left| typical_of(&left.residuals);
-        let least_of = |all: &[Vec<Left>]| all.iter().flatten().map(typical).fold(f64::INFINITY, f64::min).powi(2);
-        let explained = |beside: bool| -> Vec<Vec<Left>> {
-            let short = short(drafts.len(), beside);
-            of_searches(global, drafts.len(), short.budget, |solved| {
-                drafts
-                    .par_iter()
-                    .zip(solved)
-                    .map(|((.., scenario, table), solved)| Left::by(scenario, table, &short, solved))
-                    .collect()
-            })
-        };
-        // What is read beside the motion comes last, since it makes one kind of another: an acceleration and a share of
-        // the drive are a displacement.
-        let mut explained_by = explained(false);
-        if least_of(&explained_by) > EXCESS {
-            let beside = explained(true);
-            if least_of(&beside) <= EXCESS {
-                explained_by = beside;
-            }
-        }
-        let (unit, explained) = (least_of(&explained_by), explained_by);
+        let unit = explained.iter().flatten().map(typical).fold(f64::INFINITY, f64::min).powi(2);
         let least = |all: &Vec<Left>| all.iter().map(|left| left.criterion(unit)).fold(f64::INFINITY, f64::min);
         // What explains nothing is no testimony against what the phase at resonance says.
         let first = drafts.first().map(|(kind, ..)| kind.order);
