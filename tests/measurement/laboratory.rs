@@ -459,9 +459,16 @@ fn sweeps_that_agree_are_of_one_drive() {
         assert!(refused.contains("holds 2 sweeps"), "{refused}");
     }
     // Rows in no order are one sweep where they are one curve.
-    let rows = (0..41).map(|n| 16 * n % 41).map(|n| row(0.5 + 0.01 * f64::from(n), 0.2));
-    let table = read(rows.collect()).unwrap_or_else(|error| panic!("{error}")).table;
-    assert_eq!((table.series.len(), table.points.len()), (1, 41));
+    let mut order: Vec<i32> = (0..61).collect();
+    order.sort_by_key(|n| (n * n * 25_214 + n * 31) % 65_537);
+    let shuffled = |other: f64| {
+        let drive = |n: i32| if n % 2 == 0 { 0.2 } else { other };
+        read(order.iter().map(|n| row(0.5 + 0.008 * f64::from(*n), drive(*n))).collect())
+    };
+    let table = shuffled(0.2).unwrap_or_else(|error| panic!("{error}")).table;
+    assert_eq!((table.series.len(), table.points.len()), (1, 61));
+    let refused = shuffled(0.4).expect_err("two drives").to_string();
+    assert!(refused.contains("holds 8 sweeps"), "{refused}");
 }
 
 #[test]
