@@ -246,6 +246,30 @@ fn what_is_read_beside_the_motion_decides_no_kind_of_reading() {
     assert!(text.contains("drive = \"U_0 [V]\""), "{text}");
 }
 
+/// The impedance of a loudspeaker is a velocity beside a share of the drive, its coil's resistance: nothing that acts on
+/// the motion makes that of a displacement or an acceleration.
+#[test]
+fn what_is_read_beside_the_motion_tells_a_velocity() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let csv = folder.path().join("speaker.csv");
+    let mut noise = noise(0.005);
+    let row = |row: i32| {
+        let frequency = 20.0 * 10f64.powf(f64::from(row) / 59.0);
+        let detuned = 7.0 * (frequency / 57.7 - 57.7 / frequency);
+        let (re, im) = (7.0 + 30.0 / (1.0 + detuned * detuned), -30.0 * detuned / (1.0 + detuned * detuned));
+        let amplitude = re.hypot(im) * (1.0 + noise());
+        format!("{frequency:.3},{amplitude:.4},{:.3}\n", (im.atan2(re) + noise()).to_degrees())
+    };
+    std::fs::write(&csv, format!("f [Hz],|Z| [Ohm],phase [deg]\n{}", (0..60).map(row).collect::<String>()))
+        .expect("a table");
+    let path = folder.path().join("speaker.toml");
+    new(&csv, &path);
+    let text = std::fs::read_to_string(&path).expect("written");
+    assert!(text.contains("reading per velocity"), "{text}");
+    let d = found(&path);
+    assert_eq!((d.verdict, d.explanation().hypothesis.label()), (Verdict::EffectMissing, "crosstalk".into()));
+}
+
 /// Twenty readings of a linear resonance by hand, with the deviations of
 /// the meter: what they really scatter by is nine times as much.
 #[test]

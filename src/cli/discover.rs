@@ -212,10 +212,12 @@ fn candidates(d: &Discovery, points: usize) -> Vec<String> {
     let mut lines = vec!["candidates:                       delta BIC  weight      chi2  left-out  from".into()];
     // What does no better than a smaller one that it contains says nothing of its own.
     let own = |c: &&Candidate| c.hypothesis.basis() != Basis::Contained;
-    let shown: Vec<&Candidate> = d.candidates.iter().filter(own).take(CANDIDATES).collect();
+    let shown: Vec<&Candidate> = d.leading(CANDIDATES).into_iter().filter(own).collect();
     lines.extend(shown.iter().map(|candidate| ranked(candidate, points)));
     if d.candidates.len() > shown.len() {
-        lines.push(format!("  and {} more (see --json)", d.candidates.len() - shown.len()));
+        let open = d.candidates.iter().filter(|c| c.is_open).count();
+        let open = if open > 0 { format!(", {open} estimated to do as well and not fitted") } else { String::new() };
+        lines.push(format!("  and {} more (see --json){open}", d.candidates.len() - shown.len()));
     }
     lines.push(LEGEND.into());
     lines

@@ -357,7 +357,8 @@ impl Search<'_> {
         });
         let best = all.first().map_or(0.0, |(h, _)| h.bic);
         // An estimate that was not allowed to be better has no share in the evidence: that was not looked at.
-        let evidence = |h: &Hypothesis| if full(h) || h.bic > least { (-0.5 * (h.bic - best)).exp() } else { 0.0 };
+        let is_open = |h: &Hypothesis| !full(h) && h.bic <= least;
+        let evidence = |h: &Hypothesis| if is_open(h) { 0.0 } else { (-0.5 * (h.bic - best)).exp() };
         let total: f64 = all.iter().map(|(h, _)| evidence(h)).sum();
         let weigh = |(rank, (mut hypothesis, testable)): (usize, (Hypothesis, bool))| {
             let step = steps.iter().find(|s| s.hypothesis.additions == hypothesis.additions);
@@ -375,6 +376,7 @@ impl Search<'_> {
             let is_rival = rank < RIVALS && hypothesis.estimate.is_none();
             Candidate {
                 delta_bic: (hypothesis.bic - best).max(0.0),
+                is_open: is_open(&hypothesis),
                 weight: evidence(&hypothesis) / total,
                 testable,
                 chi2_per_point: hypothesis.chi2() / self.readings() as f64,

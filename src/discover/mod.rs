@@ -115,6 +115,9 @@ pub struct Candidate {
     pub intervals: Vec<Interval>,
     /// Prediction of left-out conditions, for the leading ones.
     pub held_out: Option<HeldOut>,
+    /// Whether it has no place among the others: it was estimated to do at least as well as the best that was fitted, and
+    /// not fitted itself.
+    pub is_open: bool,
 }
 
 /// An effect that the data cannot show, and where it would show.
@@ -177,6 +180,12 @@ impl Discovery {
     pub fn next_worth(&self) -> Option<&NextMeasurement> {
         let open = |n: &&NextMeasurement| self.verdict != Verdict::NothingMissing && n.ruled_out_by.is_none();
         self.next_measurement.as_ref().filter(|n| n.decides() || open(n))
+    }
+
+    /// The candidates to be shown, in their order: the first so many that have a place, and the base.
+    pub fn leading(&self, most: usize) -> Vec<&Candidate> {
+        let placed = self.candidates.iter().filter(|c| !c.is_open).enumerate();
+        placed.filter(|(rank, c)| *rank < most || c.hypothesis.additions.is_empty()).map(|(_, c)| c).collect()
     }
 
     /// The last rung: the explanation, or the calibrated base.

@@ -3,7 +3,7 @@
 
 use super::frame::{DRIVES, Frame};
 use super::header::{self, Meaning};
-use super::likely::{is_deviation, is_setting};
+use super::likely::{deviates, is_deviation, is_setting};
 use super::names::{AMPLITUDE, DRIVE, FREQUENCY, LOAD, NUMBERS, PHASE, SERIES, SPEED, SWEEP};
 use super::parts::Parts;
 use super::samples;
@@ -63,7 +63,7 @@ pub(crate) fn layout(
     }
     // What else lacks is told without it.
     let filled: Vec<usize> = aside.iter().copied().filter(|index| !tallies[*index].is_zero()).collect();
-    let perhaps = perhaps_drive(sheet, frame, &filled);
+    let perhaps = perhaps_drive(sheet, frame, &filled, slots[AMPLITUDE].as_ref());
     // One setting is taken for all rows where the rig may be driven by a voltage.
     let may_be_held = frame.serving(DRIVE).contains(&"V") && sweep_values(DRIVE, sweep).is_empty();
     let drive_assumed = lacking.contains(&DRIVE) && may_be_held && perhaps.is_none();
@@ -92,8 +92,11 @@ fn is_recording(
     frame: &Frame<'_>,
     complaints: &mut Complaints<'_>,
 ) -> bool {
-    // A phase by that word has no meaning from sample to sample; a letter such as `phi` may be an angle.
+    // A phase by that word has no meaning from sample to sample; a letter such as `phi` may be an angle, a T a time.
     let of_state = |index: usize| match header::meaning(&sheet.headed(index), frame) {
+        Meaning::Alias(FREQUENCY, unit, _) if unit.is_of_periods() => {
+            !header::plain(&sheet.headed(index)).starts_with('t')
+        }
         Meaning::Column(column, ..) | Meaning::Alias(column, ..) | Meaning::Likely(column, _) if column == PHASE => {
             header::plain(&sheet.headed(index)).starts_with("phas")
         }
@@ -110,15 +113,23 @@ fn is_recording(
         && samples::refuse(sheet, complaints)
 }
 
-/// The column that may be the drive by its name or its unit, of those that are left and hold numbers.
-fn perhaps_drive(sheet: &Sheet, frame: &Frame<'_>, filled: &[usize]) -> Option<usize> {
+/// The column that may be the drive by its name, or by its unit where it is steadier than the reading, of those that are
+/// left and hold numbers.
+fn perhaps_drive(sheet: &Sheet, frame: &Frame<'_>, filled: &[usize], reading: Option<&Slot>) -> Option<usize> {
+    let is_steadier = |index: usize| match reading {
+        Some(Slot::Cells(reading, _)) => sheet.change(index) < sheet.change(*reading),
+        _ => true,
+    };
     let wanted = Wanted { possible: DRIVES, natural: None, share: false, per_drive: false };
     let may_be = |index: &usize| {
         let (name, bracket) = header::split(&sheet.header.cells[*index]);
         let near = [frame.standard(DRIVE), COLUMNS[DRIVE]].iter().any(|key| nearest(key, [name]).is_some());
         let own = header::plain(name);
-        let is_deviation = sheet.names().any(|of| is_deviation(&own, &of));
-        near || !is_deviation && !is_setting(&own) && bracket.is_some_and(|unit| wanted.unit(unit).is_ok())
+        let is_deviation = deviates(&own) || sheet.names().any(|of| is_deviation(&own, &of));
+        near || !is_deviation
+            && !is_setting(&own)
+            && is_steadier(*index)
+            && bracket.is_some_and(|unit| wanted.unit(unit).is_ok())
     };
     filled.iter().copied().find(may_be)
 }
@@ -251,6 +262,9 @@ fn missing(
     if !frame.is_free() {
         let keys = lacking.iter().map(|column| format!("{} = \"…\"", COLUMNS[*column])).collect();
         help += &format!(", or map those that there are: columns = {{ {} }}", join(keys));
+    }
+    if lacking.contains(&FREQUENCY) {
+        help += "; periods serve as well: period_s";
     }
     let fixed: Vec<usize> = lacking.iter().copied().filter(|column| *column <= DRIVE).collect();
     if !fixed.is_empty() && !frame.is_free() {

@@ -108,6 +108,10 @@ fn by_alias(header: &str, name: &str, bracket: Option<&str>, frame: &Frame<'_>) 
     let swings = |rest: &'_ str| ["_amplitude", "_ampl"].iter().find_map(|end| rest.strip_prefix(end).map(str::len));
     for alias in ALIASES {
         let Some(rest) = name.strip_prefix(alias.name) else { continue };
+        // A small t is a time.
+        if alias.name == "t" && !header.starts_with('T') {
+            continue;
+        }
         let rest = &rest[rest.len() - swings(rest).unwrap_or(rest.len())..];
         let possible = if alias.units.is_empty() { possible("", alias.column) } else { alias.units };
         let natural = frame.natural(alias.column).filter(|si| possible.contains(si));
@@ -130,7 +134,7 @@ fn by_alias(header: &str, name: &str, bracket: Option<&str>, frame: &Frame<'_>) 
                 Some(si) => of(Unit::of(si), false),
                 None => Some(Meaning::NoUnit(alias.column)),
             },
-            (rest, None) if alias.name.chars().count() > 1 || rest == "_hz" => {
+            (rest, None) if alias.name.chars().count() > 1 || matches!(rest, "_hz" | "_s") => {
                 let parts: Vec<&str> = rest.strip_prefix('_').map_or(Vec::new(), |tail| tail.split('_').collect());
                 suffix(&parts).find_map(|text| wanted.unit(&text).ok()).and_then(|unit| of(unit, true))
             }

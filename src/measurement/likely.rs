@@ -120,6 +120,12 @@ pub(crate) fn is_deviation(name: &str, of: &str) -> bool {
         })
 }
 
+/// Whether a name says that it is a deviation, of whatever.
+pub(crate) fn deviates(name: &str) -> bool {
+    // A letter may be anything.
+    name.split('_').any(|word| word.chars().count() > 1 && DEVIATES.contains(&word))
+}
+
 /// Words of a name without what says no more of the quantity, and without the unit behind them.
 fn quantity(mut words: Vec<&str>) -> Vec<&str> {
     words.retain(|word| !MEANS.contains(word) && !COUNTS.contains(word));

@@ -84,6 +84,7 @@ pub(crate) const ALIASES: &[Alias] = &[
     alias("angular_frequency", FREQUENCY, HERTZ, false),
     alias("kreisfrequenz", FREQUENCY, HERTZ, false),
     alias("period", FREQUENCY, SECOND, false),
+    alias("t", FREQUENCY, SECOND, false),
     alias("periodendauer", FREQUENCY, SECOND, false),
     alias("schwingungsdauer", FREQUENCY, SECOND, false),
     alias("periode", FREQUENCY, SECOND, false),

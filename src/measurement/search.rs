@@ -2,7 +2,7 @@
 
 use super::frame::{Frame, READINGS, kind};
 use super::header::{self, Meaning};
-use super::likely::{in_hertz, is_deviation, is_other, is_time};
+use super::likely::{in_hertz, is_deviation, is_other, is_setting, is_time};
 use super::names::{ALL, AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LAG, LOAD, NUMBERS, PHASE, PHASE_SD, SPEED};
 use super::parts::{Parts, parts};
 use super::sheet::{Complaints, Sheet, Tally};
@@ -207,9 +207,9 @@ impl Search<'_, '_> {
         if unstated[AMPLITUDE].is_empty() && !(self.frame.is_free() && self.bare(|name| name == "a").is_some()) {
             self.find_reading(with_speed);
         }
-        self.find_drive();
         self.find_phase();
         self.find_without_unit(unstated);
+        self.find_drive();
         self.find_deviations();
         for (index, column, why) in unsuited {
             if self.slots[column].is_none() && !self.told[column] {
@@ -300,7 +300,9 @@ impl Search<'_, '_> {
         };
         let (swings, others): (Vec<_>, Vec<_>) = all.iter().filter(serves).partition(|(index, ..)| whole(*index));
         let mut found: Vec<_> = others.into_iter().filter(|(_, name, _)| !is_other(name)).collect();
-        if found.is_empty() {
+        // Of what was measured for its own sake its deviation is stated.
+        let is_stated = |(_, name, _): &&(usize, String, Unit)| self.sheet.names().any(|own| is_deviation(&own, name));
+        if found.is_empty() || found.len() > 1 && swings.iter().any(is_stated) && !found.iter().any(is_stated) {
             found = swings;
         }
         if let ([one, other], false) = (&found[..], named(DRIVE)) {
@@ -327,23 +329,28 @@ impl Search<'_, '_> {
 
     /// The one column without a use and of no statistics whose unit fits.
     fn only(&self, fits: impl Fn(&Unit) -> bool) -> Option<(usize, Unit)> {
-        let is_plain = |name: &str| !is_other(name) && !self.sheet.names().any(|of| is_deviation(name, &of));
+        let is_plain =
+            |name: &str| !is_other(name) && !is_setting(name) && !self.sheet.names().any(|of| is_deviation(name, &of));
         let mut all = self.unnamed().into_iter().filter(|(_, name, unit)| fits(unit) && is_plain(name));
         let (index, _, unit) = all.next()?;
         all.next().is_none().then_some((index, unit))
     }
 
-    /// The drive by its unit alone: one voltage beside a reading that is none, unless it follows that as the signal of
-    /// its sensor.
+    /// The drive by its unit alone: one voltage beside a reading that is none, unless it follows that as the signal of its
+    /// sensor; beside a voltage, or what states no unit, one that is held from row to row.
     fn find_drive(&mut self) {
         let Some(Slot::Cells(reading, read)) = &self.slots[AMPLITUDE] else { return };
         let driven = self.slots[DRIVE].is_some() || self.told[DRIVE];
-        if driven || read.is_voltage() || !self.frame.serving(DRIVE).contains(&"V") {
+        if driven || !self.frame.serving(DRIVE).contains(&"V") {
             return;
         }
         if let Some((index, unit)) = self.only(Unit::is_voltage)
             && !self.sheet.follows(index, *reading)
+            && (!read.is_voltage() || self.frame.is_free() && self.sheet.change(index) == 0.0)
         {
+            if read.is_voltage() {
+                self.choices.push((COLUMNS[DRIVE].into(), self.sheet.header.cells[index].clone()));
+            }
             let likely = vec![Candidate { index, unit, stated: true }];
             self.choose_alias(DRIVE, likely, true);
         }
@@ -481,6 +488,10 @@ impl Search<'_, '_> {
         }
         if self.frame.is_free() {
             self.keep_likeliest(column, &mut candidates);
+        }
+        // A time beside a frequency is another one than its period.
+        if candidates.iter().any(|candidate| !candidate.unit.is_of_periods()) {
+            candidates.retain(|candidate| !candidate.unit.is_of_periods());
         }
         if let (FREQUENCY, true, [first, other]) = (column, self.frame.is_free(), &candidates[..]) {
             // Both channels of an oscilloscope tell it.

@@ -294,17 +294,20 @@ fn is_interleaved(list: &[Reading], rows: &[usize], levels: usize) -> bool {
     runs > 3 * levels
 }
 
-/// Whether rows at several levels are one sweep in which the drive was read with few digits, or was another at single
-/// readings.
+/// Whether rows at several levels are one sweep in which the drive was read with few digits, sagged, or was another at
+/// single readings.
 fn is_one_sweep(list: &[Reading], rows: &[usize], levels: &[Vec<usize>]) -> bool {
     let count = levels.len();
+    let is_one_pass = passes(list, rows).len() == 1;
     let wavers = || {
-        let mut held = levels.iter().filter(|level| level.len() >= SEVERAL);
-        let (Some(held), None) = (held.next(), held.next()) else { return false };
-        rows.iter().all(|row| (list[*row].drive / list[held[0]].drive).ln().abs() < LEVEL)
+        let held: Vec<&Vec<usize>> = levels.iter().filter(|level| level.len() >= SEVERAL).collect();
+        let drive = |row: usize| list[row].drive;
+        let is_near = |level: &[usize]| rows.iter().all(|row| (drive(*row) / drive(level[0])).ln().abs() < LEVEL);
+        let is_held = if is_one_pass { !held.is_empty() } else { held.len() == 1 };
+        is_held && held.iter().all(|level| is_near(level))
     };
     let uneven = count > SEVERAL && !is_interleaved(list, rows, count) || count > 1 && wavers();
-    uneven && (passes(list, rows).len() == 1 || frequencies(list, rows) == rows.len())
+    uneven && (is_one_pass || frequencies(list, rows) == rows.len())
 }
 
 /// How far the frequency goes within some rows \[Hz\].

@@ -92,6 +92,11 @@ impl Unit {
         Self { si: "Hz", reciprocal: true, ..self }
     }
 
+    /// Whether its numbers are periods.
+    pub fn is_of_periods(&self) -> bool {
+        self.reciprocal
+    }
+
     /// The same quantity in another unit.
     pub fn spelt(self, text: &str) -> Self {
         Self { text: text.into(), ..self }

@@ -44,6 +44,7 @@ pub fn discovery_view(d: &Discovery, figures: &[FigureInput]) -> DiscoveryView {
     let views: Vec<FigureView> = figures.iter().map(|input| figure(id, input)).collect();
     let (first, more) = views.into_iter().partition(|view| FIRST.contains(&view.name.as_str()));
     let words = |(p, i)| super::view::FittedView { meaning: identified(p, i).into(), ..fitted(p, i) };
+    let leading = d.leading(CANDIDATES);
     DiscoveryView {
         anchor: anchor::discovery(id),
         verdict: Found::of(d.verdict),
@@ -59,13 +60,8 @@ pub fn discovery_view(d: &Discovery, figures: &[FigureInput]) -> DiscoveryView {
         steps: d.steps.iter().map(step).collect(),
         parameters: c.fit.parameters.iter().zip(&c.intervals).map(words).collect(),
         ties: d.correlations.iter().map(tie).collect(),
-        candidates: d
-            .candidates
-            .iter()
-            .take(CANDIDATES)
-            .map(|c| candidate(c, end.comparison.table.points.len()))
-            .collect(),
-        more_candidates: d.candidates.len().saturating_sub(CANDIDATES),
+        candidates: leading.iter().map(|c| candidate(c, end.comparison.table.points.len())).collect(),
+        more_candidates: d.candidates.len() - leading.len(),
         indistinguishable: d.indistinguishable.iter().map(|group| group.join(", ")).collect(),
         not_testable: d.not_testable.iter().map(not_testable).collect(),
         outliers: d.outliers.iter().take(OUTLIERS).map(outlier).collect(),

@@ -96,6 +96,44 @@ fn what_states_no_unit_is_of_the_unit_that_stands_for_it() {
     assert_eq!(of("f [Hz],drive_n,ampl").0, ("N", "V"));
 }
 
+/// A generator that sags where the rig takes most, read with two digits: one sweep, each reading by its own drive. Levels
+/// that are swept after each other are several.
+#[test]
+fn a_drive_that_sags_on_the_way_is_one_sweep() {
+    let drives = [2.9, 3.0, 3.0, 3.0, 2.9, 2.8, 2.8, 2.9, 2.9, 2.9, 2.9, 2.9];
+    let reading = |i: usize| 2.0 / (1.0 + (i as f64 - 6.0).powi(2) / 8.0);
+    let row = |(i, drive): (usize, &f64)| format!("{},{drive},{:.2}\n", 80 + i, reading(i));
+    let sagging: String = drives.iter().enumerate().map(row).collect();
+    let series = |rows: &str| {
+        let seen = survey("t.csv", &format!("f (Hz),drive (V),ampl (V)\n{rows}"));
+        seen.unwrap_or_else(|error| panic!("{error}")).table.series.len()
+    };
+    assert_eq!(series(&sagging), 1);
+    let sweep = |drive: f64| (0..12).map(move |i| row((i, &drive))).collect::<String>();
+    assert_eq!(series(&[sweep(2.8), sweep(3.0), sweep(3.2)].concat()), 3);
+}
+
+/// Heights of a Lissajous figure stand beside the voltage that was measured, and the voltage of a generator beside an
+/// amplitude in divisions of a scale.
+#[test]
+fn the_reading_is_what_a_deviation_is_stated_of_and_the_drive_what_is_held() {
+    let of = |header: &str, row: &dyn Fn(f64) -> String| {
+        let text: String = (0..12).map(|i| row(f64::from(i)) + "\n").collect();
+        let seen = survey("t.csv", &format!("{header}\n{text}")).unwrap_or_else(|error| panic!("{error}"));
+        let columns = seen.columns.iter().filter_map(|c| Some((c.key?, c.header.clone())));
+        columns.collect::<Vec<_>>()
+    };
+    let voltage = |i: f64| 2.0 / (1.0 + (i - 6.0).powi(2) / 8.0);
+    let read = of("f (Hz),peak-to-peak voltage (V),unc voltage (V),y0 (V),y1 (V),unc y (V)", &|i| {
+        format!("{},{:.2},0.05,{:.2},{:.2},0.05", 80.0 + i, voltage(i), voltage(i), 0.3 + 0.1 * (i * i % 7.0))
+    });
+    let is = |key: &str, header: &str| read.iter().any(|(k, h)| *k == key && h == header);
+    assert!(is("amplitude", "peak-to-peak voltage (V)") && is("amplitude_sd", "unc voltage (V)"), "{read:?}");
+    assert!(!read.iter().any(|(key, _)| *key == "drive"), "{read:?}");
+    let read = of("U (V),f (Hz),amplitude", &|i| format!("4,{},{:.2}", 80.0 + i, voltage(i)));
+    assert!(read.contains(&("drive", "U (V)".to_string())), "{read:?}");
+}
+
 #[test]
 fn spectra_periods_and_complex_numbers_are_read_as_their_programs_write_them() {
     let read = |text: &str| survey("t.csv", text).unwrap_or_else(|error| panic!("{error}")).table;
@@ -117,7 +155,13 @@ fn spectra_periods_and_complex_numbers_are_read_as_their_programs_write_them() {
     same(&read(&text("Frequency (Hz),x (Real) [mm],x (Imag) [mm]", &|f| {
         format!("{f},{:e},{:e}", polar(f).0, polar(f).1)
     })));
-    same(&read(&text("Period (s),x (mm)", &|f| format!("{:e},{}", 1.0 / f, f / 50.0))));
+    for header in ["Period (s),x (mm)", "T (s),x (mm)", "T/s,x/mm", "T_s,x (mm)"] {
+        same(&read(&text(header, &|f| format!("{:e},{}", 1.0 / f, f / 50.0))));
+    }
+    // Beside a frequency it is something else, and so are times that grow evenly.
+    same(&read(&text("T (s),f (Hz),x (mm)", &|f| format!("{},{f},{}", 3.0 * f, f / 50.0))));
+    let recording = survey("t.csv", &text("T (s),U (V)", &|f| format!("{},{}", 0.1 * f, f / 50.0)));
+    assert!(recording.expect_err("refused").contains("samples in time"));
     let per_second = |f: f64| format!("{:e},{}", std::f64::consts::TAU * f, f / 50.0);
     same(&read(&text("ω [1/s],x (mm)", &per_second)));
     let spectrum = read(&text("f (Hz),x (mm)\n0,7", &|f| format!("{f},{}", f / 50.0)));

@@ -20,11 +20,10 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
-/// The search that decides between so many kinds of readings: by what acts on the motion. What is read beside it makes
-/// one kind of another, since an acceleration and a share of the drive are a displacement. All of them together take a
-/// tenth of what a whole search may.
-fn short(kinds: usize) -> SearchOptions {
-    let brief = brief(false);
+/// The search that decides between so many kinds of readings: by what acts on the motion, or by what is read beside it.
+/// All of them together take a tenth of what a whole search may.
+fn short(kinds: usize, beside: bool) -> SearchOptions {
+    let brief = brief(beside);
     SearchOptions { max_effects: 2, budget: brief.budget / kinds.max(1) as u64, ..brief }
 }
 
@@ -62,6 +61,43 @@ impl Left {
     }
 }
 
+/// A kind of rig and reading, the scenario of it, and its readings.
+type Drafted = (Kind, String, Scenario, Table);
+
+/// The mean square of what the best of the drafts leaves of the readings, and the criterion of each by it: by what acts on
+/// the motion, or, where that explains the readings in no draft, by what is read beside it where that does. Such makes one
+/// kind of another: an acceleration and a share of the drive are a displacement. By it the two count as one kind.
+fn weighed(drafts: &[Drafted], global: &Global) -> (f64, Vec<f64>) {
+    let left = |beside: bool| -> Vec<Vec<Left>> {
+        let short = short(drafts.len(), beside);
+        of_searches(global, drafts.len(), short.budget, |solved| {
+            let each = drafts.par_iter().zip(solved);
+            each.map(|((.., scenario, table), solved)| Left::by(scenario, table, &short, solved)).collect()
+        })
+    };
+    let typical = |left: &Left| typical_of(&left.residuals);
+    let least = |all: &[Vec<Left>]| all.iter().flatten().map(typical).fold(f64::INFINITY, f64::min).powi(2);
+    let of_each = |all: &[Vec<Left>], unit: f64| -> Vec<f64> {
+        let least = |all: &Vec<Left>| all.iter().map(|left| left.criterion(unit)).fold(f64::INFINITY, f64::min);
+        all.iter().map(least).collect()
+    };
+    let acting = left(false);
+    let unit = least(&acting);
+    if unit > EXCESS {
+        let beside = left(true);
+        let unit = least(&beside);
+        if unit <= EXCESS {
+            let own = of_each(&beside, unit);
+            let of_class = |kind: &Kind| {
+                let class = drafts.iter().zip(&own).filter(|((other, ..), _)| kind.order % 2 == other.order % 2);
+                class.map(|(_, own)| *own).fold(f64::INFINITY, f64::min)
+            };
+            return (unit, drafts.iter().map(|(kind, ..)| of_class(kind)).collect());
+        }
+    }
+    (unit, of_each(&acting, unit))
+}
+
 impl Draft<'_> {
     /// The scenario that explains the readings best with what it lacks, and what was chosen between, in words: of a
     /// reading in volts it is not said whether it is of displacement, velocity or acceleration, of a rig on a moving
@@ -80,22 +116,11 @@ impl Draft<'_> {
                 drafts.push((kind, text, scenario, thinned(table)));
             }
         }
-        let short = short(drafts.len());
-        let explained: Vec<Vec<Left>> = of_searches(global, drafts.len(), short.budget, |solved| {
-            drafts
-                .par_iter()
-                .zip(solved)
-                .map(|((.., scenario, table), solved)| Left::by(scenario, table, &short, solved))
-                .collect()
-        });
-        let typical = |left: &Left| typical_of(&left.residuals);
-        let unit = explained.iter().flatten().map(typical).fold(f64::INFINITY, f64::min).powi(2);
-        let least = |all: &Vec<Left>| all.iter().map(|left| left.criterion(unit)).fold(f64::INFINITY, f64::min);
+        let (unit, mut criteria) = weighed(&drafts, global);
         // What explains nothing is no testimony against what the phase at resonance says.
         let first = drafts.first().map(|(kind, ..)| kind.order);
         let by_phase = unit > EXCESS && self.resonance.phase.is_some();
         let eligible = |at: usize| !by_phase || Some(drafts[at].0.order) == first;
-        let mut criteria: Vec<f64> = explained.iter().map(least).collect();
         let better = |best: usize, at: usize| eligible(at) && criteria[at] + MARGIN < criteria[best];
         let best = (1..criteria.len()).fold(0, |best, at| if better(best, at) { at } else { best });
         let (kind, text, ..) = drafts.remove(best);

@@ -113,7 +113,8 @@ fn resolving(quality: f64) -> usize {
 }
 
 /// Steps of the response per drive between neighbours along the frequency that are far larger, and far steeper, than
-/// the steps about them, which do not take them back: of readings that lie in groups the steps between these are large.
+/// the steps about them, which do not take them back: of readings that lie in groups the steps between these are large. A
+/// first or a last reading alone may be an outlier as well.
 fn jumps(points: &[&Point]) -> usize {
     let response = |p: &Point| p.amplitude / p.drive;
     let step = |pair: &[&Point]| (response(pair[1]) / response(pair[0])).ln();
@@ -129,5 +130,5 @@ fn jumps(points: &[&Point]) -> usize {
         let steep = step * over > JUMP.0 * about * apart(i);
         steep && step > JUMP.0 * largest && step > JUMP.1 * noise && 2.0 * kept > step
     };
-    (0..steps.len()).filter(|&i| is_jump(i)).count()
+    (1..steps.len().saturating_sub(1)).filter(|&i| is_jump(i)).count()
 }

@@ -40,12 +40,6 @@ fn title_of(c: &Candidate) -> String {
     if c.hypothesis.additions.is_empty() { "nothing (base)".into() } else { c.hypothesis.label() }
 }
 
-/// The leading candidates and the base, in their order.
-fn shown(d: &Discovery) -> Vec<&Candidate> {
-    let wanted = |(rank, c): &(usize, &Candidate)| *rank < MOST || c.hypothesis.additions.is_empty();
-    d.candidates.iter().enumerate().filter(wanted).map(|(_, c)| c).collect()
-}
-
 /// Place on the axis: linear within the margin, logarithmic beyond.
 fn place(delta: f64) -> f64 {
     (delta.max(0.0) / MARGIN).asinh()
@@ -140,7 +134,7 @@ fn csv(d: &Discovery) -> String {
         "shown",
     ];
     let mut table = Table::new(&header);
-    let shown = shown(d);
+    let shown = d.leading(MOST);
     for c in &d.candidates {
         let held_out = c.held_out.map_or(f64::NAN, |h| h.rms_percent);
         let words = |yes: bool| if yes { "yes" } else { "no" }.to_string();
@@ -170,11 +164,11 @@ impl Figure<Discovery> for Ranking {
     }
 
     fn draw(&self, discovery: &Discovery) -> Result<Drawing, FigureError> {
-        let shown = shown(discovery);
+        let shown = discovery.leading(MOST);
         if shown.len() < 2 {
             return Err(FigureError::missing(self.name(), "a second candidate"));
         }
-        let tied = discovery.candidates.iter().filter(|c| c.delta_bic <= MARGIN).count();
+        let tied = discovery.candidates.iter().filter(|c| !c.is_open && c.delta_bic <= MARGIN).count();
         let second = shown.iter().map(|c| c.delta_bic).find(|delta| *delta > MARGIN);
         let alt = format!(
             "Horizontal bars, {}: how far each is behind the best by BIC, on a scale that is linear below \
