@@ -1,6 +1,6 @@
 //! Moving the free parameters of a scenario to where its model fits best.
 
-use super::{Label, Outlier, Setting};
+use super::{Label, Outlier, STATES, Setting};
 use crate::fit::resonance;
 use crate::fit::{CONVERGED, Fit, Parameter, Problem, Settings, TAIL, minimise, parameter, robust_chi2, typical_of};
 use crate::measurement::{Point, Series, Table};
@@ -100,10 +100,13 @@ pub fn problem<'a>(
 pub fn calibrate(model: &Model, keys: &[String], points: &[Point], tolerance: Tolerance, seed: u32) -> Calibration {
     let operations: Vec<(Operation, f64)> = points.iter().map(|p| (crate::fit::operation(p), p.amplitude)).collect();
     let model = model.clone().scaled_at(&operations);
-    let mut best = calibrate_about(&model, keys, points, tolerance, (seed, u64::MAX));
+    let about = |model: &Model, spent: u64| {
+        calibrate_about(model, keys, points, tolerance, (seed, STATES.saturating_sub(spent)))
+    };
+    let mut best = about(&model, 0);
     let started = resonance::started(&model, keys, points).map(|model| model.scaled_at(&operations));
     let mut solved = best.solved;
-    if let Some(other) = started.map(|model| calibrate_about(&model, keys, points, tolerance, (seed, u64::MAX))) {
+    if let Some(other) = started.map(|model| about(&model, solved)) {
         solved += other.solved;
         if other.fit.objective < best.fit.objective {
             best = other;
@@ -112,7 +115,7 @@ pub fn calibrate(model: &Model, keys: &[String], points: &[Point], tolerance: To
     for _ in 0..RESTARTS {
         // A contact that leaves its range has left the motion: what it does beyond is nothing that a search could start
         // from.
-        if best.at_bounds().iter().all(|key| key.starts_with("contact.")) {
+        if solved >= STATES || best.at_bounds().iter().all(|key| key.starts_with("contact.")) {
             break;
         }
         let there = problem(&best.base, keys, [], tolerance).model(&best.fit.values).scaled_at(&operations);
@@ -120,7 +123,7 @@ pub fn calibrate(model: &Model, keys: &[String], points: &[Point], tolerance: To
         if resonance::left_readings(&there, points).is_some() {
             break;
         }
-        let other = calibrate_about(&there, keys, points, tolerance, (seed, u64::MAX));
+        let other = about(&there, solved);
         solved += other.solved;
         // Of a number that the data do not determine any value does.
         if other.fit.objective > best.fit.objective * (1.0 - LOWER) {

@@ -102,7 +102,7 @@ fn conclude(
     seed: u32,
 ) -> Change {
     let calibration = calibrate(&model, keys, &table.points, Tolerance::default(), seed);
-    let after = compare::judge(scenario, table, &calibration, Some(compare::PROFILES));
+    let after = compare::judge(scenario, table, &calibration, Some(compare::STATES));
     let unit = before.unit().min(after.unit());
     let criterion = |c: &Comparison| c.fit.schwarz(unit, c.overall.readings, table.freedom);
     let gain = criterion(&before) - criterion(&after);

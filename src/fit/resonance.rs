@@ -290,7 +290,10 @@ pub fn astray(model: &Model, points: &[Point]) -> Option<((f64, f64), Resonance)
     let seen = of_all(points, model.signals.reading.order)?;
     let shift = (own.0 - seen.frequency).abs() / (seen.frequency / seen.quality);
     let sharper = (own.1 / seen.quality).ln().abs();
-    let is_astray = seen.spanned && !seen.is_overdamped() && !(shift < ASTRAY && sharper < ASTRAY.ln());
+    // Beyond the readings a width is enough.
+    let beyond = |f: f64| points.iter().all(|p| p.frequency < f) || points.iter().all(|p| p.frequency > f);
+    let near = if beyond(own.0) { 1.0 } else { ASTRAY };
+    let is_astray = seen.spanned && !seen.is_overdamped() && !(shift < near && sharper < ASTRAY.ln());
     is_astray.then_some((own, seen))
 }
 
