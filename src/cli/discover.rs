@@ -211,8 +211,8 @@ fn ladder(d: &Discovery, c: &Comparison) -> Vec<String> {
 fn candidates(d: &Discovery, points: usize) -> Vec<String> {
     let mut lines = vec!["candidates:                       delta BIC  weight      chi2  left-out  from".into()];
     // What does no better than a smaller one that it contains says nothing of its own.
-    let own = |c: &&Candidate| c.hypothesis.basis() != Basis::Contained;
-    let shown: Vec<&Candidate> = d.leading(CANDIDATES).into_iter().filter(own).collect();
+    let own = |c: &Candidate| c.hypothesis.basis() != Basis::Contained;
+    let shown = d.leading(CANDIDATES, own);
     lines.extend(shown.iter().map(|candidate| ranked(candidate, points)));
     if d.candidates.len() > shown.len() {
         let open = d.candidates.iter().filter(|c| c.is_open).count();

@@ -53,8 +53,13 @@ pub(super) fn budget(
     let stands_out = |p: &&Compared| outliers.iter().any(|o| o.row == p.point.row && !o.is_phase());
     let errors = usable.iter().copied().filter(stands_out).map(|p| p.error_percent().powi(2));
     let thrown = errors.sum::<f64>() / usable.len().max(1) as f64;
+    // Where the noise does not grow with the reading, small ones that came out smaller yet make up most of the error: their
+    // squares are noise as far as those in standard deviations are.
+    let kept = usable.iter().copied().filter(|p| !stands_out(p));
+    let residuals = kept.clone().map(|p| p.amplitude_residual.powi(2)).sum::<f64>() / kept.count().max(1) as f64;
+    let share = (scatter * scatter / residuals).min(1.0);
     // Residuals may by chance be smaller than the stated noise.
-    let noise = (scatter * overall.noise_percent).powi(2) + thrown;
+    let noise = (scatter * overall.noise_percent).powi(2).max(share * (total * total - thrown)) + thrown;
     let noise = noise.min(total * total - numerical * numerical).max(0.0).sqrt();
     let model = (total * total - numerical * numerical - noise * noise).max(0.0).sqrt();
     let numerical = if compared { numerical } else { f64::NAN };

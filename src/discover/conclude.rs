@@ -62,6 +62,26 @@ fn beyond_prediction(steps: &mut Vec<Step>) -> Option<String> {
     first
 }
 
+/// Takes off all additions where neither testimony for them holds: what the calibration leaves has no structure, by a test
+/// that could have found some, and series that are left out are predicted no better with them. Noise that is larger at
+/// some readings than at others, as where the frequency wavers on a flank, makes laws significant that follow it. Tells
+/// what was taken off, and why. A drift, which no other series predicts, is told by what is left alone.
+fn beyond_testimony(steps: &mut Vec<Step>) -> Option<String> {
+    let [base, .., end] = &steps[..] else { return None };
+    let white = &base.comparison.whiteness;
+    let of_each_series = end.hypothesis.additions.iter().any(|addition| addition.name() == "drift");
+    let (with, without) = (end.held_out?.chi2_per_point, base.held_out?.chi2_per_point);
+    if white.structured || !white.testable || of_each_series || with < without {
+        return None;
+    }
+    let label = end.hypothesis.label();
+    steps.truncate(1);
+    Some(format!(
+        "what the calibrated model leaves has no structure, and series that are left out are predicted no better with {label}: \
+         chi2 {with:.2} there, {without:.2} without it"
+    ))
+}
+
 fn chi2(step: &Step) -> f64 {
     step.comparison.overall.chi2_per_point
 }
@@ -124,6 +144,17 @@ fn of_named(chosen: &Hypothesis) -> Vec<String> {
     });
     let mut notes: Vec<String> =
         named.map(|effect| format!("of {}: {}", effect.name(), effect.impersonator())).collect();
+    if chosen.effects().len() > 1 {
+        notes.push(
+            "of effects together: one law that the catalogue does not have may look like them; numbers that are tied or cancel \
+             each other are a sign"
+                .into(),
+        );
+    }
+    let ends = chosen.fit.parameters.iter().zip(&chosen.fit.values);
+    notes.extend(ends.filter(|(p, value)| p.key.starts_with("effect.") && p.at_bound(**value)).map(|(p, _)| {
+        format!("{} is at the bound of its range: unless that is where its law ends, another law does the same", p.key)
+    }));
     let hidden = (0..chosen.model.effects.len()).filter(|&index| chosen.model.hides_sign(index));
     for (effect, _) in hidden.map(|index| &chosen.model.effects[index]) {
         notes.extend(effect.parameters().iter().map(|info| {
@@ -216,7 +247,9 @@ impl Search<'_> {
         let unit = self.unit(chosen);
         let showing = self.showing(chosen, known);
         let candidates = self.rank(&steps, (known, &showing), ties, unit);
-        let further = if self.structured(chosen) { beyond_prediction(&mut steps) } else { None };
+        let is_explained = !self.structured(chosen);
+        let further = if is_explained { beyond_testimony(&mut steps) } else { beyond_prediction(&mut steps) };
+        let ties = if is_explained && further.is_some() { &[] } else { ties };
         let end = &steps[steps.len() - 1];
         let verdict = verdict(&evidence(&steps[0], end, self.table.points.len()));
         let tied = || ties.iter().filter(|tied| tied.len() > 1);

@@ -182,9 +182,9 @@ impl Discovery {
         self.next_measurement.as_ref().filter(|n| n.decides() || open(n))
     }
 
-    /// The candidates to be shown, in their order: the first so many that have a place, and the base.
-    pub fn leading(&self, most: usize) -> Vec<&Candidate> {
-        let placed = self.candidates.iter().filter(|c| !c.is_open).enumerate();
+    /// The candidates to be shown, in their order: the first so many that have a place and are wanted, and the base.
+    pub fn leading(&self, most: usize, is_wanted: impl Fn(&Candidate) -> bool) -> Vec<&Candidate> {
+        let placed = self.candidates.iter().filter(|c| !c.is_open && is_wanted(c)).enumerate();
         placed.filter(|(rank, c)| *rank < most || c.hypothesis.additions.is_empty()).map(|(_, c)| c).collect()
     }
 

@@ -32,7 +32,8 @@ impl Effect for Clearance {
          corner at the amplitude g, and towards the frequency of the stiffness K + k_g."
     }
     fn impersonator(&self) -> &'static str {
-        "with few drive levels a cubic or a quintic stiffness: its amplitudes below g, which do not bend at all, tell"
+        "with few drive levels a cubic or a quintic stiffness: its amplitudes below g, which do not bend at all, tell; a stop \
+         on one side alone, about twice as stiff, does nearly the same to the fundamental"
     }
     fn zero(&self) -> &'static [Zero] {
         &[Zero { parameter: 0, value: 0.0 }]

@@ -68,7 +68,24 @@ pub fn resonance(points: &[&Point], order: u8) -> Option<Resonance> {
         usable.iter().map(|p| (p.frequency / usable[0].frequency - 1.0, response(p))).collect();
     let shows = |(left, resonance): &(f64, Resonance)| resonance.spanned && floor::is_no_parabola(&responses, *left);
     let shown = alone.filter(shows).map(|(_, resonance)| resonance);
-    shown.or_else(|| floor::on_floor(&usable, order)).or(alone.map(|(_, resonance)| resonance))
+    match shown {
+        Some(resonance) if !resonance.is_overdamped() => Some(resonance),
+        Some(resonance) => by_amplitudes(&usable, order).or(Some(resonance)),
+        None => {
+            let other = floor::on_floor(&usable, order).or_else(|| by_amplitudes(&usable, order));
+            other.or(alone.map(|(_, resonance)| resonance))
+        }
+    }
+}
+
+/// The resonance that the amplitudes show among them, whatever the phases beside them are: these may be folded, or in
+/// another unit than is said.
+fn by_amplitudes(usable: &[&Point], order: u8) -> Option<Resonance> {
+    if usable.iter().all(|p| p.phase.is_none()) {
+        return None;
+    }
+    let amplitudes: Vec<Point> = usable.iter().map(|p| Point { phase: None, ..(*p).clone() }).collect();
+    resonance(&amplitudes.iter().collect::<Vec<_>>(), order).filter(|r| r.spanned && !r.is_overdamped())
 }
 
 /// Squares that a resonance leaves of the responses, at the size that leaves least.

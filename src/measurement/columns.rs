@@ -4,7 +4,7 @@
 use super::frame::{DRIVES, Frame};
 use super::header::{self, Meaning};
 use super::likely::{deviates, is_deviation, is_setting};
-use super::names::{AMPLITUDE, DRIVE, FREQUENCY, LOAD, NUMBERS, PHASE, SERIES, SPEED, SWEEP};
+use super::names::{ALIASES, AMPLITUDE, DRIVE, FREQUENCY, LOAD, NAMES, NUMBERS, PHASE, SERIES, SPEED, SWEEP};
 use super::parts::Parts;
 use super::samples;
 use super::search::{Found, Slot, column_of, search};
@@ -113,11 +113,11 @@ fn is_recording(
         && samples::refuse(sheet, complaints)
 }
 
-/// The column that may be the drive by its name, or by its unit where it is steadier than the reading, of those that are
-/// left and hold numbers.
+/// The column that may be the drive by its name or its unit, of those that are left and hold numbers; beside a voltage
+/// that is read one that is steadier.
 fn perhaps_drive(sheet: &Sheet, frame: &Frame<'_>, filled: &[usize], reading: Option<&Slot>) -> Option<usize> {
     let is_steadier = |index: usize| match reading {
-        Some(Slot::Cells(reading, _)) => sheet.change(index) < sheet.change(*reading),
+        Some(Slot::Cells(reading, unit)) if unit.is_voltage() => sheet.change(index) < sheet.change(*reading),
         _ => true,
     };
     let wanted = Wanted { possible: DRIVES, natural: None, share: false, per_drive: false };
@@ -125,11 +125,16 @@ fn perhaps_drive(sheet: &Sheet, frame: &Frame<'_>, filled: &[usize], reading: Op
         let (name, bracket) = header::split(&sheet.header.cells[*index]);
         let near = [frame.standard(DRIVE), COLUMNS[DRIVE]].iter().any(|key| nearest(key, [name]).is_some());
         let own = header::plain(name);
+        // A drive by its name, in a unit that is not known.
+        let is_unread = bracket.is_some_and(|unit| !is_unit(unit));
+        let is_named = ALIASES.iter().any(|alias| alias.column == DRIVE && alias.name == own)
+            || NAMES.iter().any(|(name, column)| *column == DRIVE && *name == own);
         let is_deviation = deviates(&own) || sheet.names().any(|of| is_deviation(&own, &of));
-        near || !is_deviation
-            && !is_setting(&own)
-            && is_steadier(*index)
-            && bracket.is_some_and(|unit| wanted.unit(unit).is_ok())
+        near || is_named && is_unread
+            || !is_deviation
+                && !is_setting(&own)
+                && is_steadier(*index)
+                && bracket.is_some_and(|unit| wanted.unit(unit).is_ok())
     };
     filled.iter().copied().find(may_be)
 }
@@ -253,18 +258,15 @@ fn missing(
     let label = if near.is_empty() { "the columns that there are".to_string() } else { near.join(" ") };
     let join = |list: Vec<String>| list.join(", ");
     let other = match (frame.has_contact(), frame.is_arm()) {
-        (_, true) => "speed_mm_s, drive_um, amplitude_urad, …",
-        (true, _) => "speed_mm_s, force_mn, amplitude_um, amplitude_v, …",
-        _ => "force_mn, drive_g, amplitude_um, amplitude_v, …",
+        (_, true) => "speed_mm_s, drive_um, period_s, amplitude_urad, …",
+        (true, _) => "speed_mm_s, force_mn, period_s, amplitude_um, amplitude_v, …",
+        _ => "force_mn, drive_g, period_s, amplitude_um, amplitude_v, …",
     };
     let standard = join(lacking.iter().map(|column| frame.standard(*column).to_string()).collect());
     let mut help = format!("name columns {standard} (other units: {other})");
     if !frame.is_free() {
         let keys = lacking.iter().map(|column| format!("{} = \"…\"", COLUMNS[*column])).collect();
         help += &format!(", or map those that there are: columns = {{ {} }}", join(keys));
-    }
-    if lacking.contains(&FREQUENCY) {
-        help += "; periods serve as well: period_s";
     }
     let fixed: Vec<usize> = lacking.iter().copied().filter(|column| *column <= DRIVE).collect();
     if !fixed.is_empty() && !frame.is_free() {

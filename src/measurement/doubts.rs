@@ -2,6 +2,7 @@
 
 use super::Point;
 use crate::statistics::{is_curve, median, wrap};
+use std::f64::consts::TAU;
 
 /// Points of a curve whose phases tell which way they turn, at least, and by how much they turn, at least \[rad\].
 const TURNING: (usize, f64) = (6, 0.5);
@@ -31,6 +32,11 @@ pub(super) fn doubts(points: &[Point], arm: bool) -> Vec<String> {
             "the phases rise with the frequency, where those of an {} that is driven fall through its resonance: an \
              instrument that counts a lag as positive needs the sign of its phases reversed",
             if arm { "arm" } else { "oscillator" }
+        ));
+    }
+    if let Some(turn) = turns_too_little(points) {
+        doubts.push(format!(
+            "the phases turn by {turn:.1}° over a peak, where those of an oscillator turn by 90° and more: are they in radians?"
         ));
     }
     let (apart, signal): (Vec<Vec<usize>>, Vec<bool>) = points.chunk_by(same_curve).map(far_off).unzip();
@@ -111,6 +117,21 @@ fn far_below(rows: &[usize]) -> String {
     format!(
         "{count} amplitudes (rows {first} to {last}) lie further below the others of their series than these spread"
     )
+}
+
+/// By how much the phases turn \[deg\] along a curve with a peak twice as high as both its ends, where that is so little
+/// that the numbers are a whole turn at most in radians, and more than a tenth of one.
+fn turns_too_little(points: &[Point]) -> Option<f64> {
+    let turn = |curve: &[Point]| {
+        let response = |p: &Point| p.amplitude / p.drive;
+        let ends = response(curve.first()?).max(response(curve.last()?));
+        let is_peak = curve.iter().any(|p| response(p) > 2.0 * ends);
+        let phases: Vec<f64> = curve.iter().filter_map(|p| p.phase).map(f64::to_degrees).collect();
+        let range = phases.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
+        let turn = range.1 - range.0;
+        (is_peak && phases.len() == curve.len() && turn > 0.1 * TAU && turn <= TAU).then_some(turn)
+    };
+    points.chunk_by(same_curve).find_map(turn)
 }
 
 /// Whether phases rise with the frequency, as where a lag is counted positive.

@@ -44,7 +44,7 @@ pub fn discovery_view(d: &Discovery, figures: &[FigureInput]) -> DiscoveryView {
     let views: Vec<FigureView> = figures.iter().map(|input| figure(id, input)).collect();
     let (first, more) = views.into_iter().partition(|view| FIRST.contains(&view.name.as_str()));
     let words = |(p, i)| super::view::FittedView { meaning: identified(p, i).into(), ..fitted(p, i) };
-    let leading = d.leading(CANDIDATES);
+    let leading = d.leading(CANDIDATES, |_| true);
     DiscoveryView {
         anchor: anchor::discovery(id),
         verdict: Found::of(d.verdict),

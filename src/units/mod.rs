@@ -83,7 +83,8 @@ const UNITS: &[(&str, Size, Dimension, bool)] = &[
 ];
 
 /// Prefixes; both micro signs (U+00B5, U+03BC) and `u`.
-const PREFIXES: &[(&str, i32)] = &[("n", -9), ("u", -6), ("µ", -6), ("μ", -6), ("m", -3), ("k", 3), ("M", 6), ("G", 9)];
+const PREFIXES: &[(&str, i32)] =
+    &[("f", -15), ("p", -12), ("n", -9), ("u", -6), ("µ", -6), ("μ", -6), ("m", -3), ("k", 3), ("M", 6), ("G", 9)];
 
 /// What a dimension measures, for messages; several names where several quantities share it.
 const KINDS: &[(Dimension, &str)] = &[

@@ -54,7 +54,7 @@ impl<'a> Draft<'a> {
             |title: &str, help: &str| Err(Error::Input(whole_file(&format!("`{}`: {title}", table.display()), help)));
         let Some(coordinate) = seen.coordinate() else {
             return refuse(
-                "the drive is a displacement and the reading an angle, or the other way round",
+                "the drive goes with a displacement and the reading with an angle, or the other way round",
                 "that is no oscillator of one coordinate; `stickslip init` writes the template of a torsional arm",
             );
         };

@@ -144,8 +144,9 @@ impl Draft<'_> {
                 free.insert(0, "rig.participation");
             }
             (true, _) => {
+                // With an exponent, or a point: a huge one is no integer.
                 let value = number(ratio);
-                let _ = writeln!(instrument, "amplitude_gain = {value}    # reading over the motion of a single mass");
+                let _ = writeln!(instrument, "amplitude_gain = {value:?}    # reading over the motion of a single mass");
                 free.push("instrument.amplitude_gain");
             }
         }

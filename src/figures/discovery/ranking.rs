@@ -134,7 +134,7 @@ fn csv(d: &Discovery) -> String {
         "shown",
     ];
     let mut table = Table::new(&header);
-    let shown = d.leading(MOST);
+    let shown = d.leading(MOST, |_| true);
     for c in &d.candidates {
         let held_out = c.held_out.map_or(f64::NAN, |h| h.rms_percent);
         let words = |yes: bool| if yes { "yes" } else { "no" }.to_string();
@@ -164,7 +164,7 @@ impl Figure<Discovery> for Ranking {
     }
 
     fn draw(&self, discovery: &Discovery) -> Result<Drawing, FigureError> {
-        let shown = discovery.leading(MOST);
+        let shown = discovery.leading(MOST, |_| true);
         if shown.len() < 2 {
             return Err(FigureError::missing(self.name(), "a second candidate"));
         }
