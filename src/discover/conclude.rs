@@ -1,13 +1,14 @@
 //! What the rounds of a search say together: verdict, ladder, ranking, rivals, and what remains open.
 
-use super::criteria::is_worth;
 use super::hypothesis::{Addition, Basis, Estimate, Hypothesis, count, extended, not_searched};
 use super::known::{Entry, Known};
+use super::notes::{of_both_ways, of_named, of_what_is_left};
 use super::select::{CONTINUED, Search};
+use super::testimony::{beyond_prediction, beyond_testimony};
 use super::unnamed::{OF_AMPLITUDE, is_drift_a_law_of_the_amplitude};
 use super::{Candidate, Discovery, Evidence, MARGIN, NotTestable, Step, Verdict, fall, held_out, next, verdict};
 use crate::compare::{self, Calibration, Comparison};
-use crate::fit::{Interval, TAIL, approximate_intervals, is_lost, operation};
+use crate::fit::{Interval, TAIL, approximate_intervals, operation};
 use crate::measurement::{Noise, curves};
 use crate::model::Model;
 use crate::model::alone::Alone;
@@ -21,81 +22,6 @@ const WEAK: [f64; 2] = [1.0 / 64.0, 1.0 / 8.0];
 /// Rivals of the explanation whose prediction of left-out conditions and, where they are tied with it, profiles are
 /// computed.
 const RIVALS: usize = 3;
-
-/// Takes off the last additions where what is left is no noise: those that leave no steady state, and those beyond the
-/// step that predicts series best that are left out of the fit; of a single series, of which nothing is left out, those
-/// that gain no more than their price. Misfit of one cause, spread over many readings, makes terms significant that only
-/// follow it. Tells the first that was taken off, and why.
-fn beyond_prediction(steps: &mut Vec<Step>) -> Option<String> {
-    let mut first = None;
-    let lost = |step: &Step| is_lost(step.comparison.points.iter().map(|p| &p.model));
-    while let [.., before, last] = &steps[..]
-        && lost(last)
-        && !lost(before)
-    {
-        first = steps.pop()?.added.map(|name| format!("with {name} too few of the readings have a steady state"));
-    }
-    let predicted: Option<Vec<f64>> = steps.iter().map(|s| s.held_out.map(|h| h.chi2_per_point)).collect();
-    if let Some(predicted) = predicted {
-        let least = (0..predicted.len()).min_by(|a, b| predicted[*a].total_cmp(&predicted[*b])).unwrap_or(0);
-        if let [next, ..] = &steps[least + 1..] {
-            let of = |index: usize| format!("{:.2}", predicted[index]);
-            first = next.added.as_ref().map(|name| {
-                let (with, without) = (of(least + 1), of(least));
-                format!(
-                    "series that are left out are predicted worse with {name}: chi2 {with} there, {without} without it"
-                )
-            });
-            steps.truncate(least + 1);
-        }
-    }
-    let single = steps.iter().all(|step| step.held_out.is_none());
-    while let [.., before, last] = &steps[..]
-        && (chi2(last) >= chi2(before) || single && !pays(before, last))
-    {
-        let why = match chi2(last) >= chi2(before) {
-            true => "lowers no squares",
-            false => "gains no more than its price over as many readings as are independent in what is left",
-        };
-        first = steps.pop()?.added.map(|name| format!("{name} {why}"));
-    }
-    first
-}
-
-/// Takes off all additions where neither testimony for them holds: what the calibration leaves has no structure, by a test
-/// that could have found some, and series that are left out are predicted no better with them. Noise that is larger at
-/// some readings than at others, as where the frequency wavers on a flank, makes laws significant that follow it. Tells
-/// what was taken off, and why. A drift, which no other series predicts, is told by what is left alone.
-fn beyond_testimony(steps: &mut Vec<Step>) -> Option<String> {
-    let [base, .., end] = &steps[..] else { return None };
-    let white = &base.comparison.whiteness;
-    let of_each_series = end.hypothesis.additions.iter().any(|addition| addition.name() == "drift");
-    let (with, without) = (end.held_out?.chi2_per_point, base.held_out?.chi2_per_point);
-    if white.structured || !white.testable || of_each_series || with < without {
-        return None;
-    }
-    let label = end.hypothesis.label();
-    steps.truncate(1);
-    Some(format!(
-        "what the calibrated model leaves has no structure, and series that are left out are predicted no better with {label}: \
-         chi2 {with:.2} there, {without:.2} without it"
-    ))
-}
-
-fn chi2(step: &Step) -> f64 {
-    step.comparison.overall.chi2_per_point
-}
-
-/// Whether a step of a ladder gains more than its price.
-fn pays(before: &Step, last: &Step) -> bool {
-    let parameters = last.hypothesis.fit.parameters.len().saturating_sub(before.hypothesis.fit.parameters.len());
-    is_worth(
-        chi2(before) / chi2(last),
-        parameters,
-        last.comparison.overall.readings,
-        last.comparison.whiteness.autocorrelation,
-    )
-}
 
 /// Groups of names that the data do not tell apart beside the last of the steps.
 fn not_told_apart(ties: &[Vec<Hypothesis>], steps: &[Step], verdict: Verdict) -> Vec<Vec<String>> {
@@ -134,59 +60,6 @@ pub(super) fn is_decidable(base: &Step, end: &Step) -> bool {
     let linear = model.has_contact || is_linear(model) || !is_linear(&base.hypothesis.model);
     let has_folds = || end.comparison.points.iter().any(|p| !p.model.others.is_empty());
     linear || curves(&table.points) > 1 || has_folds()
-}
-
-/// What has to be known of the effects that are named: what looks like them, and signs that leave no trace.
-fn of_named(chosen: &Hypothesis) -> Vec<String> {
-    let named = chosen.additions.iter().filter_map(|a| match a {
-        Addition::Effect(effect) if !effect.impersonator().is_empty() => Some(effect),
-        _ => None,
-    });
-    let mut notes: Vec<String> =
-        named.map(|effect| format!("of {}: {}", effect.name(), effect.impersonator())).collect();
-    if chosen.effects().len() > 1 {
-        notes.push(
-            "of effects together: one law that the catalogue does not have may look like them; numbers that are tied or cancel \
-             each other are a sign"
-                .into(),
-        );
-    }
-    let ends = chosen.fit.parameters.iter().zip(&chosen.fit.values);
-    notes.extend(ends.filter(|(p, value)| p.key.starts_with("effect.") && p.at_bound(**value)).map(|(p, _)| {
-        format!("{} is at the bound of its range: unless that is where its law ends, another law does the same", p.key)
-    }));
-    let hidden = (0..chosen.model.effects.len()).filter(|&index| chosen.model.hides_sign(index));
-    for (effect, _) in hidden.map(|index| &chosen.model.effects[index]) {
-        notes.extend(effect.parameters().iter().map(|info| {
-            let key = format!("effect.{}.{}", effect.name(), info.key);
-            format!("the sign of {key} leaves no trace in a fundamental: it is given as positive")
-        }));
-    }
-    notes
-}
-
-/// What the residuals of an explanation say, where its typical one is `unit` times the noise.
-fn of_what_is_left(end: &Step, unit: f64) -> Vec<String> {
-    let mut notes = Vec::new();
-    if unit > 1.0 {
-        notes.push(format!(
-            "what is left is {:.2} times the noise: BIC counts squares in that, not in the noise",
-            unit.sqrt()
-        ));
-    }
-    if !end.comparison.whiteness.testable {
-        notes.push(
-            "whether the residuals have structure cannot be tested: the series have too few neighbouring readings; no \
-             verdict rests on its absence"
-                .into(),
-        );
-    }
-    notes.extend(end.comparison.notes.iter().cloned());
-    let troubled = end.hypothesis.fit.evaluation.troubled();
-    if troubled > 0 {
-        notes.push(format!("{troubled} points have no steady state in the explanation; each counts as a misfit of at least 2 standard deviations, and as the others where these are worse"));
-    }
-    notes
 }
 
 /// All hypotheses of the first round and those about the explanation, each once; and whether it can be tested for.
@@ -254,12 +127,17 @@ impl Search<'_> {
         let verdict = verdict(&evidence(&steps[0], end, self.table.points.len()));
         let tied = || ties.iter().filter(|tied| tied.len() > 1);
         let rivals: Vec<Hypothesis> = tied().flatten().cloned().collect();
-        let not_testable = self.not_testable(&candidates, known, &showing);
+        // What is named, or tied with what is, was seen: beside other numbers of the rig than the form that was looked at.
+        let is_named = |name: &String| {
+            end.hypothesis.effects().contains(name) || ties.iter().flatten().any(|tied| tied.effects().contains(name))
+        };
+        let not_testable: Vec<NotTestable> =
+            self.not_testable(&candidates, known, &showing).into_iter().filter(|n| !is_named(&n.effect)).collect();
         let next_measurement = self.next(&end.hypothesis, &rivals, &candidates);
         let spent = !self.goes_on();
         let mut notes = not_searched(&self.data.base, &self.pool, &self.options.candidates);
         notes.extend(spent.then(|| {
-            format!("the search has spent its budget of {} steady states: this is the best so far", self.options.budget)
+            format!("the search has spent its budget of {} steady states: this is the best so far (more: --search budget=…)", self.options.budget)
         }));
         notes.extend(noise.words(self.table.noise_sources()).map(|words| {
             format!(
@@ -269,6 +147,7 @@ impl Search<'_> {
         if verdict == Verdict::EffectMissing {
             notes.extend(of_named(&end.hypothesis));
         }
+        notes.extend(of_both_ways(end));
         notes.extend(self.not_chosen(&candidates, &end.hypothesis, further.as_deref()));
         notes.extend(of_what_is_left(end, unit));
         notes.extend(self.followed_alone(verdict, &end.comparison));

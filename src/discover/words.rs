@@ -54,7 +54,11 @@ pub fn sentence(d: &Discovery) -> String {
                     "and the budget was spent before anything was fitted to all readings".into()
                 }
                 Some(nearest) => nearest,
-                None => "and nothing of the catalogue takes off enough of it to count".into(),
+                None if d.candidates.iter().any(|c| c.is_open) => {
+                    "and what may account for it would take more than the budget to fit (raise it: --search budget=…)"
+                        .into()
+                }
+                None => format!("and {} takes off enough of it to count", none_of(d)),
             };
             format!("unexplained: structured misfit is left, {nothing}")
         }
@@ -87,6 +91,14 @@ fn is_fitted(c: &Candidate) -> bool {
     !c.hypothesis.additions.is_empty() && c.hypothesis.basis() == Basis::AllPoints
 }
 
+/// None of the effects that were tried, in words.
+fn none_of(d: &Discovery) -> String {
+    match d.asked[..] {
+        [only] => format!("none of what was tried ({only})"),
+        _ => format!("none of the {} effects that were tried", d.asked.len()),
+    }
+}
+
 /// What of the catalogue comes nearest to an explanation, where that was none.
 fn nearest(d: &Discovery) -> Option<String> {
     let best = d.candidates.iter().find(|c| is_fitted(c))?;
@@ -95,7 +107,7 @@ fn nearest(d: &Discovery) -> Option<String> {
     let [before, after] = [d.steps[0].comparison.overall.chi2_per_point, best.chi2_per_point];
     (is_ahead && after < before).then(|| {
         let label = best.hypothesis.label();
-        format!("and nothing of the catalogue accounts for it; nearest comes {label}, chi2 {before:.2} to {after:.2}")
+        format!("and {} accounts for it; nearest comes {label}, chi2 {before:.2} to {after:.2}", none_of(d))
     })
 }
 

@@ -76,7 +76,14 @@ fn far_off(curve: &[Point]) -> (Vec<usize>, bool) {
     let mut own: Vec<&Point> = curve.iter().filter(|point| rows.contains(&point.row)).collect();
     own.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
     let sizes: Vec<f64> = own.iter().map(|point| (point.amplitude / point.drive).ln()).collect();
-    (rows, is_curve(&sizes))
+    let follows = is_curve(&sizes);
+    // Below a peak on either side lie its flanks.
+    let mut all: Vec<&Point> = curve.iter().collect();
+    all.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
+    let is_low = |point: &&&Point| rows.contains(&point.row);
+    let ends = [all.iter().take_while(is_low).count(), all.iter().rev().take_while(is_low).count()];
+    let are_flanks = follows && ends[0] > 0 && ends[1] > 0 && ends[0] + ends[1] == rows.len();
+    if are_flanks { (Vec::new(), false) } else { (rows, follows) }
 }
 
 /// Whether any series is a curve, and not scatter alone; what is too short to tell is taken for one.

@@ -128,6 +128,7 @@ pub(crate) const ALIASES: &[Alias] = &[
     alias("transmission_loss", AMPLITUDE, &[], false),
     alias("return_loss", AMPLITUDE, &[], false),
     alias("|z|", AMPLITUDE, &[], false),
+    alias("|zs|", AMPLITUDE, &[], false),
     alias("impedance", AMPLITUDE, &[], true),
     alias("|y|", AMPLITUDE, &[], false),
     alias("admittance", AMPLITUDE, &[], false),

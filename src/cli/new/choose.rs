@@ -141,14 +141,15 @@ impl Draft<'_> {
         Ok((text, Some(chosen)))
     }
 
-    /// What the reading may be of: first what needs the least offset of the phases, and the usual before others.
+    /// What the reading may be of: first what needs the least offset of the phases, if with the sensor turned round, and
+    /// the usual before others.
     fn kinds(&self) -> Vec<Kind> {
         let reading = self.signals().1;
         let mut orders = if reading.unit == "V" { vec![0, 1, 2] } else { vec![0] };
         if let Some(offset) = self.phase_offset() {
-            let needed = |order: u8| wrap(offset - FRAC_PI_2 * f64::from(order)).abs();
             // To the degree: the noise of the phases is no reason.
-            orders.sort_by_key(|order| needed(*order).to_degrees().round() as u16);
+            let needed = |order: u8| wrap(offset - FRAC_PI_2 * f64::from(order)).abs().to_degrees().round() as u16;
+            orders.sort_by_key(|order| (needed(*order).min(180 - needed(*order)), needed(*order)));
         }
         let bases: &[(bool, bool)] = match (self.base_driven(), self.may_be_base()) {
             (true, _) => &[(true, false), (true, true)],

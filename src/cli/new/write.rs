@@ -146,7 +146,8 @@ impl Draft<'_> {
             (true, _) => {
                 // With an exponent, or a point: a huge one is no integer.
                 let value = number(ratio);
-                let _ = writeln!(instrument, "amplitude_gain = {value:?}    # reading over the motion of a single mass");
+                let _ =
+                    writeln!(instrument, "amplitude_gain = {value:?}    # reading over the motion of a single mass");
                 free.push("instrument.amplitude_gain");
             }
         }
