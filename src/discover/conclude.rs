@@ -127,12 +127,8 @@ impl Search<'_> {
         let verdict = verdict(&evidence(&steps[0], end, self.table.points.len()));
         let tied = || ties.iter().filter(|tied| tied.len() > 1);
         let rivals: Vec<Hypothesis> = tied().flatten().cloned().collect();
-        // What is named, or tied with what is, was seen: beside other numbers of the rig than the form that was looked at.
-        let is_named = |name: &String| {
-            end.hypothesis.effects().contains(name) || ties.iter().flatten().any(|tied| tied.effects().contains(name))
-        };
-        let not_testable: Vec<NotTestable> =
-            self.not_testable(&candidates, known, &showing).into_iter().filter(|n| !is_named(&n.effect)).collect();
+        let seen: Vec<String> = ties.iter().flatten().chain([&end.hypothesis]).flat_map(Hypothesis::effects).collect();
+        let not_testable = self.not_testable(&candidates, known, &showing, &seen);
         let next_measurement = self.next(&end.hypothesis, &rivals, &candidates);
         let spent = !self.goes_on();
         let mut notes = not_searched(&self.data.base, &self.pool, &self.options.candidates);
@@ -328,12 +324,20 @@ impl Search<'_> {
         showing
     }
 
-    fn not_testable(&self, candidates: &[Candidate], known: &Known, showing: &[Addition]) -> Vec<NotTestable> {
+    /// Effects that no plausible form would show, but those `seen`: what is named, or tied with what is, was found beside
+    /// other numbers of the rig than such a form was looked at.
+    fn not_testable(
+        &self,
+        candidates: &[Candidate],
+        known: &Known,
+        showing: &[Addition],
+        seen: &[String],
+    ) -> Vec<NotTestable> {
         let base = candidates.iter().find(|c| c.hypothesis.additions.is_empty());
         let mut list = Vec::new();
         for entry in &known.entries {
             let [addition @ Addition::Effect(_)] = entry.hypothesis.additions[..] else { continue };
-            if showing.contains(&addition) {
+            if showing.contains(&addition) || seen.iter().any(|name| name == addition.name()) {
                 continue;
             }
             let would_show = base.map_or_else(String::new, |base| {

@@ -48,19 +48,7 @@ pub fn sentence(d: &Discovery) -> String {
             )
         }
         Verdict::Unexplained if end.hypothesis.additions.is_empty() => {
-            let nothing = match nearest(d) {
-                _ if d.candidates.len() < 2 => "and nothing was tried".into(),
-                None if d.spent && !d.candidates.iter().any(is_fitted) => {
-                    "and the budget was spent before anything was fitted to all readings".into()
-                }
-                Some(nearest) => nearest,
-                None if d.candidates.iter().any(|c| c.is_open) => {
-                    "and what may account for it would take more than the budget to fit (raise it: --search budget=…)"
-                        .into()
-                }
-                None => format!("and {} takes off enough of it to count", none_of(d)),
-            };
-            format!("unexplained: structured misfit is left, {nothing}")
+            format!("unexplained: structured misfit is left, {}", nothing(d))
         }
         Verdict::Unexplained => {
             let error = |step: &Step| step.comparison.overall.rms_error_percent / 100.0;
@@ -89,6 +77,21 @@ pub fn sentence(d: &Discovery) -> String {
 /// Whether something that was added was fitted to all readings.
 fn is_fitted(c: &Candidate) -> bool {
     !c.hypothesis.additions.is_empty() && c.hypothesis.basis() == Basis::AllPoints
+}
+
+/// Why nothing is named beside a misfit that is left, in words.
+fn nothing(d: &Discovery) -> String {
+    match nearest(d) {
+        _ if d.candidates.len() < 2 => "and nothing was tried".into(),
+        None if d.spent && !d.candidates.iter().any(is_fitted) => {
+            "and the budget was spent before anything was fitted to all readings".into()
+        }
+        Some(nearest) => nearest,
+        None if d.candidates.iter().any(|c| c.is_open) => {
+            "and what may account for it would take more than the budget to fit (raise it: --search budget=…)".into()
+        }
+        None => format!("and {} takes off enough of it to count", none_of(d)),
+    }
 }
 
 /// None of the effects that were tried, in words.

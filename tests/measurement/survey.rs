@@ -96,6 +96,36 @@ fn what_states_no_unit_is_of_the_unit_that_stands_for_it() {
     assert_eq!(of("f [Hz],drive_n,ampl").0, ("N", "V"));
 }
 
+/// A rig of a micrometre is driven by piconewtons; a drive in a unit that nobody knows is asked about, not left out.
+#[test]
+fn small_units_are_read_and_unknown_ones_asked_about() {
+    let of = |unit: &str| survey("t.csv", &format!("frequency_hz,F [{unit}],amplitude_m\n{}", rows(2)));
+    let drive = |unit: &str| of(unit).unwrap_or_else(|error| panic!("{error}")).table.points[0].drive;
+    assert!((drive("pN") / 1e-12 - 1.0).abs() < 1e-12 && (drive("fN") / 1e-15 - 1.0).abs() < 1e-12);
+    let refused = of("qN").expect_err("refused");
+    assert!(refused.contains("no unit that is known: `F [qN]`"), "{refused}");
+}
+
+/// Phases in radians under a header that says degrees are asked about, and hide no resonance; flanks of a peak are no
+/// branch of their own.
+#[test]
+fn phases_that_hardly_turn_and_flanks_are_told_for_what_they_are() {
+    let text = |per_radian: f64, columns: &str| {
+        let row = |i: usize| {
+            let ratio = (12.0 + i as f64) / 24.0;
+            let (re, im) = (1.0 - ratio * ratio, ratio / 5.0);
+            let phase =
+                if columns.contains("phase") { format!(",{:.6}", -per_radian * im.atan2(re)) } else { String::new() };
+            format!("{},1,{:.6}{phase}\n", 12 + i, 1.0 / re.hypot(im))
+        };
+        format!("f (Hz),F (N),{columns}\n{}", (0..25).map(row).collect::<String>())
+    };
+    let notes = |text: &str| survey("t.csv", text).unwrap_or_else(|error| panic!("{error}")).table.notes.join("\n");
+    assert!(notes(&text(1.0, "x (mm),phase (deg)")).contains("are they in radians?"));
+    assert!(!notes(&text(1f64.to_degrees(), "x (mm),phase (deg)")).contains("radians"));
+    assert!(!notes(&text(1.0, "x (mm)")).contains("curve of their own"));
+}
+
 /// A generator that sags where the rig takes most, read with two digits: one sweep, each reading by its own drive. Levels
 /// that are swept after each other are several.
 #[test]
