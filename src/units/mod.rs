@@ -86,6 +86,9 @@ const UNITS: &[(&str, Size, Dimension, bool)] = &[
 const PREFIXES: &[(&str, i32)] =
     &[("f", -15), ("p", -12), ("n", -9), ("u", -6), ("µ", -6), ("μ", -6), ("m", -3), ("k", 3), ("M", 6), ("G", 9)];
 
+/// Powers of ten below this are read, and not taken for what was meant.
+const RARE: i32 = -9;
+
 /// What a dimension measures, for messages; several names where several quantities share it.
 const KINDS: &[(Dimension, &str)] = &[
     ([0, 0, 0, 0], "a pure number or an angle"),
@@ -287,7 +290,9 @@ fn nearest_unit(symbol: &str, si_unit: &str) -> String {
     for (unit, _, _, prefixed) in UNITS {
         known.push((*unit).to_string());
         if *prefixed {
-            known.extend(PREFIXES.iter().filter(|p| p.0.is_ascii()).map(|(prefix, _)| format!("{prefix}{unit}")));
+            known.extend(
+                PREFIXES.iter().filter(|p| p.0.is_ascii() && p.1 >= RARE).map(|(prefix, _)| format!("{prefix}{unit}")),
+            );
         }
     }
     let parts: Vec<&str> = si_unit.split([' ', '/', '^']).filter(|part| !part.is_empty()).collect();
