@@ -216,7 +216,16 @@ pub(crate) fn free(
     reader.keys(&table, &[("free", "list")], &[]);
     let Some(node) = table.get("free") else { return Vec::new() };
     let known = parameter_keys(of, effects);
-    let known: Vec<&str> = known.iter().map(String::as_str).collect();
+    // Which numbers a rig has that is not sound is not known.
+    let of_rig = |item: &Node| match &item.value {
+        Value::Text(name) if of.0.is_none() && name.starts_with("rig.") => Some(name.clone()),
+        _ => None,
+    };
+    let listed: Vec<String> = match &node.value {
+        Value::List(items) => items.iter().filter_map(of_rig).collect(),
+        _ => Vec::new(),
+    };
+    let known: Vec<&str> = known.iter().chain(&listed).map(String::as_str).collect();
     reader.names("free", node, &known, "a parameter of this scenario")
 }
 
