@@ -10,8 +10,8 @@ const OTHER: &[&str] = &[
     "sd", "std", "stdev", "error", "unc", "unsich", "sigma", "mean", "mittel", "harmon", "lag", "sampl", "abtast",
     "noise", "ruido", "rausch", "fehler", "pp", "p2p", "pk", "peak", "rms", "eff", "bandw", "temp", "sensit", "calib",
 ];
-/// Beginnings of words for a setting of the instrument that reads.
-const SETTINGS: &[&str] = &["scale", "escal", "skal", "range"];
+/// Beginnings of words for a setting of an instrument, which is held and drives nothing.
+const SETTINGS: &[&str] = &["scale", "escal", "skal", "range", "bias", "offset", "vdc"];
 /// Beginnings of words for a time, a period or a delay.
 const TIMES: &[&str] = &["time", "zeit", "tiemp", "sekund", "seconds", "period", "delay", "lag"];
 /// Beginnings of words that say what shakes the rig. They come before [`READS`]: the displacement of a base is a drive.
@@ -82,7 +82,7 @@ pub(crate) fn is_other(name: &str) -> bool {
     name.split('_').any(|word| OTHER.iter().any(|beginning| word.starts_with(beginning)))
 }
 
-/// Whether a name is that of a setting of the instrument that reads, its range.
+/// Whether a name is that of a setting of an instrument: its range, a bias.
 pub(crate) fn is_setting(name: &str) -> bool {
     name.split('_').any(|word| SETTINGS.iter().any(|beginning| word.starts_with(beginning)))
 }

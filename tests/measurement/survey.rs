@@ -162,6 +162,8 @@ fn the_reading_is_what_a_deviation_is_stated_of_and_the_drive_what_is_held() {
     assert!(!read.iter().any(|(key, _)| *key == "drive"), "{read:?}");
     let read = of("U (V),f (Hz),amplitude", &|i| format!("4,{},{:.2}", 80.0 + i, voltage(i)));
     assert!(read.contains(&("drive", "U (V)".to_string())), "{read:?}");
+    let read = of("Bias (V),f (Hz),amplitude", &|i| format!("4,{},{:.2}", 80.0 + i, voltage(i)));
+    assert!(!read.iter().any(|(key, _)| *key == "drive"), "a bias: {read:?}");
 }
 
 #[test]
