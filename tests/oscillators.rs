@@ -298,6 +298,25 @@ fn what_follows_larger_scatter_and_predicts_nothing_is_not_missing() {
     assert!(d.notes.iter().any(|note| note.contains("predicted no better with clearance")), "{:?}", d.notes);
 }
 
+/// Readings in some huge unit of their own: what `new` writes can be read.
+#[test]
+fn what_new_writes_of_huge_readings_is_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut noise = noise(0.003);
+    let mut row = |number: i32| {
+        let ratio = 1.0 + 0.002 * f64::from(number);
+        let amplitude = 2e19 / (1.0 - ratio * ratio).hypot(ratio / 80.0) * (1.0 + noise());
+        format!("{},0.02,{amplitude:e}\n", 40.0 * ratio)
+    };
+    let rows: String = (-30..=30).map(&mut row).collect();
+    for columns in ["drive_g,amplitude_g", "drive_g,amplitude_m", "force_n,amplitude_m"] {
+        let csv = folder.path().join(format!("{columns}.csv"));
+        std::fs::write(&csv, format!("frequency_hz,{columns}\n{rows}")).expect("a table");
+        new(&csv, &csv.with_extension("toml"));
+        found(&csv.with_extension("toml"));
+    }
+}
+
 /// A coil that is wound the other way round reads a velocity with its sign reversed: no acceleration, of which the phase
 /// at resonance would be another by a quarter of a turn.
 #[test]

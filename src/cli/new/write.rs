@@ -139,7 +139,7 @@ impl Draft<'_> {
                 let value = number(ratio);
                 let _ = writeln!(
                     text,
-                    "participation = {value}    # motion of the place that is read over that of a single mass"
+                    "participation = {value:?}    # motion of the place that is read over that of a single mass"
                 );
                 free.insert(0, "rig.participation");
             }
