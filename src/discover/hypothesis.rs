@@ -45,6 +45,11 @@ impl Addition {
         matches!(self, Self::Effect(_))
     }
 
+    /// Whether it has numbers of each series, which no other series tells: a drift.
+    pub fn is_of_each_series(&self) -> bool {
+        matches!(self, Self::Effect(effect) if effect.of_series().is_some())
+    }
+
     /// Keys of the parameters that it lets move.
     pub fn keys(&self) -> Vec<String> {
         match self {

@@ -21,7 +21,7 @@ pub(super) fn of_named(chosen: &Hypothesis) -> Vec<String> {
     }
     let ends = chosen.fit.parameters.iter().zip(&chosen.fit.values);
     notes.extend(ends.filter(|(p, value)| p.key.starts_with("effect.") && p.at_bound(**value)).map(|(p, _)| {
-        format!("{} is at the bound of its range: unless that is where its law ends, another law does the same", p.key)
+        format!("{} is at the bound of its range: unless that is where its law ends, another law may do better", p.key)
     }));
     let hidden = (0..chosen.model.effects.len()).filter(|&index| chosen.model.hides_sign(index));
     for (effect, _) in hidden.map(|index| &chosen.model.effects[index]) {
@@ -40,7 +40,7 @@ pub(super) fn of_both_ways(end: &Step) -> Option<String> {
         let ways = (Direction::Up, Direction::Down);
         series.iter().any(|b| b.drive == a.drive && (a.direction, b.direction) == ways)
     };
-    let drifts = end.hypothesis.additions.iter().any(|addition| addition.name() == "drift");
+    let drifts = end.hypothesis.additions.iter().any(Addition::is_of_each_series);
     (drifts && series.iter().any(is_both)).then(|| {
         "of drift: sweeps up and down at one drive differ as well where a reading lags behind the sweep, as a lock-in amplifier \
          or a rig that rings long does: sweep more slowly, and in turn, to tell"

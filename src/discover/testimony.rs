@@ -2,6 +2,7 @@
 
 use super::Step;
 use super::criteria::is_worth;
+use super::hypothesis::Addition;
 use crate::fit::is_lost;
 
 /// Takes off the last additions where what is left is no noise: those that leave no steady state, and those beyond the
@@ -18,7 +19,7 @@ pub(super) fn beyond_prediction(steps: &mut Vec<Step>) -> Option<String> {
         first = steps.pop()?.added.map(|name| format!("with {name} too few of the readings have a steady state"));
     }
     // How far each series has drifted the others do not tell: from there on their prediction is no testimony.
-    let told = steps.iter().take_while(|s| s.added.as_deref() != Some("drift"));
+    let told = steps.iter().take_while(|s| !s.hypothesis.additions.iter().any(Addition::is_of_each_series));
     let predicted: Option<Vec<f64>> = told.map(|s| s.held_out.map(|h| h.chi2_per_point)).collect();
     if let Some(predicted) = predicted {
         let least = (0..predicted.len()).min_by(|a, b| predicted[*a].total_cmp(&predicted[*b])).unwrap_or(0);
@@ -53,7 +54,7 @@ pub(super) fn beyond_prediction(steps: &mut Vec<Step>) -> Option<String> {
 pub(super) fn beyond_testimony(steps: &mut Vec<Step>) -> Option<String> {
     let [base, .., end] = &steps[..] else { return None };
     let white = &base.comparison.whiteness;
-    let of_each_series = end.hypothesis.additions.iter().any(|addition| addition.name() == "drift");
+    let of_each_series = end.hypothesis.additions.iter().any(Addition::is_of_each_series);
     let (with, without) = (end.held_out?.chi2_per_point, base.held_out?.chi2_per_point);
     if white.structured || !white.testable || of_each_series || with < without {
         return None;
