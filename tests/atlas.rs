@@ -7,6 +7,7 @@ use stickslip::atlas::{self, CONDITIONS, Entry};
 use stickslip::effects::{Effect, REGISTRY, fits_rig};
 use stickslip::model::Model;
 use stickslip::solver::Status;
+use stickslip::solver::cycle::Tolerance;
 use stickslip::{figures, scenario};
 
 /// The effects that act on the paper's rig.
@@ -54,7 +55,7 @@ fn zero_strength_is_the_base() {
     };
     let effects: Vec<_> = beside_contact().filter(|effect| !effect.zero().is_empty()).collect();
     let models: Vec<Model> = std::iter::once(bare.clone()).chain(effects.iter().map(|e| with(e))).collect();
-    let curves = atlas::curves(&models);
+    let curves = atlas::curves(&models, &Tolerance::default());
     for (effect, with) in effects.iter().zip(&curves[1..]) {
         for (a, b) in with.iter().flat_map(|c| &c.states).zip(curves[0].iter().flat_map(|c| &c.states)) {
             let error = (a.amplitude / b.amplitude - 1.0).abs();

@@ -1,6 +1,7 @@
 //! What each effect of the registry does to resonance curves, by its strength, at the same few conditions.
 //!
-//! Only periodic states are sought: where there is none, or it is unstable, a curve has a gap.
+//! Only periodic states are sought, with the tolerance of a fit, whose errors are far below the width of a line: where
+//! there is none, or it is unstable, a curve has a gap.
 
 mod strength;
 
@@ -10,6 +11,7 @@ use crate::effects::{Effect, REGISTRY, fits_rig, for_series};
 use crate::model::Model;
 use crate::scenario::DEFAULT_EULER_STEPS;
 use crate::scenario::{Formulation, Scenario};
+use crate::solver::cycle::Tolerance;
 use crate::sweep::{Condition, Curve, curve};
 use rayon::prelude::*;
 
@@ -58,7 +60,7 @@ pub fn run(scenario: &Scenario) -> Vec<Entry> {
     let models: Vec<Model> = std::iter::once(bare.clone())
         .chain(wanted.iter().map(|with| Model { effects: vec![with.clone()], ..bare.clone() }))
         .collect();
-    let mut curves = curves(&models).into_iter();
+    let mut curves = curves(&models, &Tolerance::FIT).into_iter();
     let base = curves.next().unwrap_or_default();
     let mut strengths = wanted.into_iter().zip(curves).peekable();
     let entry = |effect: &'static dyn Effect| {
@@ -73,12 +75,13 @@ pub fn run(scenario: &Scenario) -> Vec<Entry> {
 }
 
 /// The curves of every model at every condition.
-pub fn curves(models: &[Model]) -> Vec<Vec<Curve>> {
+pub fn curves(models: &[Model], tolerance: &Tolerance) -> Vec<Vec<Curve>> {
     let (from, to, count) = FREQUENCIES;
     let frequency: Vec<f64> = (0..count).map(|i| from + (to - from) * i as f64 / (count - 1) as f64).collect();
     let tasks: Vec<(&Model, Condition)> =
         models.iter().flat_map(|model| CONDITIONS.map(|(_, at)| (model, condition(model, at)))).collect();
-    let solved: Vec<Curve> = tasks.par_iter().map(|(model, condition)| curve(model, condition, &frequency)).collect();
+    let drawn = |(model, condition): &(&Model, Condition)| curve(model, condition, &frequency, tolerance);
+    let solved: Vec<Curve> = tasks.par_iter().map(drawn).collect();
     solved.chunks(CONDITIONS.len()).map(<[Curve]>::to_vec).collect()
 }
 

@@ -143,8 +143,9 @@ fn stands_out(c: &Comparison, outlier: &Outlier) -> String {
         0 | 1 => String::new(),
         several => format!(", the first of {several} pooled rows"),
     };
-    let side = if outlier.sigma < 0.0 { "above" } else { "below" };
-    format!("outlier: {place}{pooled}, {}: {:.1} sigma {side} the model", outlier.column, outlier.sigma.abs())
+    let off = |sigma: f64| format!("{:.1} sigma {}", sigma.abs(), if sigma < 0.0 { "above" } else { "below" });
+    let (off, from_model) = (off(outlier.off_neighbours), off(outlier.sigma));
+    format!("outlier: {place}{pooled}, {}: {off} the course of its neighbours, {from_model} the model", outlier.column)
 }
 
 /// The comparison in lines of text.

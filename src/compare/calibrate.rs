@@ -273,7 +273,7 @@ fn far_off(column: &'static str, residuals: &[(usize, f64)], noise: f64) -> Vec<
         let step = median(near.windows(2).map(|pair| (pair[1].1 - pair[0].1).abs()));
         let off_line = (residual - middle).abs() > OUTLYING * scatter.max(STEP * step).max(noise);
         if off_line && off_parabola(residual, &near, noise) {
-            found.push(Outlier { row, column, sigma: residual });
+            found.push(Outlier { row, column, sigma: residual, off_neighbours: residual - middle });
         }
     }
     found

@@ -5,6 +5,7 @@ use crate::measurement::{Direction, Series};
 use crate::model::Model;
 use crate::scenario::DEFAULT_EULER_STEPS;
 use crate::scenario::Formulation;
+use crate::solver::cycle::Tolerance;
 use crate::sweep::{self, Condition};
 use rayon::prelude::*;
 
@@ -73,7 +74,7 @@ fn curve(
     if downwards {
         swept.reverse();
     }
-    let mut states = sweep::driven_curve(model, &condition, &swept).states;
+    let mut states = sweep::driven_curve(model, &condition, &swept, &Tolerance::default()).states;
     if downwards {
         states.reverse();
     }

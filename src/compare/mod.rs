@@ -160,6 +160,8 @@ pub struct Outlier {
     pub column: &'static str,
     /// Model minus measured, in standard deviations.
     pub sigma: f64,
+    /// How far that is off those of its neighbours along the series, in standard deviations: what makes it stand out.
+    pub off_neighbours: f64,
 }
 
 /// The column of the phases.
@@ -403,15 +405,17 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
     }
 }
 
-/// That a model which leaves structure resonates otherwise than its readings do, in words.
+/// That a model which leaves structure resonates otherwise than its readings do, in words; one that bends resonates
+/// elsewhere at every amplitude.
 fn astray(model: &Model, whiteness: &Whiteness, table: &Table) -> Option<String> {
-    let ((frequency, quality), seen) = resonance::astray(model, &table.points).filter(|_| whiteness.structured)?;
+    let is_told = whiteness.structured && !model.may_fold();
+    let ((frequency, quality), seen) = resonance::astray(model, &table.points).filter(|_| is_told)?;
     // Digits enough to tell the two apart.
     let digits = (2.0 - (frequency / seen.frequency - 1.0).abs().log10()).ceil().clamp(3.0, 12.0) as usize;
     let [own, of_readings] = [frequency, seen.frequency].map(|f| quantity(f, "Hz", digits));
     Some(format!(
-        "the model resonates at {own} with Q {}, the readings near {of_readings} with Q about {}: they hold more than the motion of \
-         one mode, such as a constant background or further resonances",
+        "the model resonates at {own} with Q {}, the readings near {of_readings} with Q about {}: they hold what a linear mode \
+         lacks, such as a constant background, further resonances, or a resonance that bends with the amplitude",
         quantity(quality, "1", 2),
         quantity(seen.quality, "1", 2)
     ))

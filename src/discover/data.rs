@@ -1,5 +1,6 @@
 //! What a search works on, and the one fit that everything in it is made by.
 
+use super::SearchOptions;
 use super::hypothesis::{Addition, Hypothesis};
 use crate::compare::TIGHTER;
 use crate::fit::{Fit, Parameter, Problem, Settings, TAIL, cost, minimise, parameter, price, typical_of, values_in};
@@ -78,6 +79,11 @@ impl<'a> Data<'a> {
     /// The same at the same points with other standard deviations.
     pub fn over<'t>(&'t self, points: &'t [Point]) -> Data<'t> {
         Data { points, ..self.clone() }
+    }
+
+    /// Points on which a race begins.
+    pub fn begins_on(&self, options: &SearchOptions) -> usize {
+        options.begins_on(self.series).min(self.points.len())
     }
 
     /// So many of the points in their order.

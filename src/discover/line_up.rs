@@ -68,7 +68,7 @@ impl<'a> Search<'a> {
     /// them does to a resonance may hide the other.
     pub(super) fn pairs(&self, from: &Hypothesis, known: &mut Known) -> Vec<Hypothesis> {
         let o = self.options;
-        let points = o.first_points.min(self.data.points.len());
+        let points = self.data.begins_on(o);
         let parent = Parent::new(&self.data, from, from.fit.values.clone(), points);
         let rest = parent.rest();
         let found = parent.pairs(&self.data, from, &self.pool, (o.entrants, (o.starts, o.seed)));
@@ -120,7 +120,7 @@ impl<'a> Search<'a> {
     ) -> Vec<Hypothesis> {
         let o = self.options;
         let all = self.data.points.len();
-        let first = Round { points: o.first_points.min(all), evaluations: o.first_evaluations, states: 0 };
+        let first = Round { points: self.data.begins_on(o), evaluations: o.first_evaluations, states: 0 };
         let ended = Race { first, points: all, kept, survivors }.run(field, |among| self.data.share(among));
         for runner in ended.dropped.iter().chain(&ended.survivors).filter(|runner| runner.fit.is_some()) {
             entries[runner.of].keep(runner.hypothesis(false));
@@ -163,7 +163,7 @@ impl<'a> Search<'a> {
             .filter(|(number, addition)| self.goes_with(parents[*number], *addition))
             .collect();
         // A look is the round before the first, and takes half of its points.
-        let points = (o.first_points / 2).min(self.data.points.len());
+        let points = self.data.begins_on(o) / 2;
         // A continuum of sliders costs as much as all others together: it is looked at on fewer points.
         let few = work.iter().any(|(number, addition)| costly(parents[*number], *addition)).then_some(points / COSTLY);
         let places_on = |points: usize| -> Vec<Vec<Parent<'_>>> {

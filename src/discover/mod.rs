@@ -35,7 +35,7 @@ pub use fall::{Fall, Part, STRENGTHS, State};
 pub use held_out::{HeldOut, held_out};
 pub use hypothesis::{Addition, Basis, Estimate, Hypothesis, additions, compatible, extended, has_size};
 pub use json::{DiscoveryJson, SCHEMA, json};
-pub use narrow::narrower;
+pub use narrow::{are_better, narrower};
 pub use next::{Bounds, NextMeasurement, farthest};
 pub use options::{MARGIN, SearchOptions};
 pub use select::{discover, discover_counted, explain};

@@ -3,7 +3,7 @@
 use super::Verdict;
 use super::select::Search;
 use crate::compare::{self, Compared, Comparison, calibrate};
-use crate::fit::resonance::{Resonance, of_all};
+use crate::fit::resonance::{Resonance, shown};
 use crate::measurement::{Point, TOLD, Table};
 use crate::model::Model;
 use crate::scenario::Scenario;
@@ -36,7 +36,7 @@ pub fn narrower(scenario: &Scenario, table: &Table, all: &[Compared], seed: u32)
     if model.has_contact {
         return None;
     }
-    let seen = of_all(&table.points, model.signals.reading.order);
+    let seen = shown(&table.points, model.signals.reading.order);
     let (from, to) = about_the_peak(&table.points, seen)?;
     let inside = |p: &Point| (from..=to).contains(&p.frequency);
     let points: Vec<Point> = table.points.iter().filter(|p| inside(p)).cloned().collect();
@@ -44,9 +44,14 @@ pub fn narrower(scenario: &Scenario, table: &Table, all: &[Compared], seed: u32)
     let followed = compare::compared(&points, &alone.fit.evaluation.predictions);
     // Readings enough to have left an error, and half of that of all.
     let is_told = points.len() > 2 * alone.fit.parameters.len();
-    let is_better = is_told && BETTER * BETTER * mean_square(followed.iter()) <= mean_square(all.iter());
+    let is_better = is_told && are_better(&followed, all);
     let errors = [error(followed.iter()), error(all.iter())];
     Some(Narrower { band: (from, to), count: points.len(), errors, is_better, solved: alone.solved })
+}
+
+/// Whether readings are followed far better than all of a table.
+pub fn are_better(some: &[Compared], all: &[Compared]) -> bool {
+    BETTER * BETTER * mean_square(some.iter()) <= mean_square(all.iter())
 }
 
 impl Search<'_> {
@@ -65,7 +70,7 @@ impl Search<'_> {
         let [now, all] = found.errors.map(|error| percent(error, 2));
         Some(format!(
             "the {} points from {from} to {to} Hz, about the resonance, are followed to {now} by calibration alone (all: \
-             {all}): what lies beyond has another cause; for that resonance write frequency = {{ from = \"{from} Hz\", to = \
+             {all}), which does not reach what lies beyond; for that resonance alone write frequency = {{ from = \"{from} Hz\", to = \
              \"{to} Hz\" }} in [measurement]",
             found.count
         ))
@@ -84,7 +89,22 @@ fn about_the_peak(points: &[Point], seen: Option<Resonance>) -> Option<(f64, f64
     });
     let (from, to) = bands.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))?;
     let inside = points.iter().filter(|p| (from..=to).contains(&p.frequency)).count();
-    (inside > TOLD && inside < points.len()).then_some((from, to))
+    // Numbers that are easily written, nearer than the next readings that are left out.
+    let before = points.iter().map(|p| p.frequency).filter(|f| *f < from).fold(0.0, f64::max);
+    let after = points.iter().map(|p| p.frequency).filter(|f| *f > to).fold(f64::INFINITY, f64::min).min(2.0 * to);
+    (inside > TOLD && inside < points.len()).then(|| (short(from, before), short(to, after)))
+}
+
+/// The number of the fewest digits from `from` to the middle between that and `beyond`.
+fn short(from: f64, beyond: f64) -> f64 {
+    let middle = 0.5 * (from + beyond);
+    let range = from.min(middle)..=from.max(middle);
+    let written = |digits: i32| {
+        let step = 10f64.powi(from.log10().floor() as i32 - digits);
+        let steps = if beyond < from { (from / step).floor() } else { (from / step).ceil() };
+        format!("{steps:.0}e{}", from.log10().floor() as i32 - digits).parse::<f64>().unwrap_or(from)
+    };
+    (0..17).map(written).find(|value| range.contains(value)).unwrap_or(from)
 }
 
 /// As [`about_the_peak`], of one series in the order of the frequency.
@@ -93,11 +113,13 @@ fn of_series(points: &[&Point], seen: Option<Resonance>) -> Option<(f64, f64)> {
     // One reading far off is no peak.
     let y = median_of_three(&sizes);
     let highest = |of: Range<usize>| of.max_by(|a, b| y[*a].total_cmp(&y[*b]));
-    // Within the width of the resonance; what is highest at an end of that is the flank of something else.
+    // Within the width of the resonance; what is higher beside it makes that the flank of something else.
     let near = seen.and_then(|seen| {
         let away = |p: &&Point| (p.frequency - seen.frequency) * seen.quality / seen.frequency;
         let (first, end) = (points.partition_point(|p| away(p) < -1.0), points.partition_point(|p| away(p) <= 1.0));
-        highest(first..end).filter(|peak| first < *peak && *peak + 1 < end)
+        let is_top =
+            |peak: &usize| *peak > 0 && *peak + 1 < y.len() && y[*peak].max(y[peak - 1]).max(y[peak + 1]) == y[*peak];
+        highest(first..end).filter(is_top)
     });
     let peak = near.or_else(|| highest(0..y.len()))?;
     let below = |side: &[f64]| 0.5 * (y[peak] + side.iter().copied().fold(y[peak], f64::min));
@@ -117,4 +139,17 @@ fn mean_square<'a>(points: impl ExactSizeIterator<Item = &'a Compared>) -> f64 {
 fn error<'a>(points: impl Iterator<Item = &'a Compared>) -> f64 {
     let (count, sum) = points.fold((0.0, 0.0), |(n, sum), p| (n + 1.0, sum + (0.01 * p.error_percent()).powi(2)));
     f64::sqrt(sum / count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_band_is_written_in_as_few_digits_as_keep_its_readings() {
+        assert_eq!(short(207692.27376149502, 207687.25), 207690.0);
+        assert_eq!(short(208128.72185160813, 208133.7), 208130.0);
+        assert_eq!(short(1.23456, 1.2345), 1.23454);
+        assert_eq!(short(52.0, 104.0), 60.0);
+    }
 }

@@ -23,7 +23,8 @@ pub struct SearchOptions {
     /// Starting points of one candidate that are fitted at most, fewer of sliders. Cost of the first round in
     /// proportion.
     pub entrants: usize,
-    /// Points of the table on which a race begins, spread over all series; every round takes twice as many.
+    /// Points of the table on which a race begins at most, spread over all series ([`SearchOptions::begins_on`]); every
+    /// round takes twice as many.
     pub first_points: usize,
     /// Evaluations of a fit in the first round; every round takes twice as many.
     pub first_evaluations: usize,
@@ -42,13 +43,23 @@ pub struct SearchOptions {
     pub bounds: Bounds,
 }
 
+/// Points of a series that tell its resonance apart from another: its place, width and height, and how it leans.
+const OF_SERIES: usize = 5;
+/// A table of fewer series counts as one of so many.
+const FEW_SERIES: usize = 3;
+
 impl SearchOptions {
+    /// Points of a table of so many series on which a race begins.
+    pub(super) fn begins_on(&self, series: usize) -> usize {
+        (OF_SERIES * series.max(FEW_SERIES)).min(self.first_points)
+    }
+
     /// What may be set by name, with its meaning.
     pub const NAMES: [(&str, &str); 9] = [
         ("max_effects", "most additions in one explanation"),
         ("starts", "starting points that are looked at for each parameter of a candidate"),
         ("entrants", "most starting points of one candidate that are fitted"),
-        ("first_points", "points of the table in the first round"),
+        ("first_points", "most points of the table in the first round"),
         ("first_evaluations", "evaluations of a fit in the first round"),
         ("kept", "share of the competitors that go on after a round"),
         ("survivors", "competitors that a race ends with"),

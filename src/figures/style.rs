@@ -6,6 +6,7 @@ pub use crate::units::count;
 use plotters::style::colors::colormaps::{ColorMap, ViridisRGB};
 use plotters::style::{FontDesc, FontFamily, FontStyle, RGBColor, register_font};
 use resvg::{tiny_skia, usvg};
+use std::io::Write as _;
 use std::sync::{Arc, Once, OnceLock};
 
 /// Width of a figure in logical pixels.
@@ -310,13 +311,9 @@ pub(super) fn rasterise(svg: &str, scale: f32) -> Result<Vec<u8>, FigureError> {
     encode(&pixels).map_err(|error| failed(error.to_string()))
 }
 
-/// Opaque pixels as PNG. Lines on white are smaller without a filter, and at this level of compression in a third of
-/// the time of the usual one.
+/// Opaque pixels as PNG, row by row. Lines on white are smaller without a filter, and at this level of compression in a
+/// third of the time of the usual one.
 fn encode(pixels: &tiny_skia::Pixmap) -> Result<Vec<u8>, png::EncodingError> {
-    let mut colors = vec![0; pixels.data().len() / 4 * 3];
-    for (rgb, rgba) in colors.chunks_exact_mut(3).zip(pixels.data().chunks_exact(4)) {
-        rgb.copy_from_slice(&rgba[..3]);
-    }
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, pixels.width(), pixels.height());
     encoder.set_color(png::ColorType::Rgb);
@@ -324,7 +321,17 @@ fn encode(pixels: &tiny_skia::Pixmap) -> Result<Vec<u8>, png::EncodingError> {
     encoder.set_deflate_compression(png::DeflateCompression::Level(3));
     encoder.set_filter(png::Filter::NoFilter);
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(&colors)?;
+    let mut stream = writer.stream_writer()?;
+    let width = pixels.width() as usize;
+    let mut row = vec![0; 3 * width];
+    for rgba in pixels.data().chunks_exact(4 * width) {
+        for (rgb, rgba) in row.chunks_exact_mut(3).zip(rgba.chunks_exact(4)) {
+            // Each by itself: three bytes are not worth a call.
+            (rgb[0], rgb[1], rgb[2]) = (rgba[0], rgba[1], rgba[2]);
+        }
+        stream.write_all(&row)?;
+    }
+    stream.finish()?;
     writer.finish()?;
     Ok(bytes)
 }

@@ -206,7 +206,14 @@ pub fn of_all(points: &[Point], order: u8) -> Option<Resonance> {
     })
 }
 
-/// The same of readings of which it is not known how many times they are the motion differentiated: as the one of
+/// The same, or where none is told, as beside what grows with the frequency, one that they show among them when taken as
+/// the motion differentiated otherwise.
+pub fn shown(points: &[Point], order: u8) -> Option<Resonance> {
+    let is_peak = |r: &Resonance| r.spanned && !r.is_overdamped();
+    of_all(points, order).or_else(|| (0..=2).filter_map(|other| of_all(points, other)).find(is_peak))
+}
+
+/// The resonance of readings of which it is not known how many times they are the motion differentiated: as the one of
 /// `orders` of which it leaves the least squares. Any but the first has to have its resonance among the readings, and a
 /// peak.
 pub fn of_any(points: &[Point], orders: impl IntoIterator<Item = u8>) -> Option<Resonance> {
@@ -291,7 +298,7 @@ pub fn left_readings(model: &Model, points: &[Point]) -> Option<(f64, f64)> {
     if model.has_contact || (frequencies().any(|f| f <= own) && frequencies().any(|f| f >= own)) {
         return None;
     }
-    let seen = of_all(points, model.signals.reading.order)?;
+    let seen = shown(points, model.signals.reading.order)?;
     seen.spanned.then_some((own, seen.frequency))
 }
 
@@ -304,7 +311,7 @@ pub fn astray(model: &Model, points: &[Point]) -> Option<((f64, f64), Resonance)
     }
     let (stiffness, damping) = (rig.stiffness(), rig.damping());
     let own = ((stiffness / rig.mass).sqrt() / TAU, (stiffness * rig.mass).sqrt() / damping);
-    let seen = of_all(points, model.signals.reading.order)?;
+    let seen = shown(points, model.signals.reading.order)?;
     let shift = (own.0 - seen.frequency).abs() / (seen.frequency / seen.quality);
     let sharper = (own.1 / seen.quality).ln().abs();
     // Beyond the readings a width is enough.

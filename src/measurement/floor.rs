@@ -1,5 +1,6 @@
-//! Noise that does not grow with the reading: what an amplifier adds, told from what is in proportion by the scatter of
-//! small readings beside that of large ones.
+//! Noise in two parts: one in proportion to the reading, and one that falls with something else - the reading, as what
+//! an amplifier adds does, or how flat the curve is, as what a frequency that wavers leaves - told apart by the scatter
+//! of windows where that is small beside that of windows where it is large.
 
 /// Fewest windows of a group, and most groups.
 const GROUP: usize = 20;
@@ -9,28 +10,40 @@ const MARGIN: f64 = 6.0;
 /// Steps over the ratio of both parts, for a factor of ten.
 const STEPS: f64 = 20.0;
 
-/// Relative variance about readings of a size.
+/// Relative variance of windows that have about as much of it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Group {
-    pub reading: f64,
+    /// With which the second part falls: a reading, or the inverse of a slope.
+    pub size: f64,
     pub variance: f64,
     pub degrees_of_freedom: f64,
 }
 
-/// Ranges of readings with as many windows each, and the middle of each; none where there are too few.
-pub(super) fn groups(mut readings: Vec<f64>) -> Vec<((f64, f64), f64)> {
-    readings.sort_by(f64::total_cmp);
-    let count = (readings.len() / GROUP).min(GROUPS);
+/// Both parts of a noise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Two {
+    /// Standard deviation in proportion to the reading.
+    pub share: f64,
+    /// The other, times the size with which it falls.
+    pub rest: f64,
+    /// Twice the logarithm of how much likelier both are than one alone, less the price of the second.
+    pub gain: f64,
+}
+
+/// Ranges of sizes with as many windows each, and the middle of each; none where there are too few.
+pub(super) fn groups(mut sizes: Vec<f64>) -> Vec<((f64, f64), f64)> {
+    sizes.sort_by(f64::total_cmp);
+    let count = (sizes.len() / GROUP).min(GROUPS);
     if count < 2 {
         return Vec::new();
     }
-    let at = |half: usize| readings[half * (readings.len() - 1) / (2 * count)];
+    let at = |half: usize| sizes[half * (sizes.len() - 1) / (2 * count)];
     (0..count).map(|number| ((at(2 * number), at(2 * number + 2)), at(2 * number + 1))).collect()
 }
 
-/// Standard deviations in proportion to the reading and apart from it, where the variances v = s^2 + (c/reading)^2 are
-/// likelier so than all the same, by more than a second parameter costs.
-pub(super) fn parts(groups: &[Group]) -> Option<(f64, f64)> {
+/// Both parts, where the variances v = s^2 + (c/size)^2 are likelier so than all the same, by more than a second
+/// parameter costs.
+pub(super) fn parts(groups: &[Group]) -> Option<Two> {
     if groups.len() < 2 {
         return None;
     }
@@ -43,22 +56,23 @@ pub(super) fn parts(groups: &[Group]) -> Option<(f64, f64)> {
         (size, groups.iter().map(log).sum::<f64>() + freedom)
     };
     let alone = fitted(&|_| 1.0).1;
-    let least = groups.iter().map(|group| group.reading).fold(f64::INFINITY, f64::min);
-    let most = groups.iter().map(|group| group.reading).fold(0.0, f64::max);
+    let least = groups.iter().map(|group| group.size).fold(f64::INFINITY, f64::min);
+    let most = groups.iter().map(|group| group.size).fold(0.0, f64::max);
     let decades = (most / least).log10() + 2.0;
     let number = (decades * STEPS) as usize;
-    // From a floor below the least reading to one above the largest, where it is all that there is.
+    // From one below the least size to one above the largest, where it is all that there is.
     let ratio = |step: usize| 0.1 * least * 10f64.powf(step as f64 / STEPS);
     let of = |step: usize| {
         let ratio = ratio(step);
-        (ratio, fitted(&|group: &Group| 1.0 + (ratio / group.reading).powi(2)))
+        (ratio, fitted(&|group: &Group| 1.0 + (ratio / group.size).powi(2)))
     };
     let all: Vec<(f64, (f64, f64))> = (0..=number).map(of).collect();
     let likelihood = all.iter().map(|(_, (_, likelihood))| *likelihood).fold(f64::INFINITY, f64::min);
-    // The largest share within a standard deviation: small readings hide it, and the largest ones would count too much
+    // The largest share within a standard deviation: small sizes hide it, and the largest ones would count too much
     // without.
     let (ratio, (size, _)) = *all.iter().find(|(_, (_, own))| *own <= likelihood + 1.0)?;
-    (likelihood + freedom.ln() + MARGIN < alone).then(|| (size.sqrt(), size.sqrt() * ratio))
+    let gain = alone - likelihood - freedom.ln() - MARGIN;
+    (gain > 0.0).then(|| Two { share: size.sqrt(), rest: size.sqrt() * ratio, gain })
 }
 
 #[cfg(test)]
@@ -67,12 +81,12 @@ mod tests {
 
     fn of(variance: impl Fn(f64) -> f64) -> Option<(f64, f64)> {
         let group = |n: i32| {
-            let reading = 10f64.powf(-0.3 * f64::from(n));
+            let size = 10f64.powf(-0.3 * f64::from(n));
             // As far off as 20 degrees of freedom are.
             let chance = 1.0 + 0.2 * f64::from(n % 3 - 1);
-            Group { reading, variance: chance * variance(reading), degrees_of_freedom: 20.0 }
+            Group { size, variance: chance * variance(size), degrees_of_freedom: 20.0 }
         };
-        parts(&(0..6).map(group).collect::<Vec<_>>())
+        parts(&(0..6).map(group).collect::<Vec<_>>()).map(|two| (two.share, two.rest))
     }
 
     #[test]

@@ -46,7 +46,7 @@ pub use modes::{Mode, TOLD, modes};
 pub use noise::Noise;
 pub use reading::Direction;
 pub(crate) use rows::{decimal_commas, written};
-pub use scatter::{Scatter, Spread, scatter};
+pub use scatter::{Parts, Scatter, Spread, scatter};
 pub use series::{Series, by_condition, curves};
 pub(crate) use sheet::{Complaints, Row, Sheet};
 pub use survey::{Column, Survey, survey, survey_between, survey_bytes};
@@ -226,11 +226,8 @@ impl Table {
             let (low, high) =
                 self.points.iter().map(of).fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x), b.max(x)));
             let show = |value: f64| crate::units::format(format!("{value:.2e}").parse().unwrap_or(value), unit);
-            if low == high {
-                format!("{name} {}", show(low))
-            } else {
-                format!("{name} {} to {}", show(low), show(high))
-            }
+            let (low, high) = (show(low), show(high));
+            if low == high { format!("{name} {low}") } else { format!("{name} {low} to {high}") }
         };
         let Signals { drive, reading } = self.signals;
         let arm = self.signals == Signals::ARM;

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::frame::amplitude_header;
 use super::pool::{Pooled, Repeats};
+use super::scatter::{Parts, slopes};
 use super::{NoiseSource, Point, Spread, scatter};
 use crate::error::{Error, Result};
 use crate::scenario::Signals;
@@ -75,6 +76,7 @@ pub(crate) fn assign(
 ) -> Result<(Vec<Point>, NoiseSource, Option<NoiseSource>, f64)> {
     let Pooled { mut points, spreads, amplitude_stated, phase_stated, amplitude_repeats, phase_repeats, .. } = pooled;
     let seen = scatter(&points);
+    let slopes = slopes(&points);
     let phases = points.iter().any(|point| point.phase.is_some());
 
     let (mut of_amplitudes, mut of_phases) = (f64::INFINITY, f64::INFINITY);
@@ -86,8 +88,8 @@ pub(crate) fn assign(
         let (sd, source) = estimate("amplitude", amplitude_repeats, seen.amplitude, (file, signals), notes)?;
         of_amplitudes = sd.degrees_of_freedom as f64;
         let mut rounded = 0;
-        for (point, own) in points.iter_mut().zip(&spreads) {
-            let single = sd.at(point.amplitude) * point.amplitude;
+        for ((point, own), [slope, _]) in points.iter_mut().zip(&spreads).zip(&slopes) {
+            let single = sd.at(point.amplitude, *slope) * point.amplitude;
             let pooled = single.max(FLOOR * point.amplitude) / (point.replicates as f64).sqrt();
             rounded += usize::from(own.rounding[0] > pooled);
             point.amplitude_sd = pooled.max(own.amplitude.unwrap_or(0.0)).max(own.rounding[0]);
@@ -111,8 +113,8 @@ pub(crate) fn assign(
         let (sd, source) = estimate("phase", phase_repeats, seen.phase, (file, signals), notes)?;
         of_phases = sd.degrees_of_freedom as f64;
         let mut rounded = 0;
-        for (point, own) in points.iter_mut().zip(&spreads) {
-            let pooled = sd.at(point.amplitude).max(FLOOR) / (own.phases.max(1) as f64).sqrt();
+        for ((point, own), [_, slope]) in points.iter_mut().zip(&spreads).zip(&slopes) {
+            let pooled = sd.at(point.amplitude, *slope).max(FLOOR) / (own.phases.max(1) as f64).sqrt();
             rounded += usize::from(own.rounding[1] > pooled);
             point.phase_sd = point.phase.map(|_| pooled.max(own.phase.unwrap_or(0.0)).max(own.rounding[1]));
         }
@@ -166,24 +168,33 @@ fn estimate(
             format!("the scatter about smooth curves ({} degrees of freedom)", seen.map_or(0, |s| s.degrees_of_freedom))
         }
     };
-    let size = match sd.parts {
-        Some((share, floor)) => {
-            let of_phase = if what == "phase" { "that of " } else { "" };
-            let floor = crate::units::format(two_digits(floor), signals.reading.unit);
-            format!("{} and {of_phase}{floor}, which does not grow with the reading,", shown(what, share))
-        }
-        None => shown(what, sd.sd),
-    };
+    let size = sd.parts.map_or_else(|| shown(what, sd.sd), |parts| in_parts(what, parts, signals));
     notes.push(format!("no noise of the {what} is stated: {size} was estimated from {from}"));
     Ok((sd, source))
+}
+
+/// The parts of a noise in words.
+fn in_parts(what: &str, Parts { share, floor, waver }: Parts, signals: Signals) -> String {
+    let floor = (floor > 0.0).then(|| {
+        let of_phase = if what == "phase" { "that of " } else { "" };
+        let floor = crate::units::format(two_digits(floor), signals.reading.unit);
+        format!("{of_phase}{floor}, which does not grow with the reading,")
+    });
+    let waver = (waver > 0.0).then(|| {
+        let waver = crate::units::format(two_digits(100.0 * waver), "1");
+        format!("what a frequency that wavers by {waver} % leaves on the flanks,")
+    });
+    let parts: Vec<String> = [Some(shown(what, share)), floor, waver].into_iter().flatten().collect();
+    parts.join(" and ")
 }
 
 /// Says where the steps in which readings are written are coarser than what they scatter by.
 fn coarse(name: &str, rounded: usize, all: usize, notes: &mut Vec<String>) {
     if rounded > 0 {
         notes.push(format!(
-            "{rounded} of {all} {name} are written in steps so coarse that rounding alone leaves more than the noise: it is \
-             taken as theirs"
+            "{rounded} of {all} {name} {} written in steps so coarse that rounding alone leaves more than the noise: it is \
+             taken as theirs",
+            if rounded == 1 { "is" } else { "are" }
         ));
     }
 }

@@ -136,7 +136,7 @@ fn opened(text: &mut String) -> Vec<String> {
         ));
     }
     if remark {
-        told.push("the header is the last remark before the numbers".into());
+        told.push("the names of the columns stand in the remark above the numbers".into());
     }
     if !parts_alike && !remark && separator == b'\t' && !first[header].text.contains('\t') {
         told.push("blanks separate the names in the header, tabs the numbers".into());

@@ -26,7 +26,7 @@ impl Steps {
         let finest = plain.iter().map(|cell| decimals(cell)).max().unwrap_or(0);
         let step = 10f64.powi(-finest);
         let counts = plain.iter().filter_map(|cell| cell.parse::<f64>().ok()).map(|value| (value / step).round().abs());
-        let plain = step * counts.filter(|count| count.is_finite()).fold(0.0, divisor);
+        let plain = step * common(&counts.filter(|count| count.is_finite()).collect::<Vec<_>>());
         let digits = others.iter().map(|cell| cell.split(['e', 'E']).next().map_or(0, decimals)).max();
         Self { plain, digits }
     }
@@ -59,6 +59,19 @@ fn is_set(cells: &[String]) -> bool {
     2 * shared.sum::<usize>() >= cells.len()
 }
 
+/// The step of whole numbers of the finest: their greatest common divisor, or twice, five or ten times that and so on
+/// where all but a tenth at most are whole numbers of it. A scale read to halves may for once have been read better.
+fn common(counts: &[f64]) -> f64 {
+    let all = counts.iter().copied().fold(0.0, divisor);
+    if all == 0.0 {
+        return 0.0;
+    }
+    let coarser = (0..).map(|power| 10f64.powi(power)).flat_map(|ten| [2.0, 5.0, 10.0].map(|times| all * times * ten));
+    let is_most = |step: &f64| 10 * counts.iter().filter(|count| **count % step == 0.0).count() >= 9 * counts.len();
+    let largest = counts.iter().copied().fold(0.0, f64::max);
+    coarser.take_while(|step| *step <= largest).filter(is_most).last().unwrap_or(all)
+}
+
 /// Greatest common divisor of whole numbers.
 fn divisor(a: f64, b: f64) -> f64 {
     if b > 0.0 { divisor(b, a % b) } else { a }
@@ -80,5 +93,10 @@ mod tests {
         assert_eq!([1.5, 2.0, 7.5].map(|v: f64| (v / 0.1).round()).into_iter().fold(0.0, divisor), 5.0);
         assert_eq!([1.5, 2.2, 7.5].map(|v: f64| (v / 0.1).round()).into_iter().fold(0.0, divisor), 1.0);
         assert_eq!(divisor(0.0, 0.0), 0.0);
+        // One of twelve was read better; of six it decides.
+        let halves = [10.0, 15.0, 25.0, 30.0, 35.0, 45.0, 50.0, 65.0, 70.0, 75.0, 80.0];
+        assert_eq!(common(&[&halves[..], &[17.0]].concat()), 5.0);
+        assert_eq!(common(&[&halves[..5], &[17.0]].concat()), 1.0);
+        assert_eq!(common(&[]), 0.0);
     }
 }

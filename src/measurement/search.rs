@@ -108,6 +108,11 @@ struct Search<'a, 'b> {
     parts: Option<Parts>,
 }
 
+/// The letter of an amplitude, whatever word stands behind it: `A_Skt`.
+fn is_a(name: &str) -> bool {
+    name.split('_').next() == Some("a")
+}
+
 impl Search<'_, '_> {
     /// Two columns that hold the parts of the readings, where no column holds their amplitude.
     fn find_parts(&mut self) {
@@ -204,7 +209,7 @@ impl Search<'_, '_> {
         }
         self.find_hertz();
         // A name says more than a unit.
-        if unstated[AMPLITUDE].is_empty() && !(self.frame.is_free() && self.bare(|name| name == "a").is_some()) {
+        if unstated[AMPLITUDE].is_empty() && !(self.frame.is_free() && self.bare(is_a).is_some()) {
             self.find_reading(with_speed);
         }
         self.find_phase();
@@ -386,7 +391,7 @@ impl Search<'_, '_> {
         }
         if named[AMPLITUDE].is_empty() && self.slots[AMPLITUDE].is_none() && self.slots[FREQUENCY].is_some() {
             let (sheet, both) = (self.sheet, self.taken.len() == 2);
-            if let Some(index) = self.bare(|name| if both { !is_time(name) } else { name == "a" }) {
+            if let Some(index) = self.bare(|name| if both { !is_time(name) } else { is_a(name) }) {
                 self.choices.push((COLUMNS[AMPLITUDE].into(), sheet.header.cells[index].clone()));
                 // Of two columns the name may end in the unit: `theta_rad`.
                 let wanted = Wanted { possible: READINGS, natural: None, share: false, per_drive: false };

@@ -23,6 +23,7 @@ use crate::model::Model;
 use crate::scenario::DEFAULT_EULER_STEPS;
 use crate::scenario::{Formulation, Question, Scenario};
 use crate::solver::SteadyState;
+use crate::solver::cycle::Tolerance;
 use crate::sweep::{Condition, Curve, LimitingCase, curve, limiting_oscillator};
 use features::Judge;
 use rayon::prelude::*;
@@ -144,7 +145,8 @@ pub fn answer(scenario: &Scenario) -> Option<Answer> {
         series: 0,
     };
     let base = crate::sweep::at_condition(&base, &condition);
-    let target = curve(&base, &Condition { speed: question.resembles, ..condition }, &sweep.frequency);
+    let target =
+        curve(&base, &Condition { speed: question.resembles, ..condition }, &sweep.frequency, &Tolerance::default());
     let limit = |case: LimitingCase| -> Vec<f64> {
         let oscillator = limiting_oscillator(&base, case, condition.drive);
         sweep.frequency.iter().map(|f| base.instrument.amplitude_gain * oscillator.response(*f).0).collect()

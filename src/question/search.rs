@@ -157,7 +157,7 @@ impl<'a> Search<'a> {
         let values = model.effects.pop().map_or_else(Vec::new, |(_, values)| values);
         model.clone_from(self.base);
         model.effects.push((self.effect, values.clone()));
-        let curve = curve(&model, self.condition, self.judge.frequency());
+        let curve = curve(&model, self.condition, self.judge.frequency(), &Tolerance::default());
         let features = self.judge.judge(&curve);
         Setting { values, strain, curve, features }
     }

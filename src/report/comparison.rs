@@ -219,7 +219,7 @@ pub(super) fn tie(pair: &crate::fit::Correlation) -> String {
 
 pub(super) fn outlier(outlier: &crate::compare::Outlier) -> OutlierView {
     let column = if outlier.is_phase() { "phase" } else { "amplitude" };
-    OutlierView { row: outlier.row, column: column.into(), error: shown(outlier.sigma, "σ", 3) }
+    OutlierView { row: outlier.row, column: column.into(), error: shown(outlier.off_neighbours, "σ", 3) }
 }
 
 fn budget(c: &Comparison) -> Vec<NoteView> {

@@ -104,6 +104,8 @@ fn alone(mode: &Alone, plan: &Plan) -> Integrated {
         sliders.iter().map(of).sum()
     };
     let h = TAU / omega / plan.steps as f64;
+    // Cycles over which the motion forgets where it began: as many times what a cycle changes is still to come.
+    let ringing = (damping * TAU / (2.0 * mass * omega)).recip().clamp(1.0, plan.cycles as f64);
     let (mut x, mut v) = (0.0, 0.0);
     let mut last: Option<(f64, f64)> = None;
     let mut read = Integrated { amplitude: f64::NAN, phase: f64::NAN, mean: f64::NAN, periodic: false };
@@ -135,7 +137,7 @@ fn alone(mode: &Alone, plan: &Plan) -> Integrated {
         }
         let scale = 2.0 / plan.steps as f64;
         let (re, im) = (scale * fundamental.0, scale * fundamental.1);
-        let settled = last.is_some_and(|(p, q)| (re - p).hypot(im - q) < plan.settled * re.hypot(im));
+        let settled = last.is_some_and(|(p, q)| ringing * (re - p).hypot(im - q) < plan.settled * re.hypot(im));
         last = Some((re, im));
         let (amplitude, phase) = mode.lumps.reading((re, im));
         read = Integrated { amplitude, phase, mean: mean / plan.steps as f64, periodic: settled };

@@ -102,21 +102,22 @@ pub fn run(scenario: &Scenario, options: &Options) -> Outcome {
 /// The periodic states of one condition on the calling thread, each starting from its neighbour.
 ///
 /// Points without one fail, and so do all that follow two of them in a row: the search is long where there is nothing.
-pub fn curve(model: &Model, condition: &Condition, frequency: &[f64]) -> Curve {
-    driven_curve(model, condition, &frequency.iter().map(|f| (*f, condition.drive)).collect::<Vec<_>>())
+pub fn curve(model: &Model, condition: &Condition, frequency: &[f64], tolerance: &Tolerance) -> Curve {
+    let points: Vec<(f64, f64)> = frequency.iter().map(|f| (*f, condition.drive)).collect();
+    driven_curve(model, condition, &points, tolerance)
 }
 
 /// The same at every frequency with the drive beside it.
-pub fn driven_curve(model: &Model, condition: &Condition, points: &[(f64, f64)]) -> Curve {
+pub fn driven_curve(model: &Model, condition: &Condition, points: &[(f64, f64)], tolerance: &Tolerance) -> Curve {
     let model = at_condition(model, condition);
-    let (tolerance, mut warm) = (Tolerance::default(), Warm::default());
+    let mut warm = Warm::default();
     let mut states: Vec<SteadyState> = Vec::with_capacity(points.len());
     for &(f, drive) in points {
         let lost = |state: &SteadyState| matches!(state.status, Status::Failed(_));
         let at = Operation { drive, ..operation(condition, f) };
         let state = match states.as_slice() {
             [.., before, last] if lost(before) && lost(last) => last.clone(),
-            _ => solve_steady(&model, &at, &tolerance, false, &mut warm).state,
+            _ => solve_steady(&model, &at, tolerance, false, &mut warm).state,
         };
         states.push(state);
     }

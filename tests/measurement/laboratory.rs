@@ -508,7 +508,7 @@ fn what_stands_before_the_numbers_does_not_matter() {
     let (expected, notes) = points(&plain);
     assert!(!notes.iter().any(|note| note.contains("header") || note.contains("blanks")), "{notes:?}");
     let cases = [
-        (format!("# June\n# {plain}"), "the header is the last remark before the numbers"),
+        (format!("# June\n# {plain}"), "the names of the columns stand in the remark above the numbers"),
         (
             format!("--- Setup ---\nStart (Hz): 1\nDate: 13-10-2016, 10:47\n{plain}"),
             "3 lines before the header are not read",

@@ -162,6 +162,10 @@ fn the_reading_is_what_a_deviation_is_stated_of_and_the_drive_what_is_held() {
     assert!(!read.iter().any(|(key, _)| *key == "drive"), "{read:?}");
     let read = of("U (V),f (Hz),amplitude", &|i| format!("4,{},{:.2}", 80.0 + i, voltage(i)));
     assert!(read.contains(&("drive", "U (V)".to_string())), "{read:?}");
+    // A letter says more than a unit: the voltage of a motor sets the frequency.
+    let read =
+        of("U_V,A_Skt,T_s", &|i| format!("{:.1},{:.2},{:.4}", 2.0 + 0.1 * i, voltage(i), 1.0 / (0.8 + 0.04 * i)));
+    assert!(read.contains(&("amplitude", "A_Skt".to_string())), "{read:?}");
     let read = of("Bias (V),f (Hz),amplitude", &|i| format!("4,{},{:.2}", 80.0 + i, voltage(i)));
     assert!(!read.iter().any(|(key, _)| *key == "drive"), "a bias: {read:?}");
 }

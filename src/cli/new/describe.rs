@@ -1,7 +1,6 @@
 //! What is seen in a table, in lines.
 
 use super::draft::{Draft, digits};
-use crate::fit::resonance::resonance;
 use crate::measurement::{Direction, Point, Series};
 use crate::scenario::Signal;
 use crate::statistics::median;
@@ -51,7 +50,8 @@ impl Draft<'_> {
         } else {
             String::new()
         };
-        let seen = resonance(points, reading.order).map_or(String::new(), |r| {
+        let own: Vec<Point> = points.iter().map(|p| (*p).clone()).collect();
+        let seen = self.resonance_of(&own).map_or(String::new(), |r| {
             let frequency = units::format(digits(r.frequency, resolving(r.quality)), "Hz");
             format!(", resonance near {frequency} with Q about {}", digits(r.quality, 2))
         });
@@ -85,11 +85,13 @@ impl Draft<'_> {
         } else if let Some((from, to)) = self.band {
             lacking.push(format!(
                 "the readings from {from} to {to} Hz, about the resonance, are used: calibrated to all, the model has another one; \
-                 what lies beyond is of other causes, and used again without `frequency` in [measurement]"
+                 what lies beyond it does not explain, and is used again without `frequency` in [measurement]"
             ));
         }
-        if self.resonance.phase.is_none() {
+        if self.seen.table.points.iter().all(|p| p.phase.is_none()) {
             lacking.push("no phases: delays cannot be told, damping and nonlinearity less well".into());
+        } else if self.resonance.phase.is_none() {
+            lacking.push("the phases do not show that resonance: the amplitudes alone tell it".into());
         }
         let drives: Vec<f64> = self.seen.table.series.iter().map(|s| s.drive).collect();
         let spread = drives.iter().copied().fold(0.0, f64::max) / drives.iter().copied().fold(f64::INFINITY, f64::min);

@@ -1,7 +1,7 @@
 //! What a table tells of its rig before any model.
 
 use crate::compare::{calibrate, compared, judge};
-use crate::discover::{Candidates, SearchOptions, explain, narrower};
+use crate::discover::{Candidates, SearchOptions, are_better, explain, narrower};
 use crate::effects::REGISTRY;
 use crate::error::{Error, Result};
 use crate::fit::resonance::{Resonance, astray, of_any};
@@ -12,6 +12,7 @@ use crate::scenario::{self, Coordinate, Signal};
 use crate::solver::cycle::Tolerance;
 use crate::statistics::wrap;
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI};
+use std::ops::RangeInclusive;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -66,9 +67,7 @@ impl<'a> Draft<'a> {
         let unloaded = points.iter().any(|p| p.load == 0.0);
         let alone = |p: &&Point| if unloaded { p.load == 0.0 } else { p.speed == fastest };
         let slowest = points.iter().filter(|p| p.load > 0.0).map(|p| p.speed).fold(f64::INFINITY, f64::min);
-        let reading = seen.table.signals.reading;
-        // Of a voltage it is not said what of the motion it is: what is broad as a displacement may be none.
-        let orders = if reading.unit == "V" { 0..=2 } else { reading.order..=reading.order };
+        let orders = orders(seen.table.signals.reading);
         // On one side of a resonance that has no peak nothing is seen of it.
         let is_seen = |r: &Resonance| !r.is_overdamped() && (r.spanned || r.quality > FRAC_1_SQRT_2);
         let of = |part: Vec<Point>| of_any(&part, orders.clone()).filter(is_seen);
@@ -89,6 +88,11 @@ impl<'a> Draft<'a> {
         };
         let stuck = if rolls { of(stuck) } else { None };
         Ok(Self { seen, table, coordinate, resonance, stuck, rolls, modes, band })
+    }
+
+    /// The resonance that some readings show.
+    pub fn resonance_of(&self, points: &[Point]) -> Option<Resonance> {
+        of_any(points, orders(self.signals().1))
     }
 
     /// Drive and reading.
@@ -128,11 +132,21 @@ impl<'a> Draft<'a> {
         let calibration = calibrate(&Model::new(&applied), &scenario.free, &table.points, Tolerance::FIT, 0);
         let calibrated = judge(&scenario, &table, &calibration, None).model;
         let Some((_, seen)) = astray(&calibrated, &table.points) else { return Ok(None) };
-        let (with, _) = explain(&scenario, &table, &SearchOptions { max_effects: 1, ..brief(true) }, &Arc::default());
-        let all = compared(&table.points, &with.fit.evaluation.predictions);
-        let band = narrower(&applied, &table, &all, 0).filter(|found| found.is_better).map(|found| found.band);
+        let with = |table: &Table| {
+            let options = SearchOptions { max_effects: 1, ..brief(true) };
+            let (with, _) = explain(&scenario, table, &options, &Arc::default());
+            compared(&table.points, &with.fit.evaluation.predictions)
+        };
+        let all = with(&table);
+        let Some(found) = narrower(&applied, &table, &all, 0) else { return Ok(None) };
+        let inside = |f: f64| (found.band.0..=found.band.1).contains(&f);
         // Of a notch the largest readings are beside it.
-        Ok(band.filter(|(from, to)| (*from..=*to).contains(&seen.frequency)))
+        if !inside(seen.frequency) {
+            return Ok(None);
+        }
+        let mut about = table.clone();
+        about.points.retain(|p| inside(p.frequency));
+        Ok((found.is_better || are_better(&with(&about), &all)).then_some(found.band))
     }
 
     /// The series with their points.
@@ -141,6 +155,12 @@ impl<'a> Draft<'a> {
         let of = |index: usize| table.points.iter().filter(move |p| p.series == index).collect();
         table.series.iter().enumerate().map(move |(index, series)| (series, of(index)))
     }
+}
+
+/// How many times a reading may be the motion differentiated: of a voltage it is not said, and what is broad as a
+/// displacement may be none.
+fn orders(reading: Signal) -> RangeInclusive<u8> {
+    if reading.unit == "V" { 0..=2 } else { reading.order..=reading.order }
 }
 
 /// The number with so many significant digits.
