@@ -83,7 +83,8 @@ impl<'a> Data<'a> {
 
     /// Points on which a race begins.
     pub fn begins_on(&self, options: &SearchOptions) -> usize {
-        options.begins_on(self.series).min(self.points.len())
+        let count = self.points.len();
+        options.begins_on(self.series, readings(self.points) as f64 / count.max(1) as f64).min(count)
     }
 
     /// So many of the points in their order.

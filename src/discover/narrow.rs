@@ -149,7 +149,7 @@ mod tests {
     fn a_band_is_written_in_as_few_digits_as_keep_its_readings() {
         assert_eq!(short(207692.27376149502, 207687.25), 207690.0);
         assert_eq!(short(208128.72185160813, 208133.7), 208130.0);
-        assert_eq!(short(1.23456, 1.2345), 1.23454);
+        assert_eq!(short(1.23456, 1.2345), 1.23456);
         assert_eq!(short(52.0, 104.0), 60.0);
     }
 }

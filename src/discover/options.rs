@@ -45,13 +45,13 @@ pub struct SearchOptions {
 
 /// Points of a series that tell its resonance apart from another: its place, width and height, and how it leans.
 const OF_SERIES: usize = 5;
-/// A table of fewer series counts as one of so many.
-const FEW_SERIES: usize = 3;
+/// Readings that tell candidates apart at least: three for each parameter of those that have the most.
+const OF_TABLE: usize = 32;
 
 impl SearchOptions {
-    /// Points of a table of so many series on which a race begins.
-    pub(super) fn begins_on(&self, series: usize) -> usize {
-        (OF_SERIES * series.max(FEW_SERIES)).min(self.first_points)
+    /// Points on which a race begins, of a table of so many series whose points have so many readings each.
+    pub(super) fn begins_on(&self, series: usize, each: f64) -> usize {
+        (OF_SERIES * series).max((OF_TABLE as f64 / each).ceil() as usize).min(self.first_points)
     }
 
     /// What may be set by name, with its meaning.

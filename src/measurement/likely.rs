@@ -101,6 +101,8 @@ const DEVIATES: &[&str] = &[
 pub(crate) const MEANS: &[&str] = &["mean", "avg", "average", "mittel", "mittelwert"];
 /// Words for what of a swing is measured, as in `peak-to-peak voltage`; their deviation is of the same quantity.
 const SWINGS: &[&str] = &["peak", "to", "pk", "pp", "p", "ptp", "p2p", "pkpk", "rms", "eff"];
+/// Letters of a word that abbreviates another, at least.
+const SHORT: usize = 3;
 /// Words for how a phase counts.
 const COUNTS: &[&str] = &["lag", "shift", "difference", "diff"];
 
@@ -116,8 +118,16 @@ pub(crate) fn is_deviation(name: &str, of: &str) -> bool {
             own.remove(at);
             // Of `std dev` both are the mark.
             own.retain(|word| !matches!(*word, "dev" | "deviation"));
-            !own.is_empty() && quantity(own) == quantity(of.split('_').collect())
+            let whole: Vec<&str> = of.split('_').collect();
+            !own.is_empty() && (is_short(&own, &whole) || quantity(own) == quantity(whole))
         })
+}
+
+/// Whether a word abbreviates a name: its beginning, `amp` of `amplitude`, or its initials, `ps` of `phase_shift`.
+fn is_short(word: &[&str], name: &[&str]) -> bool {
+    let [word] = word else { return false };
+    let begins = word.chars().count() >= SHORT && name[0].starts_with(word);
+    begins || name.len() > 1 && name.iter().filter_map(|word| word.chars().next()).eq(word.chars())
 }
 
 /// Whether a name says that it is a deviation, of whatever.
@@ -200,11 +210,18 @@ mod tests {
             ("amp_err", "amp_mm"),
             ("amp_std", "amp_mittel"),
             ("x1_std_dev", "x1_avg"),
+            ("err_amp", "amplitude"),
+            ("err_ps", "phase_shift"),
         ] {
             assert!(is_deviation(name, of), "{name} {of}");
         }
-        for (name, of) in [("u_s", "u"), ("amplitude", "amplitude"), ("phase_err", "amplitude"), ("error", "amplitude")]
-        {
+        for (name, of) in [
+            ("u_s", "u"),
+            ("amplitude", "amplitude"),
+            ("phase_err", "amplitude"),
+            ("error", "amplitude"),
+            ("err_a", "amplitude"),
+        ] {
             assert!(!is_deviation(name, of), "{name} {of}");
         }
     }
