@@ -107,7 +107,7 @@ pub fn curve(model: &Model, condition: &Condition, frequency: &[f64], tolerance:
     driven_curve(model, condition, &points, tolerance)
 }
 
-/// The same at every frequency with the drive beside it.
+/// The same at every frequency with the drive beside it; what gives up at this tolerance is solved at the default one.
 pub fn driven_curve(model: &Model, condition: &Condition, points: &[(f64, f64)], tolerance: &Tolerance) -> Curve {
     let model = at_condition(model, condition);
     let mut warm = Warm::default();
@@ -117,7 +117,16 @@ pub fn driven_curve(model: &Model, condition: &Condition, points: &[(f64, f64)],
         let at = Operation { drive, ..operation(condition, f) };
         let state = match states.as_slice() {
             [.., before, last] if lost(before) && lost(last) => last.clone(),
-            _ => solve_steady(&model, &at, tolerance, false, &mut warm).state,
+            _ => {
+                let state = solve_steady(&model, &at, tolerance, false, &mut warm).state;
+                // What gives up early has not shown that there is none.
+                let is_whole = *tolerance == Tolerance::default();
+                if is_whole || !lost(&state) {
+                    state
+                } else {
+                    solve_steady(&model, &at, &Tolerance::default(), false, &mut Warm::default()).state
+                }
+            }
         };
         states.push(state);
     }
