@@ -23,7 +23,7 @@ pub struct SearchOptions {
     /// Starting points of one candidate that are fitted at most, fewer of sliders. Cost of the first round in
     /// proportion.
     pub entrants: usize,
-    /// Points of the table on which a race begins at most, spread over all series ([`SearchOptions::begins_on`]); every
+    /// Points of the table on which a race begins at most, spread over all series (`SearchOptions::begins_on`); every
     /// round takes twice as many.
     pub first_points: usize,
     /// Evaluations of a fit in the first round; every round takes twice as many.

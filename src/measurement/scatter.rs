@@ -56,7 +56,7 @@ impl Parts {
 }
 
 impl Spread {
-    /// As [`Parts::at`].
+    /// As `Parts::at`.
     pub fn at(&self, amplitude: f64, slope: f64) -> f64 {
         self.parts.map_or(self.sd, |parts| parts.at(amplitude, slope))
     }
