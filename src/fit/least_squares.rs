@@ -157,7 +157,9 @@ fn held(problem: &mut Problem<'_>, parameters: &[Parameter], start: &[f64], thre
     edges.into_iter().enumerate().map(falls_beyond).collect()
 }
 
-/// The problem as the library of the method sees it.
+/// The problem as the library of the method sees it: beside the residuals of the readings one of each parameter, which
+/// is zero wherever the step starts and one where it ends a unit of the coordinate from there. It moves no minimum; what
+/// the readings tell nothing about, where a quotient of two rounding errors would be the step, stays where it is.
 struct Target<'p, 'a> {
     problem: &'p mut Problem<'a>,
     parameters: Vec<Parameter>,
@@ -212,12 +214,19 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Target<'_, '_> {
         if self.problem.solved >= self.states {
             return None;
         }
-        Some(self.evaluation.as_ref()?.residuals.map(|r| soften(r, self.threshold).0))
+        let residuals = &self.evaluation.as_ref()?.residuals;
+        let softened = residuals.iter().map(|&r| soften(r, self.threshold).0);
+        let all = residuals.len() + self.parameters.len();
+        Some(DVector::from_iterator(all, softened.chain(std::iter::repeat_n(0.0, self.parameters.len()))))
     }
 
     fn jacobian(&self) -> Option<DMatrix<f64>> {
         let evaluation = self.evaluation.as_ref()?;
-        let mut jacobian = evaluation.jacobian.clone();
+        let readings = evaluation.residuals.len();
+        let mut jacobian = evaluation.jacobian.clone().resize_vertically(readings + self.parameters.len(), 0.0);
+        for j in 0..self.parameters.len() {
+            jacobian[(readings + j, j)] = 1.0;
+        }
         for (i, &r) in evaluation.residuals.iter().enumerate() {
             let by_residual = soften(r, self.threshold).1;
             for (j, parameter) in self.parameters.iter().enumerate() {
