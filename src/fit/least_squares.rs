@@ -158,8 +158,9 @@ fn held(problem: &mut Problem<'_>, parameters: &[Parameter], start: &[f64], thre
 }
 
 /// The problem as the library of the method sees it: beside the residuals of the readings one of each parameter, which
-/// is zero wherever the step starts and one where it ends a unit of the coordinate from there. It moves no minimum; what
-/// the readings tell nothing about, where a quotient of two rounding errors would be the step, stays where it is.
+/// is zero where a step starts, and grows along its coordinate as much as all readings may by the error of the solver. It
+/// moves no minimum; what the readings tell nothing about, where a quotient of two errors would be the step, stays where
+/// it is.
 struct Target<'p, 'a> {
     problem: &'p mut Problem<'a>,
     parameters: Vec<Parameter>,
@@ -167,6 +168,8 @@ struct Target<'p, 'a> {
     /// Which parameters stay.
     held: Vec<bool>,
     states: u64,
+    /// Slope of the residuals by a coordinate that is not known from zero.
+    unknown: f64,
     u: DVector<f64>,
     evaluation: Option<Evaluation>,
     best: (f64, Vec<f64>, Evaluation),
@@ -182,7 +185,9 @@ impl<'p, 'a> Target<'p, 'a> {
         };
         let best = (f64::INFINITY, Vec::new(), nothing);
         let held = vec![false; parameters.len()];
-        Self { problem, parameters, threshold, held, states: u64::MAX, u: DVector::zeros(0), evaluation: None, best }
+        let unknown = problem.error();
+        let (states, u) = (u64::MAX, DVector::zeros(0));
+        Self { problem, parameters, threshold, held, states, unknown, u, evaluation: None, best }
     }
 }
 
@@ -225,7 +230,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Target<'_, '_> {
         let readings = evaluation.residuals.len();
         let mut jacobian = evaluation.jacobian.clone().resize_vertically(readings + self.parameters.len(), 0.0);
         for j in 0..self.parameters.len() {
-            jacobian[(readings + j, j)] = 1.0;
+            jacobian[(readings + j, j)] = self.unknown;
         }
         for (i, &r) in evaluation.residuals.iter().enumerate() {
             let by_residual = soften(r, self.threshold).1;

@@ -138,6 +138,14 @@ impl<'a> Problem<'a> {
         Self { model, parameters: Vec::new(), gives_up: true, evaluations: 0, solved: 0, ..self.clone() }
     }
 
+    /// What the error of the solver amounts to in the norm of all residuals, about \[standard deviations\].
+    pub fn error(&self) -> f64 {
+        let of = |point: &&Point| {
+            (point.amplitude / point.amplitude_sd).powi(2) + point.phase_sd.map_or(0.0, |sd| sd.powi(-2))
+        };
+        self.tolerance.error() * self.points.iter().map(of).sum::<f64>().sqrt()
+    }
+
     /// The parameters.
     pub fn parameters(&self) -> &[Parameter] {
         &self.parameters
