@@ -225,6 +225,8 @@ pub struct Scales {
     pub has_contact: bool,
     /// Number of the series that were measured.
     pub series: usize,
+    /// Median distance of neighbouring frequencies of a series \[rad/s\]; 0 where none was measured.
+    pub spacing: f64,
 }
 
 impl Scales {
@@ -242,6 +244,7 @@ impl Scales {
         roller_speed: 0.1,
         has_contact: true,
         series: 0,
+        spacing: 0.0,
     };
 
     /// Deflection under friction, or the motion where it is larger.

@@ -1,12 +1,13 @@
 //! The comparison against data made by the time integrator, which shares only the laws with the solver that fits.
 
-use stickslip::compare::{Comparison, Options, compare};
+use stickslip::compare::{Comparison, Options, compare, unless_understated, whiteness};
+use stickslip::fit::Prediction;
 use stickslip::measurement::{NoiseSource, Point, Table, by_condition};
 use stickslip::model::{Model, Operation};
 use stickslip::scenario::Signals;
 use stickslip::scenario::{self, Scenario};
-use stickslip::solver::integrated;
 use stickslip::solver::time::Plan;
+use stickslip::solver::{Status, integrated};
 
 /// Relative standard deviation of the amplitude; of the phase in rad.
 const NOISE: f64 = 0.01;
@@ -83,9 +84,13 @@ fn compared(points: Vec<Point>) -> Comparison {
     compared_with(points, NoiseSource::Stated)
 }
 
-fn compared_with(mut points: Vec<Point>, noise: NoiseSource) -> Comparison {
+fn compared_with(points: Vec<Point>, noise: NoiseSource) -> Comparison {
+    compare(&scenario(), &table_of(points, noise), &Options { seed: 0 })
+}
+
+fn table_of(mut points: Vec<Point>, noise: NoiseSource) -> Table {
     let series = by_condition(&mut points);
-    let table = Table {
+    Table {
         file: "table.csv".into(),
         hash: String::new(),
         points,
@@ -97,8 +102,19 @@ fn compared_with(mut points: Vec<Point>, noise: NoiseSource) -> Comparison {
         freedom: if noise == NoiseSource::Estimated { 200.0 } else { f64::INFINITY },
         refuted: None,
         notes: Vec::new(),
+    }
+}
+
+/// What is said of points that are where they were measured.
+fn predictions(points: &[Point]) -> Vec<Prediction> {
+    let of = |point: &Point| Prediction {
+        amplitude: point.amplitude,
+        phase: point.phase.unwrap_or_default(),
+        status: Status::Steady,
+        others: Vec::new(),
+        beyond: false,
     };
-    compare(&scenario(), &table, &Options { seed: 0 })
+    points.iter().map(of).collect()
 }
 
 #[test]
@@ -165,6 +181,36 @@ fn what_is_larger_than_the_scatter_along_the_series_is_no_noise() {
             );
         }
     }
+}
+
+/// Deviations that the readings refute are known from no more than their scatter.
+#[test]
+fn the_unit_of_refuted_deviations_is_known_from_the_scatter_alone() {
+    let table = |amplitude: f64, phase: f64| {
+        let mut points = noisy(&exact(), 7);
+        for point in &mut points {
+            point.amplitude_sd *= amplitude;
+            point.phase_sd = point.phase_sd.map(|sd| phase * sd);
+        }
+        table_of(points, NoiseSource::Stated)
+    };
+    let freedom = |amplitude: f64, phase: f64| unless_understated(&table(amplitude, phase)).0.freedom;
+    let readings = 2.0 * table(1.0, 1.0).points.len() as f64;
+    assert_eq!(freedom(1.0, 1.0), f64::INFINITY);
+    assert_eq!(freedom(3.0, 1.0), f64::INFINITY);
+    let (amplitude, phase, both) = (freedom(0.2, 1.0), freedom(1.0, 0.2), freedom(0.2, 0.2));
+    assert!(both < amplitude.min(phase) && amplitude.max(phase) < 2.0 * readings, "{amplitude} {phase} {both}");
+    assert!((both.recip() / (amplitude.recip() + phase.recip()) - 1.0).abs() < 1e-9, "{amplitude} {phase} {both}");
+}
+
+/// Beside as many parameters as there are readings anything looks like noise.
+#[test]
+fn what_so_many_parameters_leave_of_few_readings_is_no_test() {
+    let table = table_of(noisy(&exact(), 11), NoiseSource::Stated);
+    let of = |count: usize| stickslip::compare::compared(&table.points[..count], &predictions(&table.points[..count]));
+    let testable = |count: usize, fitted: usize| whiteness(&of(count), &table, fitted).testable;
+    assert!(testable(20, 3) && testable(20, 9) && !testable(20, 28) && !testable(20, 40));
+    assert!(testable(9, 2) && !testable(9, 9));
 }
 
 /// Deviations that were estimated along series are known to a fifth or so: intervals are as wide wherever they are in

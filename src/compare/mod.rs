@@ -22,7 +22,7 @@ pub use json::{ComparisonJson, ForceJson, ParameterJson, SCHEMA, SettingJson, js
 pub use metrics::{ConditionMetrics, Metrics, Peak, peak, rms_error_beside};
 pub use regions::{Region, regions, words};
 pub use shifts::shifts;
-pub use whiteness::{Whiteness, scatter, understated, whiteness};
+pub use whiteness::{Whiteness, scatter, unless_understated, whiteness};
 
 use crate::fit::resonance;
 use crate::fit::{
@@ -467,9 +467,11 @@ pub fn outlier_words(number: usize) -> String {
     format!("{} that {} out", count(number, "reading"), if number == 1 { "stands" } else { "stand" })
 }
 
-/// Noise of the readings over the stated one, where that is larger and nothing but noise is left.
+/// Noise of the readings over the stated one, where that is larger and nothing but noise is left, by a test that could
+/// have failed.
 fn noise_scale(whiteness: &Whiteness) -> f64 {
-    if whiteness.structured { 1.0 } else { whiteness.noise().max(1.0) }
+    let is_noise = whiteness.testable && !whiteness.structured;
+    if is_noise { whiteness.noise().max(1.0) } else { 1.0 }
 }
 
 /// Measured points (in canonical order) beside what a model says of them.

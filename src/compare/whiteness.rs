@@ -84,22 +84,24 @@ fn differs(factor: f64, freedom: f64) -> bool {
     sure && !(1.0 / NOISE_DIFFERS..NOISE_DIFFERS).contains(&factor)
 }
 
-/// Scatter of the readings along their series over stated standard deviations that are too small for it, before any
-/// model: beside these nothing would be left that looks like noise, and an explanation would be chosen for its number
-/// of parameters.
-pub fn understated(table: &Table) -> Noise {
+/// The table with the scatter of the readings along their series for stated standard deviations that are too small for
+/// it, before any model: beside these nothing would be left that looks like noise, and an explanation would be chosen
+/// for its number of parameters. And how many times as large they are.
+pub fn unless_understated(table: &Table) -> (Table, Noise) {
     let seen = measurement::scatter(&table.points);
     let of = |source: NoiseSource, seen: Option<Spread>, stated: &dyn Fn(&Point) -> Option<f64>| {
         let single = |p: &Point| Some(stated(p)? * (p.replicates as f64).sqrt());
         let stated = median(table.points.iter().filter_map(single));
         let seen = seen.filter(|_| source == NoiseSource::Stated && stated > 0.0);
         let factor = seen.map(|seen| (seen.sd / stated, seen.degrees_of_freedom as f64));
-        factor.filter(|(factor, freedom)| *factor > 1.0 && differs(*factor, *freedom)).map_or(1.0, |(factor, _)| factor)
+        let larger = factor.filter(|(factor, freedom)| *factor > 1.0 && differs(*factor, *freedom));
+        larger.unwrap_or((1.0, f64::INFINITY))
     };
-    Noise {
-        amplitude: of(table.amplitude_noise, seen.amplitude, &|p| Some(p.amplitude_sd / p.amplitude)),
-        phase: table.phase_noise.map_or(1.0, |source| of(source, seen.phase, &|p| p.phase_sd)),
-    }
+    let amplitude = of(table.amplitude_noise, seen.amplitude, &|p| Some(p.amplitude_sd / p.amplitude));
+    let phase = table.phase_noise.map(|source| of(source, seen.phase, &|p| p.phase_sd));
+    let phase = phase.unwrap_or((1.0, f64::INFINITY));
+    let noise = Noise { amplitude: amplitude.0, phase: phase.0 };
+    (table.estimated(noise, [amplitude.1, phase.1]), noise)
 }
 
 /// Scatter of amplitudes and phases about anything smooth, over their standard deviations, each by itself; `None` where
@@ -189,8 +191,11 @@ fn test(curves: &[Vec<f64>], fitted: usize) -> Whiteness {
     let by_chance = rough_chi2 * f64::sqrt(neighbours);
     let autocorrelation_p = if by_chance > 0.0 { tail(product / by_chance) } else { 1.0 };
     let smooth_p = FisherSnedecor::new(smooth_n, rough_n.max(1.0)).map_or(1.0, |f| f.sf(smooth_ratio));
-    // Of so many pairs of neighbours the fewest runs, one, have to be impossible by chance.
-    let testable = tail(2.0 * variance.sqrt()) < 0.1 * SIGNIFICANCE;
+    // Of so many pairs of neighbours the fewest runs, one, have to be impossible by chance; of as many as so many
+    // parameters leave.
+    let readings = curves.iter().map(Vec::len).sum::<usize>().max(1) as f64;
+    let left = variance * (1.0 - fitted as f64 / readings).max(0.0);
+    let testable = tail(2.0 * left.sqrt()) < 0.1 * SIGNIFICANCE;
     let structured = smooth_p < SIGNIFICANCE || autocorrelation_p < SIGNIFICANCE || runs_p < 0.1 * SIGNIFICANCE;
     Whiteness {
         runs,

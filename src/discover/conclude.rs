@@ -9,7 +9,7 @@ use super::unnamed::{OF_AMPLITUDE, is_drift_a_law_of_the_amplitude};
 use super::{Candidate, Discovery, Evidence, MARGIN, NotTestable, Step, Verdict, fall, held_out, next, verdict};
 use crate::compare::{self, Calibration, Comparison};
 use crate::fit::{Interval, TAIL, approximate_intervals, operation};
-use crate::measurement::{Noise, curves};
+use crate::measurement::{Noise, curves, shows_anything};
 use crate::model::Model;
 use crate::model::alone::Alone;
 use rayon::prelude::*;
@@ -42,7 +42,7 @@ fn evidence(base: &Step, end: &Step, points: usize) -> Evidence {
     let (additions, white) = (&end.hypothesis.additions, &end.comparison.whiteness);
     let effects = additions.iter().filter(|a| a.is_effect()).count();
     Evidence {
-        testable: white.testable,
+        testable: white.testable && shows_anything(&end.comparison.table.points),
         structured: white.structured,
         decidable: is_decidable(base, end),
         unsolved: end.comparison.unsolved() as f64 / points as f64,

@@ -9,7 +9,7 @@ use super::look::{Count, look};
 use super::options::{MARGIN, SearchOptions};
 use crate::compare::{self, Calibration};
 use crate::fit::{TAIL, cost, robust_chi2, typical_of};
-use crate::measurement::{Noise, Table};
+use crate::measurement::{Noise, Table, shows_anything};
 use crate::model::Model;
 use crate::scenario::Scenario;
 use crate::solver::cycle::Tolerance;
@@ -36,13 +36,12 @@ pub fn discover_counted(
     solved: &Arc<AtomicU64>,
 ) -> Discovery {
     let scenario = table.applied_to(scenario);
-    let understated = compare::understated(table);
-    let table = &table.estimated(understated);
+    let (table, understated) = &compare::unless_understated(table);
     let (search, start) = Search::begin(&scenario, table, options, solved);
     let mut known = Known::default();
     let chosen = search.forward(&start, &mut known);
     let Some(noise) = search.scatter(&chosen) else {
-        return search.run(&start, chosen, known, understated);
+        return search.run(&start, chosen, known, *understated);
     };
     // It goes on with the standard deviations that the readings scatter by.
     let table = table.rescaled(noise);
@@ -53,7 +52,7 @@ pub fn discover_counted(
     let mut known = known.map(|entry| search.reweighted(entry, noise, again));
     // What was decided for in the other deviations may not be in these.
     let chosen = search.forward(&search.eliminate_to(0, chosen), &mut known);
-    search.run(&start, chosen, known, noise.times(understated))
+    search.run(&start, chosen, known, noise.times(*understated))
 }
 
 /// What explains the measurements of a scenario as far as the forward selection goes, and what the criterion charges it
@@ -67,7 +66,7 @@ pub fn explain(
     solved: &Arc<AtomicU64>,
 ) -> (Hypothesis, f64) {
     let scenario = table.applied_to(scenario);
-    let table = &table.estimated(compare::understated(table));
+    let (table, _) = &compare::unless_understated(table);
     let (search, start) = Search::begin(&scenario, table, options, solved);
     let found = search.forward(&start, &mut Known::default());
     let charge = search.looked_at(&found);
@@ -94,7 +93,11 @@ impl<'a> Search<'a> {
         base: Model,
     ) -> Self {
         let data = Data::new(base, free, (&table.points, table.freedom), (options.budget, solved));
-        let pool = additions(&data.base, free, table.points.iter().any(|p| p.phase.is_some()), &options.candidates);
+        let pool = if shows_anything(&table.points) {
+            additions(&data.base, free, table.points.iter().any(|p| p.phase.is_some()), &options.candidates)
+        } else {
+            Vec::new()
+        };
         Self { scenario, table, options, data, pool }
     }
 

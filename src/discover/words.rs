@@ -5,6 +5,7 @@ use super::hypothesis::Basis;
 use super::{Candidate, Discovery, MARGIN, Step, Verdict};
 use crate::compare::outlier_words;
 use crate::fit::{Identified, Interval, Parameter};
+use crate::measurement::shows_anything;
 use crate::scenario::parameters::of_key;
 use crate::units::count;
 use crate::units::readable::{percent, quantity};
@@ -40,6 +41,11 @@ pub fn sentence(d: &Discovery) -> String {
         Verdict::Recalibrate => recalibration(d, &end.hypothesis.recalibrated()),
         Verdict::EffectMissing if recalibrated.is_empty() => format!("missing: {}", effects.join(" + ")),
         Verdict::EffectMissing => format!("missing: {}; recalibrate {}", effects.join(" + "), recalibrated.join(", ")),
+        Verdict::Unexplained if !shows_anything(&end.comparison.table.points) => {
+            "undecided: the readings vary from one to the next as much as along their series; there is no curve to hold a \
+             model against"
+                .into()
+        }
         Verdict::Unexplained if !end.comparison.whiteness.testable => {
             let what = if end.hypothesis.additions.is_empty() { "the calibrated model".into() } else { all };
             format!(
@@ -119,7 +125,9 @@ pub fn how_sure(d: &Discovery) -> String {
     let end = d.explanation();
     let white = &end.comparison.whiteness;
     if d.verdict == Verdict::Unexplained {
-        return if !white.testable {
+        return if !shows_anything(&end.comparison.table.points) {
+            "how sure cannot be said: nothing but scatter is seen".into()
+        } else if !white.testable {
             "how sure cannot be said: there are too few neighbouring readings to test what is left".into()
         } else if white.structured {
             let noise = end.comparison.unit().sqrt();

@@ -3,6 +3,7 @@
 use super::{Effect, Group, Measure, ParameterInfo, Scales, Zero};
 use crate::dual::Dual;
 use crate::parameter::ANY;
+use std::f64::consts::PI;
 
 /// Delay of the sensor.
 pub struct SensorDelay;
@@ -41,10 +42,14 @@ impl Effect for SensorDelay {
                 .either_sign()];
         LIST
     }
-    /// Up to a radian over the width of the resonance, which behind a long cable is many turns.
+    /// Up to a radian over the width of the resonance, which behind a long cable is many turns; but less than half a turn
+    /// from one frequency to the next, since readings cannot tell delays that differ by a whole one. A fit may leave the
+    /// range by a factor of three.
     fn search_range(&self, index: usize, scales: &Scales) -> (f64, f64) {
         let (low, high) = self.parameters()[index].search_range(scales);
-        (low, high.max(scales.quality / scales.omega))
+        let told = if scales.spacing > 0.0 { PI / scales.spacing } else { f64::INFINITY };
+        let high = high.max(scales.quality / scales.omega).min(told / 3.0);
+        (low.min(0.1 * high), high)
     }
 
     fn reading(&self, p: &[Dual], omega: f64) -> Option<Dual> {
@@ -55,6 +60,18 @@ impl Effect for SensorDelay {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn readings_tell_less_than_half_a_turn_between_neighbours() {
+        let scales = Scales { quality: 1e5, spacing: 0.0, ..Scales::PAPER };
+        let (low, high) = SensorDelay.search_range(0, &scales);
+        assert_eq!(high, scales.quality / scales.omega);
+        for spacing in [0.1, 1.0, 1e5] {
+            let range = SensorDelay.search_range(0, &Scales { spacing, ..scales });
+            assert!(3.0 * range.1 * spacing <= PI * (1.0 + 1e-12), "{spacing}: {range:?}");
+            assert!(range.0 <= low && range.0 < range.1 && range.1 <= high, "{spacing}: {range:?}");
+        }
+    }
 
     #[test]
     fn the_phase_falls_in_proportion_to_the_frequency() {

@@ -72,7 +72,8 @@ pub fn resonance(points: &[&Point], order: u8) -> Option<Resonance> {
         Some(resonance) if !resonance.is_overdamped() => Some(resonance),
         Some(resonance) => by_amplitudes(&usable, order).or(Some(resonance)),
         None => {
-            let other = floor::on_floor(&usable, order).or_else(|| by_amplitudes(&usable, order));
+            let floor = floor::on_floor(&usable).or_else(|| floor::in_part(&usable));
+            let other = floor.or_else(|| by_amplitudes(&usable, order));
             other.or(alone.map(|(_, resonance)| resonance))
         }
     }

@@ -96,6 +96,19 @@ pub(super) fn shows_curve(points: &[Point]) -> bool {
     })
 }
 
+/// Whether any series is a curve in its amplitudes or in its phases: what is scatter alone no model is held against.
+pub(crate) fn shows_anything(points: &[Point]) -> bool {
+    let turns = |part: fn(f64) -> f64| {
+        let phases = |curve: &[Point]| {
+            let mut all: Vec<(f64, f64)> = curve.iter().filter_map(|p| Some((p.frequency, part(p.phase?)))).collect();
+            all.sort_by(|a, b| a.0.total_cmp(&b.0));
+            all.into_iter().map(|(_, value)| value).collect::<Vec<_>>()
+        };
+        points.chunk_by(same_curve).map(phases).any(|values| values.len() >= TELLING && is_curve(&values))
+    };
+    shows_curve(points) || turns(f64::cos) || turns(f64::sin)
+}
+
 /// Which points were taken without a signal, as their series shows: far below the others, and nothing but noise.
 pub(super) fn without_signal(points: &[Point], notes: &mut Vec<String>) -> Vec<bool> {
     let mut without = vec![false; points.len()];

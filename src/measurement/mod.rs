@@ -40,6 +40,7 @@ mod workbook;
 use schemars::JsonSchema;
 use std::path::{Path, PathBuf};
 
+pub(crate) use doubts::shows_anything;
 pub(crate) use file::bytes;
 pub(crate) use header::{plain, split};
 pub use modes::{Mode, TOLD, modes};
@@ -152,9 +153,11 @@ impl Table {
         self.refuted.unwrap_or((self.amplitude_noise, self.phase_noise))
     }
 
-    /// The table with deviations so many times as large, estimated from the readings where that is not once.
-    pub fn estimated(&self, noise: Noise) -> Self {
+    /// The table with deviations so many times as large, estimated from the readings where that is not once: from so
+    /// many degrees of freedom of amplitudes and of phases.
+    pub fn estimated(&self, noise: Noise, freedom: [f64; 2]) -> Self {
         let mut table = self.rescaled(noise);
+        table.freedom = (self.freedom.recip() + noise::freedom(&self.points, freedom).recip()).recip();
         let estimated = |factor: f64, source| if factor == 1.0 { source } else { NoiseSource::Estimated };
         table.amplitude_noise = estimated(noise.amplitude, self.amplitude_noise);
         table.phase_noise = self.phase_noise.map(|source| estimated(noise.phase, source));

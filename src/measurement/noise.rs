@@ -121,11 +121,16 @@ pub(crate) fn assign(
         coarse("phases", rounded, points.len(), notes);
         source
     };
-    // That of a sum of squares in units of both, each as uncertain as its own.
-    let both = [points.len(), points.iter().filter(|point| point.phase.is_some()).count()].map(|count| count as f64);
-    let share = |of: usize| both[of] / (both[0] + both[1]);
-    let freedom = (share(0).powi(2) / of_amplitudes + share(1).powi(2) / of_phases).recip();
+    let freedom = freedom(&points, [of_amplitudes, of_phases]);
     Ok((points, amplitude_noise, Some(phase_noise), freedom))
+}
+
+/// From how many degrees of freedom the unit of a sum of squares over all readings is known, those of amplitudes and of
+/// phases being known from so many.
+pub(super) fn freedom(points: &[Point], of: [f64; 2]) -> f64 {
+    let both = [points.len(), points.iter().filter(|point| point.phase.is_some()).count()].map(|count| count as f64);
+    let share = |kind: usize| both[kind] / (both[0] + both[1]);
+    (0..2).filter(|&kind| both[kind] > 0.0).map(|kind| share(kind).powi(2) / of[kind]).sum::<f64>().recip()
 }
 
 /// Noise of a single reading.

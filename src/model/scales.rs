@@ -43,8 +43,18 @@ impl Model {
             roller_speed: points.iter().map(|(at, _)| at.speed).fold(0.0, f64::max),
             has_contact: self.has_contact,
             series: points.iter().map(|(at, _)| at.series + 1).max().unwrap_or(0),
+            spacing: spacing(points),
         }
     }
+}
+
+/// Median distance of neighbouring frequencies of a series \[rad/s\]; 0 where there are none.
+fn spacing(points: &[(Operation, f64)]) -> f64 {
+    let mut places: Vec<(usize, f64)> = points.iter().map(|(at, _)| (at.series, at.frequency)).collect();
+    places.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let neighbours = places.windows(2).filter(|pair| pair[0].0 == pair[1].0 && pair[0].1 < pair[1].1);
+    let distances: Vec<f64> = neighbours.map(|pair| pair[1].1 - pair[0].1).collect();
+    if distances.is_empty() { 0.0 } else { std::f64::consts::TAU * median(distances) }
 }
 
 #[cfg(test)]
@@ -61,6 +71,6 @@ mod tests {
             }
         }
         let found = Model::new(&crate::scenario::paper()).scaled_at(&points).scales;
-        assert_eq!(found, Scales { series: 1, ..Scales::PAPER });
+        assert_eq!(found, Scales { series: 1, spacing: 2.0 * std::f64::consts::TAU, ..Scales::PAPER });
     }
 }

@@ -94,6 +94,8 @@ pub fn comparison_view(c: &Comparison, figures: &[FigureInput]) -> ComparisonVie
 fn verdict(c: &Comparison) -> Match {
     if c.whiteness.structured {
         Match::Structured
+    } else if !c.whiteness.testable {
+        Match::Untested
     } else if c.whiteness.noise() > 1.0 {
         Match::Noisy
     } else {
@@ -109,6 +111,9 @@ fn sentence(c: &Comparison, verdict: Match) -> String {
         }
         Match::Structured => "What the model leaves is structured, not noise",
         Match::Noisy => "What the model leaves has no structure, but is larger than the stated noise",
+        Match::Untested => {
+            "Whether what the model leaves is noise cannot be tested: the series have too few neighbouring readings"
+        }
         Match::Noise => "What the model leaves looks like noise",
     };
     let aside = match c.outliers.len() {

@@ -148,6 +148,9 @@ pub enum Match {
     /// No structure, but more than the stated noise.
     #[serde(rename = "noise larger than stated")]
     Noisy,
+    /// Too few neighbouring readings to test it.
+    #[serde(rename = "not tested")]
+    Untested,
     /// Noise.
     #[serde(rename = "within the noise")]
     Noise,
@@ -155,13 +158,14 @@ pub enum Match {
 
 impl Match {
     /// All of them, the most serious first.
-    pub const ALL: [Self; 3] = [Self::Structured, Self::Noisy, Self::Noise];
+    pub const ALL: [Self; 4] = [Self::Structured, Self::Noisy, Self::Untested, Self::Noise];
 
     /// The words of the report and of the JSON.
     pub fn words(self) -> &'static str {
         match self {
             Self::Structured => "structured misfit",
             Self::Noisy => "noise larger than stated",
+            Self::Untested => "not tested",
             Self::Noise => "within the noise",
         }
     }
@@ -171,6 +175,7 @@ impl Match {
         match self {
             Self::Structured => Tone::Bad,
             Self::Noisy => Tone::Caveat,
+            Self::Untested => Tone::Open,
             Self::Noise => Tone::Good,
         }
     }

@@ -2,31 +2,77 @@
 //!
 //! Against d = w^2/wc^2 - 1 the reading per drive is H = B + c/(d - p) with a complex pole p; multiplied by d - p that
 //! is linear in p, B and c - B p (Levy 1959), and with the weights 1/|d - p| of the pole before the residual is that of
-//! H (Sanathanan and Koerner 1963). Of amplitudes alone |H|^2 is a ratio of two parabolas, and the same holds.
+//! H (Sanathanan and Koerner 1963). Of amplitudes alone |H|^2 is a ratio of two parabolas, and the same holds. However
+//! many times the motion is differentiated in the reading, that changes c by no more than in proportion to d.
 
 use super::Resonance;
 use crate::fit::{MARGIN, price};
 use crate::measurement::Point;
 use crate::statistics::{median, wrap};
 use nalgebra::{Complex, ComplexField, DMatrix, DVector};
-use std::f64::consts::FRAC_PI_2;
 
 /// Fewest readings for each number of the ratio.
 const FEWEST: usize = 3;
+/// Fewest readings of a part: three for each number of a ratio beside what changes in proportion to the frequency, at
+/// half of the length.
+const FEWEST_OF_PART: usize = 2 * FEWEST * 4;
+/// Parts of one length that are looked at: those of which a straight line leaves most.
+const PARTS: usize = 4;
 /// Weights are found again so many times; a pole that is one settles within three or four.
 const ROUNDS: usize = 12;
+/// Square of the relative change of all numbers at which they are settled: that of rounding errors.
+const SETTLED: f64 = 1e-20;
 
 /// What lies in the band of the readings; `None` where they tell none, by Schwarz's criterion against a straight line.
-pub(super) fn on_floor(usable: &[&Point], order: u8) -> Option<Resonance> {
+pub(super) fn on_floor(usable: &[&Point]) -> Option<Resonance> {
+    within(usable).map(|(_, resonance)| resonance)
+}
+
+/// What lies with its width in a part of the readings, beside what no straight line is over all of them (a coil): of
+/// the halves, quarters and so on along the frequency the part where a resonance tells most.
+pub(super) fn in_part(usable: &[&Point]) -> Option<Resonance> {
+    let mut sorted = usable.to_vec();
+    sorted.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
+    let mut best: Option<(f64, Resonance)> = None;
+    let mut length = sorted.len() / 2;
+    while length >= FEWEST_OF_PART {
+        // Every part of half the length lies in one of the windows.
+        let firsts = (0..=sorted.len() - length).step_by(length / 2);
+        let mut windows: Vec<(f64, &[&Point])> =
+            firsts.map(|first| &sorted[first..first + length]).map(|window| (bent(window), window)).collect();
+        windows.sort_by(|a, b| b.0.total_cmp(&a.0));
+        for (_, window) in windows.into_iter().take(PARTS) {
+            let Some((gain, found)) = within(window) else { continue };
+            let half = 0.5 * found.frequency / found.quality;
+            let holds = |p: &&Point, side: f64| side * (p.frequency - found.frequency) > half;
+            let inside = window.iter().any(|p| holds(p, 1.0)) && window.iter().any(|p| holds(p, -1.0));
+            if inside && best.as_ref().is_none_or(|(most, _)| gain > *most) {
+                best = Some((gain, found));
+            }
+        }
+        length /= 2;
+    }
+    best.map(|(_, resonance)| resonance)
+}
+
+/// Squares that a straight line leaves of amplitudes.
+fn bent(window: &[&Point]) -> f64 {
+    let center = window[window.len() / 2].frequency;
+    let d: Vec<f64> = window.iter().map(|p| (p.frequency / center).powi(2) - 1.0).collect();
+    let responses: Vec<f64> = window.iter().map(|p| p.amplitude / p.drive).collect();
+    straight(&d, &responses).unwrap_or(0.0)
+}
+
+/// What lies in the band of the readings, and by how much Schwarz's criterion is for it against a straight line.
+fn within(usable: &[&Point]) -> Option<(f64, Resonance)> {
     let (low, high) = usable.iter().fold((f64::INFINITY, 0.0f64), |(l, h), p| (l.min(p.frequency), h.max(p.frequency)));
     let center = (low * high).sqrt();
     let detuning: Vec<f64> = usable.iter().map(|p| (p.frequency / center).powi(2) - 1.0).collect();
     let reach = detuning.iter().map(|d| d.abs()).fold(0.0, f64::max);
     let d: Vec<f64> = detuning.iter().map(|d| d / reach).collect();
-    let size = |p: &Point| p.amplitude / p.drive * (center / p.frequency).powi(order.into());
-    let turn = FRAC_PI_2 * f64::from(order);
+    let size = |p: &Point| p.amplitude / p.drive;
     let response: Option<Vec<Complex<f64>>> =
-        usable.iter().map(|p| Some(Complex::from_polar(size(p), p.phase? - turn))).collect();
+        usable.iter().map(|p| Some(Complex::from_polar(size(p), p.phase?))).collect();
     let found = match response {
         Some(response) => of_responses(&d, &response),
         None => of_squares(&d, &usable.iter().map(|p| size(p).powi(2)).collect::<Vec<_>>()),
@@ -34,13 +80,14 @@ pub(super) fn on_floor(usable: &[&Point], order: u8) -> Option<Resonance> {
     let (shift, width) = (found.shift * reach, found.width * reach);
     let frequency = center * (1.0 + shift).max(0.0).sqrt();
     let ratio = frequency / center;
-    (low < frequency && frequency < high).then(|| Resonance {
+    let resonance = || Resonance {
         frequency,
         quality: (ratio.powi(2) / width).clamp(super::QUALITY.0, super::QUALITY.1),
-        peak: found.peak * ratio.powi(order.into()),
-        phase: found.phase.map(|phase| wrap(phase + turn)),
+        peak: found.peak,
+        phase: found.phase.map(wrap),
         spanned: true,
-    })
+    };
+    (low < frequency && frequency < high).then(|| (found.gain, resonance()))
 }
 
 /// A pole in units of the reach of the readings, and what it adds to them where it is nearest.
@@ -49,6 +96,8 @@ struct Pole {
     width: f64,
     peak: f64,
     phase: Option<f64>,
+    /// By how much Schwarz's criterion is for it.
+    gain: f64,
 }
 
 /// Of a cable, too, which turns the phase in proportion to the frequency: as the readings say that stand between
@@ -89,10 +138,10 @@ fn beside<const N: usize>(d: &[f64], response: &[Complex<f64>]) -> Option<(f64, 
     let left = |i: usize| h[i] - numerator(d[i].into()) / (Complex::from(d[i]) - p);
     let line = straight(d, &h)?;
     let own = criterion((0..d.len()).map(|i| left(i).norm_sqr()).sum::<f64>(), 2 * N, 2 * d.len());
-    let pays = own < criterion(line, 4, 2 * d.len());
+    let gain = criterion(line, 4, 2 * d.len()) - own;
     let at = numerator(p) / Complex::new(0.0, -p.im);
-    let pole = Pole { shift: p.re, width: p.im.abs(), peak: at.norm(), phase: Some(at.arg()) };
-    (pays && p.im != 0.0).then_some((own, pole))
+    let pole = Pole { shift: p.re, width: p.im.abs(), peak: at.norm(), phase: Some(at.arg()), gain };
+    (gain > 0.0 && p.im != 0.0).then_some((own, pole))
 }
 
 fn of_squares(d: &[f64], squares: &[f64]) -> Option<Pole> {
@@ -109,10 +158,10 @@ fn of_squares(d: &[f64], squares: &[f64]) -> Option<Pole> {
     let ratio = |d: f64| (a + b * d + c * d * d) / below(d, &solution);
     let line = straight(d, &y)?;
     let left = (0..d.len()).map(|i| (y[i] - ratio(d[i])).powi(2)).sum::<f64>();
-    let pays = criterion(left, 5, d.len()) < criterion(line, 2, d.len());
+    let gain = criterion(line, 2, d.len()) - criterion(left, 5, d.len());
     let amplitude = |y: f64| (mean * (1.0 + y).max(0.0)).sqrt();
     let peak = (amplitude(ratio(shift)) - amplitude(c)).abs();
-    (pays && width > 0.0 && peak > 0.0).then_some(Pole { shift, width, peak, phase: None })
+    (gain > 0.0 && width > 0.0 && peak > 0.0).then_some(Pole { shift, width, peak, phase: None, gain })
 }
 
 /// Whether a resonance alone, which leaves so much of the squares of responses, tells more of them than a parabola,
@@ -150,7 +199,16 @@ fn settled<T: ComplexField<RealField = f64>, const N: usize>(
         if found.iter().any(|x| !x.is_finite()) {
             return None;
         }
-        solution = Some(std::array::from_fn(|k| found[k].clone()));
+        let found: [T; N] = std::array::from_fn(|k| found[k].clone());
+        let same = |before: &[T; N]| {
+            let change = before.iter().zip(&found).map(|(b, f)| (f.clone() - b.clone()).modulus_squared());
+            change.sum::<f64>() <= SETTLED * found.iter().map(|f| f.clone().modulus_squared()).sum::<f64>()
+        };
+        let done = solution.as_ref().is_some_and(same);
+        solution = Some(found);
+        if done {
+            break;
+        }
     }
     solution
 }
@@ -167,6 +225,7 @@ fn straight<T: ComplexField<RealField = f64>>(d: &[f64], values: &[T]) -> Option
 mod tests {
     use super::super::tests::point;
     use super::*;
+    use std::f64::consts::FRAC_PI_2;
 
     /// Readings of a resonance at 50 Hz of quality 400 beside a floor, 41 about it.
     fn points(floor: Complex<f64>, with_phase: bool) -> Vec<Point> {
@@ -188,7 +247,7 @@ mod tests {
                 for with_phase in [true, false] {
                     let points = points(Complex::from_polar(size, angle), with_phase);
                     let points: Vec<&Point> = points.iter().collect();
-                    let found = on_floor(&points, 0).expect("a resonance");
+                    let found = on_floor(&points).expect("a resonance");
                     // High on its floor it is found as what it is, not as a resonance of nothing but itself.
                     let shown = super::super::resonance(&points, 0).expect("a resonance");
                     assert!(size < 100.0 || (shown.frequency / found.frequency - 1.0).abs() < 1e-9, "{shown:?}");
@@ -202,6 +261,29 @@ mod tests {
         }
     }
 
+    /// From half a turn to ten thousand times the frequency, where what grows beside it is far larger.
+    #[test]
+    fn a_bump_far_below_what_grows_with_the_frequency_is_found() {
+        for (quality, height) in [(4.0, 2.0), (9.0, 0.8)] {
+            for with_phase in [true, false] {
+                let at = |row: usize| {
+                    let f = 10f64.powf(row as f64 / 100.0);
+                    let coil = Complex::new(0.0, f / 57.0).powf(0.7) * 0.2 + 6.0;
+                    let mode = Complex::from(height) / Complex::new(1.0, quality * (f / 57.0 - 57.0 / f));
+                    let noise = 1.0 + 0.004 * ((row * 7919 % 101) as f64 / 101.0 - 0.5);
+                    let reading = (coil + mode) * 3.0 * noise;
+                    point(row, f, reading.norm(), with_phase.then(|| reading.arg()))
+                };
+                let points: Vec<Point> = (0..430).map(at).collect();
+                let points: Vec<&Point> = points.iter().collect();
+                let found = super::super::resonance(&points, 1).expect("a resonance");
+                let close = 0.2 / quality;
+                assert!((found.frequency / 57.0 - 1.0).abs() < close, "{quality} {with_phase} {found:?}");
+                assert!((found.quality / quality).ln().abs() < 0.3, "{quality} {with_phase} {found:?}");
+            }
+        }
+    }
+
     #[test]
     fn a_notch_behind_a_cable_that_turns_the_phase_many_times_is_found() {
         let mut points = points(Complex::from_polar(4.2, 0.3), true);
@@ -209,7 +291,7 @@ mod tests {
             .iter_mut()
             .for_each(|p| p.phase = p.phase.map(|phase| wrap(phase - 300.0 * (p.frequency / 50.0 - 1.0) * 8.0)));
         let points: Vec<&Point> = points.iter().collect();
-        let found = on_floor(&points, 0).expect("a resonance");
+        let found = on_floor(&points).expect("a resonance");
         assert!((found.frequency / 50.0 - 1.0).abs() < 0.05 / 400.0, "{found:?}");
         assert!((found.quality / 400.0 - 1.0).abs() < 0.1, "{found:?}");
     }
@@ -221,7 +303,7 @@ mod tests {
             let mut points = points(Complex::new(1e9, 0.0), with_phase);
             points.iter_mut().for_each(|p| p.amplitude *= 1.0 + noise(p.row));
             let points: Vec<&Point> = points.iter().collect();
-            assert!(on_floor(&points, 0).is_none());
+            assert!(on_floor(&points).is_none());
         }
     }
 }
