@@ -47,10 +47,20 @@ pub(crate) fn meaning(header: &str, frame: &Frame<'_>) -> Meaning {
     }
     match by_name(header, name, bracket, frame) {
         Meaning::Unknown => by_alias(header, name, bracket, frame)
+            .or_else(|| by_alias(header, "frf", bracket.filter(|_| is_quotient(name)), frame))
             .or_else(|| likely(name, bracket).map(|(column, unit)| Meaning::Likely(column, unit)))
             .unwrap_or(Meaning::Unknown),
         found => found,
     }
+}
+
+/// Whether a name is that of a reading over that of a drive: `Acceleration/Force`.
+fn is_quotient(name: &str) -> bool {
+    let is = |name: &str, column: usize| {
+        let known = NAMES.iter().copied().chain(ALIASES.iter().map(|alias| (alias.name, alias.column)));
+        known.into_iter().any(|known| known == (name.trim_matches('_'), column))
+    };
+    name.split_once('/').is_some_and(|(over, under)| is(over, AMPLITUDE) && is(under, DRIVE))
 }
 
 /// One of [`NAMES`].

@@ -43,7 +43,7 @@ use std::path::{Path, PathBuf};
 pub(crate) use doubts::shows_anything;
 pub(crate) use file::bytes;
 pub(crate) use header::{plain, split};
-pub use modes::{Mode, TOLD, modes};
+pub use modes::{Mode, TOLD, modes, peaks};
 pub use noise::Noise;
 pub use reading::Direction;
 pub(crate) use rows::{decimal_commas, written};

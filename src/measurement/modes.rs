@@ -2,13 +2,15 @@
 
 use super::doubts::shows_curve;
 use super::{Point, Table};
-use crate::statistics::median_of_three;
+use crate::statistics::{median, median_of_three};
 
 /// A response at half power is this much below its peak, as a logarithm.
 const HALF: f64 = 0.5 * std::f64::consts::LN_2;
 /// Between two modes the response falls below this share of the lower peak: what either adds to the peak of the other
 /// is of the order of what both add there. Nearer ones are one system of two modes, no two of one.
 const APART: f64 = 0.1;
+/// A valley between two peaks is none of noise if it is so many standard deviations of a reading deep.
+const DEEP: f64 = 6.0;
 /// Fewest readings on the upper half of its flanks that tell a peak from a reading that is far off, or from two
 /// branches in turn.
 const FEWEST: usize = 3;
@@ -32,6 +34,17 @@ pub struct Mode {
 /// The resonances that most series show whose readings reach them, the strongest first; nothing where fewer than two
 /// are seen.
 pub fn modes(table: &Table) -> Vec<Mode> {
+    falling(table, -APART.ln())
+}
+
+/// Peaks between which the response falls below half power of the lower one, as of two modes that are coupled.
+pub fn peaks(table: &Table) -> Vec<Mode> {
+    let noise = median(table.points.iter().map(|p| p.amplitude_sd / p.amplitude));
+    falling(table, HALF.max(DEEP * noise))
+}
+
+/// Peaks between which the logarithm of the response falls by so much.
+fn falling(table: &Table, fall: f64) -> Vec<Mode> {
     let of = |index: usize| {
         let mut own: Vec<&Point> = table.points.iter().filter(|p| p.series == index).collect();
         own.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
@@ -41,7 +54,7 @@ pub fn modes(table: &Table) -> Vec<Mode> {
         return Vec::new();
     }
     let series: Vec<Vec<&Point>> = (0..table.series.len()).map(of).collect();
-    let seen: Vec<Vec<Mode>> = series.iter().map(|points| of_series(points)).collect();
+    let seen: Vec<Vec<Mode>> = series.iter().map(|points| of_series(points, fall)).collect();
     let Some(most) = seen.iter().max_by_key(|modes| modes.len()).filter(|modes| modes.len() > 1) else {
         return Vec::new();
     };
@@ -57,15 +70,14 @@ pub fn modes(table: &Table) -> Vec<Mode> {
     if modes.len() < 2 { Vec::new() } else { modes }
 }
 
-/// The peaks of one series in the order of the frequency that fall by [`APART`] on the way to any other.
-fn of_series(points: &[&Point]) -> Vec<Mode> {
+/// The peaks of one series in the order of the frequency whose logarithm falls by so much on the way to any other.
+fn of_series(points: &[&Point], fall: f64) -> Vec<Mode> {
     if points.len() < ENOUGH {
         return Vec::new();
     }
     let sizes: Vec<f64> = points.iter().map(|p| (p.amplitude / p.drive).ln()).collect();
     // One reading far off is no peak.
     let y = median_of_three(&sizes);
-    let fall = -APART.ln();
     let (mut peaks, mut valleys) = (Vec::new(), vec![0]);
     let (mut high, mut low, mut rising) = (0, 0, true);
     for i in 0..y.len() {
@@ -146,7 +158,7 @@ mod tests {
 
     fn found(modes: &[(f64, f64, f64)], noise: f64) -> Vec<f64> {
         let points = series(modes, noise);
-        of_series(&points.iter().collect::<Vec<_>>()).iter().map(|mode| mode.frequency.round()).collect()
+        of_series(&points.iter().collect::<Vec<_>>(), -APART.ln()).iter().map(|mode| mode.frequency.round()).collect()
     }
 
     #[test]
@@ -161,9 +173,18 @@ mod tests {
     }
 
     #[test]
+    fn the_peaks_of_two_coupled_modes_are_two_where_the_valley_is_below_half_power() {
+        let seen = |second: f64, noise: f64| {
+            let points = series(&[(100.0, 30.0, 1.0), (second, 30.0, 1.0)], noise);
+            of_series(&points.iter().collect::<Vec<_>>(), HALF.max(DEEP * noise)).len()
+        };
+        assert_eq!((seen(108.0, 0.01), seen(101.0, 0.01), seen(108.0, 0.3)), (2, 1, 1));
+    }
+
+    #[test]
     fn the_band_of_a_mode_leaves_out_its_neighbours() {
         let points = series(&[(45.0, 60.0, 1.0), (160.0, 80.0, 1.0)], 0.0);
-        let modes = of_series(&points.iter().collect::<Vec<_>>());
+        let modes = of_series(&points.iter().collect::<Vec<_>>(), -APART.ln());
         let (low, high) = modes[0].band;
         assert!(low < 44.0 && high > 46.0 && high < modes[1].band.0, "{low} {high}");
         let (low, high) = modes[1].band;
@@ -178,7 +199,7 @@ mod tests {
         let wanted = wanted.into_iter().chain([65.0, 70.0, 75.0, 78.0, 80.0, 80.5, 81.5, 84.0, 87.0]);
         let nearest = |f: f64| all.iter().min_by(|a, b| (a.frequency - f).abs().total_cmp(&(b.frequency - f).abs()));
         let points: Vec<&Point> = wanted.filter_map(nearest).collect();
-        let modes = of_series(&points);
+        let modes = of_series(&points, -APART.ln());
         let inside = |mode: &Mode| points.iter().filter(|p| (mode.band.0..=mode.band.1).contains(&p.frequency)).count();
         assert_eq!(modes.iter().map(|mode| mode.frequency.round()).collect::<Vec<_>>(), [40.0, 80.0], "{modes:?}");
         assert!(modes.iter().all(|mode| (TOLD..ENOUGH).contains(&inside(mode))), "{modes:?}");

@@ -113,6 +113,11 @@ fn is_a(name: &str) -> bool {
     name.split('_').next() == Some("a")
 }
 
+/// The letter of a voltage, with a letter or digit behind it: `U`, `UC`, `U0`.
+fn is_voltage(name: &str) -> bool {
+    name.starts_with(['u', 'v']) && name.replace('_', "").chars().count() <= 2
+}
+
 impl Search<'_, '_> {
     /// Two columns that hold the parts of the readings, where no column holds their amplitude.
     fn find_parts(&mut self) {
@@ -209,7 +214,7 @@ impl Search<'_, '_> {
         }
         self.find_hertz();
         // A name says more than a unit.
-        if unstated[AMPLITUDE].is_empty() && !(self.frame.is_free() && self.bare(is_a).is_some()) {
+        if unstated[AMPLITUDE].is_empty() && !(self.frame.is_free() && self.letter().is_some()) {
             self.find_reading(with_speed);
         }
         self.find_phase();
@@ -379,8 +384,18 @@ impl Search<'_, '_> {
         (0..self.taken.len()).filter(|index| !self.taken[*index]).find(|index| {
             let header = self.sheet.headed(*index);
             let (name, unit) = header::split(&header);
-            unit.is_none() && is_named(&header::plain(name))
+            unit.is_none() && is_named(name)
         })
+    }
+
+    /// The column whose name is the letter of an amplitude; a small one, which may be a distance on the screen of an
+    /// oscilloscope, not beside voltages.
+    fn letter(&self) -> Option<usize> {
+        let capital = self.bare(|name| name.starts_with('A') && is_a(&header::plain(name)));
+        let voltage = || self.bare(|name| is_voltage(&header::plain(name)));
+        capital
+            .or_else(|| self.bare(|name| is_a(&header::plain(name))))
+            .filter(|_| capital.is_some() || voltage().is_none())
     }
 
     /// Drive and reading where none has a unit: the one that has its name or letter, of two columns the reading by what the
@@ -391,7 +406,7 @@ impl Search<'_, '_> {
         }
         if named[AMPLITUDE].is_empty() && self.slots[AMPLITUDE].is_none() && self.slots[FREQUENCY].is_some() {
             let (sheet, both) = (self.sheet, self.taken.len() == 2);
-            if let Some(index) = self.bare(|name| if both { !is_time(name) } else { is_a(name) }) {
+            if let Some(index) = if both { self.bare(|name| !is_time(&header::plain(name))) } else { self.letter() } {
                 self.choices.push((COLUMNS[AMPLITUDE].into(), sheet.header.cells[index].clone()));
                 // Of two columns the name may end in the unit: `theta_rad`.
                 let wanted = Wanted { possible: READINGS, natural: None, share: false, per_drive: false };

@@ -166,6 +166,13 @@ fn the_reading_is_what_a_deviation_is_stated_of_and_the_drive_what_is_held() {
     let read =
         of("U_V,A_Skt,T_s", &|i| format!("{:.1},{:.2},{:.4}", 2.0 + 0.1 * i, voltage(i), 1.0 / (0.8 + 0.04 * i)));
     assert!(read.contains(&("amplitude", "A_Skt".to_string())), "{read:?}");
+    // A small one may be a distance on a screen: which of the voltages is read is asked.
+    let text: String = (0..12).map(f64::from).map(|i| format!("{},3,{:.2},2.{i}\n", 80.0 + i, voltage(i))).collect();
+    let error = survey("t.csv", &format!("f,U0,UC,a\n{text}")).expect_err("no reading is named").to_string();
+    assert!(error.contains("no column for amplitude"), "{error}");
+    // A reading over a drive is a response.
+    let read = of("f (Hz),Acceleration/Force (m/s^2/N)", &|i| format!("{},{:.2}", 80.0 + i, voltage(i)));
+    assert!(read.contains(&("amplitude", "Acceleration/Force (m/s^2/N)".to_string())), "{read:?}");
     let read = of("Bias (V),f (Hz),amplitude", &|i| format!("4,{},{:.2}", 80.0 + i, voltage(i)));
     assert!(!read.iter().any(|(key, _)| *key == "drive"), "a bias: {read:?}");
 }

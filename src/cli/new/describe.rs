@@ -1,7 +1,7 @@
 //! What is seen in a table, in lines.
 
 use super::draft::{Draft, digits};
-use crate::measurement::{Direction, Point, Series};
+use crate::measurement::{Direction, Mode, Point, Series, peaks};
 use crate::scenario::Signal;
 use crate::statistics::median;
 use crate::units::{self, count};
@@ -82,7 +82,20 @@ impl Draft<'_> {
                 show(first.frequency),
                 others.join(", ")
             ));
-        } else if let Some((from, to)) = self.band {
+        }
+        let peaks = peaks(&self.seen.table);
+        if let [first, others @ ..] = &peaks[..] {
+            let show = |mode: &Mode| units::format(digits(mode.frequency, 3), "Hz");
+            let others: Vec<String> = others.iter().map(show).collect();
+            lacking.push(format!(
+                "{} peaks, near {} and {}, with valleys below half power between them: one mode has one, and what it lacks \
+                 may be the other; `frequency` in [measurement] keeps to one of them",
+                peaks.len(),
+                show(first),
+                others.join(", ")
+            ));
+        }
+        if let Some((from, to)) = self.band.filter(|_| self.modes.is_empty()) {
             lacking.push(format!(
                 "the readings from {from} to {to} Hz, about the resonance, are used: calibrated to all, the model has another one; \
                  what lies beyond it does not explain, and is used again without `frequency` in [measurement]"
