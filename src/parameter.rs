@@ -202,6 +202,7 @@ pub enum Measure {
 
 /// Sizes of a rig and its motion, SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
+// Wide: the sizes that ranges are measured in, of which an effect takes one or two.
 pub struct Scales {
     /// w0 \[rad/s\].
     pub omega: f64,

@@ -261,10 +261,12 @@ fn what_costs_more_is_held_against_what_is_named() {
 }
 
 /// The planted branch left the race to others and was ranked 776 behind the compliance of the roller; fitted to the end
-/// it is 6 behind.
+/// it is better than that.
 #[test]
 fn what_left_the_race_to_others_is_held_against_what_is_named() {
-    assert_tied(&missing("relaxation", "roller-compliance"), ["roller-compliance", "maxwell-branch"]);
+    let d = missing("relaxation", "maxwell-branch");
+    let rival = d.candidates.iter().find(|c| c.hypothesis.effects() == ["roller-compliance"]).expect("a candidate");
+    assert!(rival.hypothesis.estimate.is_none() && rival.delta_bic < 12.0, "{}", rival.delta_bic);
 }
 
 /// The one starting point of an effect that comes to the end of the race may end in a minimum aside.

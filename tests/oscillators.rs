@@ -57,12 +57,12 @@ fn what_the_generator_hid_is_found_from_the_table_alone() {
     }
 }
 
-/// Tables with a law that is none of the catalogue (`tests/data/free-form`). Of the last the search finds what lowers the
-/// misfit of what is fitted, and says less of another series.
+/// Tables with a law that is none of the catalogue (`tests/data/free-form`). Of the second the search finds what lowers
+/// the misfit of what is fitted, and says less of another series.
 #[test]
 fn what_predicts_left_out_series_worse_is_no_part_of_what_helps() {
     let folder = tempfile::tempdir().expect("a folder");
-    for (name, is_taken_off) in [("01", false), ("14", false), ("20", true)] {
+    for (name, is_taken_off) in [("01", false), ("02", true), ("14", false)] {
         let path = folder.path().join(name).with_extension("toml");
         new(
             &PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/free-form").join(name).with_extension("csv"),

@@ -467,11 +467,14 @@ pub fn outlier_words(number: usize) -> String {
     format!("{} that {} out", count(number, "reading"), if number == 1 { "stands" } else { "stand" })
 }
 
-/// Noise of the readings over the stated one, where that is larger and nothing but noise is left, by a test that could
-/// have failed.
+/// Noise of the readings over the stated one: larger where nothing but noise is left, by a test that could have failed;
+/// smaller where the readings scatter less about a misfit.
 fn noise_scale(whiteness: &Whiteness) -> f64 {
-    let is_noise = whiteness.testable && !whiteness.structured;
-    if is_noise { whiteness.noise().max(1.0) } else { 1.0 }
+    match whiteness.scatter() {
+        _ if whiteness.testable && !whiteness.structured => whiteness.noise().max(1.0),
+        (factor, true) if whiteness.structured => factor.min(1.0),
+        _ => 1.0,
+    }
 }
 
 /// Measured points (in canonical order) beside what a model says of them.

@@ -55,8 +55,8 @@ impl<'a> Search<'a> {
         let o = self.options;
         let (field, entries) = self.line_up(parents, pool, entered, known);
         let rules = match entered {
-            Field::Best(..) => (o.kept, o.survivors),
-            Field::Each(_) => (1.0, field.len()),
+            Field::Best(..) => (o.first_evaluations, o.kept, o.survivors),
+            Field::Each(_) => (o.first_evaluations, 1.0, field.len()),
         };
         if matches!(entered, Field::Best(..)) {
             known.parents.extend(parents.iter().map(|from| from.additions.clone()));
@@ -91,7 +91,7 @@ impl<'a> Search<'a> {
         let entry =
             |r: &Runner<'_, '_>| Entry { hypothesis: r.hypothesis(false), visibility: 0.0, strongest: Vec::new() };
         let entries = field.iter().map(entry).collect();
-        self.run_race((field, entries), (o.kept, o.survivors), known)
+        self.run_race((field, entries), (o.first_evaluations, o.kept, o.survivors), known)
     }
 
     /// All that left a race beside a hypothesis, from where they were: a rival of what is named has lost to it, squares
@@ -108,19 +108,19 @@ impl<'a> Search<'a> {
         }
         field.iter_mut().for_each(|runner| runner.bar = Bar::At(best, unit));
         let all = field.len();
-        self.run_race((field, entries), (1.0, all), known);
+        // With as many evaluations as before a race is on all points, on the fewest: a curved valley takes that many.
+        self.run_race((field, entries), (4 * self.options.first_evaluations, 1.0, all), known);
     }
 
     /// Runs a race; the hypotheses that came to its end, fitted to all points.
     fn run_race(
         &self,
         (field, mut entries): (Vec<Runner<'_, 'a>>, Vec<Entry>),
-        (kept, survivors): (f64, usize),
+        (evaluations, kept, survivors): (usize, f64, usize),
         known: &mut Known,
     ) -> Vec<Hypothesis> {
-        let o = self.options;
         let all = self.data.points.len();
-        let first = Round { points: self.data.begins_on(o), evaluations: o.first_evaluations, states: 0 };
+        let first = Round { points: self.data.begins_on(self.options), evaluations, states: 0 };
         let ended = Race { first, points: all, kept, survivors }.run(field, |among| self.data.share(among));
         for runner in ended.dropped.iter().chain(&ended.survivors).filter(|runner| runner.fit.is_some()) {
             entries[runner.of].keep(runner.hypothesis(false));

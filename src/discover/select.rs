@@ -160,7 +160,7 @@ impl<'a> Search<'a> {
     /// is held against what comes of every step being held against everything else that a user might do by hand.
     fn forward(&self, start: &Hypothesis, known: &mut Known) -> Hypothesis {
         let mut chosen = self.steps(start, known, false);
-        if (chosen.additions.len() > 2 || self.structured(&chosen)) && self.goes_on() {
+        if (chosen.additions.len() > 2 || self.structured(&chosen)) && self.testable(&chosen) && self.goes_on() {
             let by_hand = self.steps(start, known, true);
             let unit = self.unit(&by_hand).min(self.unit(&chosen));
             if self.score(unit, &by_hand) < self.score(unit, &chosen) {
@@ -186,7 +186,8 @@ impl<'a> Search<'a> {
             if !new.is_empty() {
                 full.extend(self.race(&new, &self.pool, Field::Best(0, None), known));
             }
-            self.add_pairs(&chosen, &mut full, by_hand || chosen.additions.is_empty(), known);
+            let testable = self.testable(&chosen);
+            self.add_pairs(&chosen, &mut full, testable && (by_hand || chosen.additions.is_empty()), known);
             if by_hand {
                 self.hold_against_all(&chosen, &mut full, known);
             }
@@ -200,6 +201,10 @@ impl<'a> Search<'a> {
                 break;
             }
             chosen = self.simplified(self.eliminate(best), known);
+            // Of what more numbers leave nothing could be said.
+            if !testable || !self.testable(&chosen) {
+                break;
+            }
             if !self.structured(&chosen) && !chosen.fitted().has_sliders() {
                 beam = vec![chosen.clone()];
                 continue;
@@ -337,6 +342,11 @@ impl<'a> Search<'a> {
     /// Whether a hypothesis leaves more than noise.
     pub(super) fn structured(&self, hypothesis: &Hypothesis) -> bool {
         self.whiteness(hypothesis).is_none_or(|white| white.structured)
+    }
+
+    /// Whether a test of what a hypothesis leaves could find more than noise.
+    fn testable(&self, hypothesis: &Hypothesis) -> bool {
+        self.whiteness(hypothesis).is_none_or(|white| white.testable)
     }
 
     /// The best of hypotheses. Of those that the data do not tell apart the simpler: at first a recalibration; once

@@ -21,8 +21,32 @@ fn recalibration(d: &Discovery, keys: &[String]) -> String {
     format!("recalibrate {}: no effect is needed", named.join(", "))
 }
 
+/// That what the calibrated model leaves lies within the deviations that the table states, where the readings scatter
+/// less and the search went by that.
+fn as_stated(d: &Discovery) -> Option<String> {
+    let base = &d.steps[0].comparison;
+    let points = &base.table.points;
+    let phases = points.iter().filter(|p| p.phase.is_some()).count();
+    let noise = d.noise.together(points.len(), phases);
+    let chi2 = base.overall.chi2_per_point * noise.powi(2);
+    let is_within = d.noise.contradicts(base.table.noise_sources()) && noise < 1.0 && chi2 < 1.0;
+    is_within.then(|| {
+        format!(
+            "; within the stated deviations, {:.1} times the scatter, the calibrated model explains the data",
+            1.0 / noise
+        )
+    })
+}
+
 /// The verdict in a sentence.
 pub fn sentence(d: &Discovery) -> String {
+    match d.verdict {
+        Verdict::NothingMissing => said(d),
+        _ => said(d) + &as_stated(d).unwrap_or_default(),
+    }
+}
+
+fn said(d: &Discovery) -> String {
     let end = d.explanation();
     let named = |names: Vec<String>| names.iter().map(|name| format!("{name}{}", rivals(d, name))).collect::<Vec<_>>();
     let (effects, recalibrated) = (named(end.hypothesis.effects()), named(end.hypothesis.recalibrated()));

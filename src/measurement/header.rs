@@ -3,7 +3,7 @@
 use super::frame::{DRIVES, Frame, READINGS, kind};
 use super::likely::{MEANS, likely};
 use super::names::{
-    ALIASES, AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, MEAN, NAMES, SAYING, SCATTERING, SERIES, SWEEP,
+    ALIASES, AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, MEAN, NAMES, PHASE, SAYING, SCATTERING, SERIES, SWEEP,
 };
 use super::unit::{Unit, Wanted, electrical, gravity, known, suffix};
 use crate::scenario::parameters::MEASURED;
@@ -123,7 +123,12 @@ fn by_alias(header: &str, name: &str, bracket: Option<&str>, frame: &Frame<'_>) 
             continue;
         }
         let rest = &rest[rest.len() - swings(rest).unwrap_or(rest.len())..];
-        let possible = if alias.units.is_empty() { possible("", alias.column) } else { alias.units };
+        let possible = match alias.units {
+            [] => possible("", alias.column),
+            // A lag may be stated as a time.
+            ["rad"] if alias.column == PHASE => &["rad", "s"],
+            units => units,
+        };
         let natural = frame.natural(alias.column).filter(|si| possible.contains(si));
         // What is one over a time is so many cycles or radians of it, as its name says.
         let spelt = |text: &str| match (alias.column == FREQUENCY && PER_SECOND.contains(&text), alias.bare) {
@@ -134,8 +139,12 @@ fn by_alias(header: &str, name: &str, bracket: Option<&str>, frame: &Frame<'_>) 
         let wanted = Wanted { possible, natural, share: false, per_drive: alias.column == AMPLITUDE };
         let negated = alias.name.ends_with("lag");
         let of = |unit: Unit, stated| {
-            let unit = if alias.column == FREQUENCY && unit.si == "s" { unit.of_periods() } else { unit };
-            Some(Meaning::Alias(alias.column, unit.counted(negated), stated))
+            let unit = match (alias.column, unit.si) {
+                (FREQUENCY, "s") => unit.of_periods(),
+                (PHASE, "s") => unit.of_lags(),
+                _ => unit.counted(negated),
+            };
+            Some(Meaning::Alias(alias.column, unit, stated))
         };
         let found = match (rest, bracket) {
             ("", Some(text)) => wanted.unit(&spelt(text)).ok().and_then(|unit| of(unit, true)),

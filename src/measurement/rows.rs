@@ -17,7 +17,7 @@ use crate::scenario::diagnostic::quote;
 use crate::scenario::parameters::{COLUMNS, MEASURED, needed_range};
 use crate::statistics::wrap;
 use crate::units::{self, count};
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 /// The readings of a sheet.
 pub(crate) fn readings(
@@ -209,6 +209,7 @@ impl Cells<'_, '_> {
             self.resolved(AMPLITUDE_SD, sd, if share { 1.0 } else { value });
         }
         self.resolved(PHASE_SD, phase_sd.flatten(), PI);
+        let turns = self.turns(frequency);
         let aside = self.layout.aside.iter().filter_map(|index| self.row.cells.get(*index).map(String::as_str));
         let aside = aside.collect::<Vec<_>>().join("\0");
         Some(Reading {
@@ -219,16 +220,24 @@ impl Cells<'_, '_> {
             drive: drive?,
             frequency: frequency?,
             amplitude: amplitude?,
-            phase: phase?.map(wrap),
+            phase: phase?.map(|phase| wrap(phase * turns)),
             amplitude_sd: amplitude_sd?.map(|sd| if share { sd * amplitude.unwrap_or(0.0) } else { sd }),
             phase_sd: phase_sd?,
             mean: mean?,
-            rounding: [self.rounding(AMPLITUDE, 0) * self.times(AMPLITUDE, drive), self.rounding(PHASE, 1)],
+            rounding: [self.rounding(AMPLITUDE, 0) * self.times(AMPLITUDE, drive), self.rounding(PHASE, 1) * turns],
             name: name?,
             sweep: sweep?,
             series: 0,
             aside,
         })
+    }
+
+    /// What makes angles of the phases: 2 pi f where they are times.
+    fn turns(&self, frequency: Option<f64>) -> f64 {
+        match &self.layout.slots[PHASE] {
+            Some(Slot::Cells(_, unit)) if unit.is_of_lags() => TAU * frequency.unwrap_or(f64::NAN),
+            _ => 1.0,
+        }
     }
 
     /// Amplitude and phase, from their parts where the table holds these; a ratio times the drive.

@@ -200,7 +200,11 @@ impl Search<'_, '_> {
     /// Columns whose headers say what they are.
     fn find(&mut self) {
         self.find_parts();
-        let Said { named, aliases, likely, unstated, unsuited } = self.read_headers();
+        let Said { named, mut aliases, likely, unstated, unsuited } = self.read_headers();
+        // A time is the same angle, told in coarser steps.
+        if self.only(|unit| unit.si == "rad").is_some() {
+            aliases[PHASE].retain(|candidate| !candidate.unit.is_of_lags());
+        }
         let contact = self.frame.has_contact() || self.frame.is_free() && !named[LOAD].is_empty();
         let roller = self.told[SPEED] || !named[SPEED].is_empty() || !aliases[SPEED].is_empty();
         let with_speed = !contact || roller;

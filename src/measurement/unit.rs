@@ -35,6 +35,8 @@ pub(crate) struct Unit {
     pub swing: Swing,
     /// Whether its numbers are one over what is wanted: periods where a frequency is.
     reciprocal: bool,
+    /// Whether its numbers are times by which a reading lags behind the drive, where an angle is wanted.
+    lag: bool,
     /// What a unit that [`units`] does not have is in one that it has, and how many of these it is.
     foreign: Option<(String, f64)>,
     /// Whether its numbers are levels, 20 log10 of the size.
@@ -62,6 +64,7 @@ impl Unit {
             negated: false,
             swing: Swing::Amplitude,
             reciprocal: false,
+            lag: false,
             foreign: None,
             decibel: false,
         }
@@ -92,6 +95,16 @@ impl Unit {
         Self { si: "Hz", reciprocal: true, ..self }
     }
 
+    /// An angle whose numbers are times in this unit, by which a reading lags behind the drive.
+    pub fn of_lags(self) -> Self {
+        Self { si: "rad", lag: true, negated: true, ..self }
+    }
+
+    /// Whether its numbers are times, which a frequency makes angles of.
+    pub fn is_of_lags(&self) -> bool {
+        self.lag
+    }
+
     /// Whether its numbers are periods.
     pub fn is_of_periods(&self) -> bool {
         self.reciprocal
@@ -108,6 +121,7 @@ impl Unit {
         let size = if self.decibel { level(number).unwrap_or_default() } else { number.to_string() };
         let value = match &self.foreign {
             Some((known, number)) => number * units::parse(&format!("{size} {known}"), self.si)?,
+            None if self.lag => units::parse(&format!("{size} {}", self.text), "s")?,
             None if self.reciprocal => 1.0 / units::parse(&format!("{size} {}", self.text), "s")?,
             None => units::parse(&format!("{size} {}", self.text), if self.relative { "1" } else { self.si })?,
         };

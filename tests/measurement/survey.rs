@@ -195,6 +195,10 @@ fn spectra_periods_and_complex_numbers_are_read_as_their_programs_write_them() {
         }
     };
     same(&read(&text("f (Hz),x (mm)", &|f| format!("{f},({:e}{:+e}j)", polar(f).0, polar(f).1))));
+    // A lag stated as a time, unless an angle stands beside it.
+    let lag = |f: f64| 1e3 * (f / 50.0) / (std::f64::consts::TAU * f);
+    same(&read(&text("f (Hz),x (mm),time lag (ms)", &|f| format!("{f},{},{:.12}", f / 50.0, lag(f)))));
+    same(&read(&text("f (Hz),x (mm),lag (ms),angle (rad)", &|f| format!("{f},{},0.3,{}", f / 50.0, -f / 50.0))));
     same(&read(&text("Frequency (Hz),x (Real) [mm],x (Imag) [mm]", &|f| {
         format!("{f},{:e},{:e}", polar(f).0, polar(f).1)
     })));
