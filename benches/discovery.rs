@@ -72,13 +72,7 @@ fn evaluation(bencher: Bencher, name: &str) {
 fn fit(bencher: Bencher, name: &str) {
     let (scenario, table) = practice(1);
     let (model, parameters) = with(&scenario, name);
-    let settings = Settings {
-        evaluations: 30,
-        threshold: TAIL,
-        converged: 1e-4,
-        states: u64::MAX,
-        stride: stickslip::fit::STRIDE,
-    };
+    let settings = Settings { evaluations: 30, threshold: TAIL, converged: 1e-4, states: u64::MAX };
     bencher.bench_local(|| {
         let mut problem = Problem::new(model.clone(), &table.points, parameters.clone(), Tolerance::COARSE);
         let values = problem.values();

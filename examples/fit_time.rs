@@ -24,13 +24,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     keys.extend(effect.parameters().iter().map(|info| format!("effect.rate-strengthening.{}", info.key)));
     let parameters: Option<Vec<_>> = keys.iter().map(|key| parameter(&model, key)).collect();
     let parameters = parameters.ok_or("a parameter is not known")?;
-    let settings = Settings {
-        evaluations: 100,
-        threshold: TAIL,
-        converged: 1e-8,
-        states: u64::MAX,
-        stride: stickslip::fit::STRIDE,
-    };
+    let settings = Settings { evaluations: 100, threshold: TAIL, converged: 1e-8, states: u64::MAX };
     let pool = ThreadPoolBuilder::new().num_threads(1).build()?;
     let mut seconds = f64::INFINITY;
     let mut fitted = None;

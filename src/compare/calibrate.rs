@@ -2,9 +2,7 @@
 
 use super::{Label, Outlier, STATES, Setting};
 use crate::fit::resonance;
-use crate::fit::{
-    CONVERGED, Fit, Parameter, Problem, STRIDE, Settings, TAIL, minimise, parameter, robust_chi2, typical_of,
-};
+use crate::fit::{CONVERGED, Fit, Parameter, Problem, Settings, TAIL, minimise, parameter, robust_chi2, typical_of};
 use crate::measurement::{Point, Series, Table};
 use crate::model::{Model, Operation};
 use crate::scenario::Scenario;
@@ -186,8 +184,7 @@ struct Search<'p, 'a> {
 impl Search<'_, '_> {
     fn minimised(&self, start: &[f64], threshold: f64) -> Fit {
         let mut problem = self.stated.clone();
-        let settings =
-            Settings { evaluations: EVALUATIONS, threshold, converged: CONVERGED, states: self.states, stride: STRIDE };
+        let settings = Settings { evaluations: EVALUATIONS, threshold, converged: CONVERGED, states: self.states };
         let fit = minimise(&mut problem, start, &settings);
         self.solved.fetch_add(problem.solved, Relaxed);
         fit

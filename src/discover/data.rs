@@ -198,14 +198,7 @@ impl<'a> Data<'a> {
 
     /// Fits the parameters of a model from a start, whose residuals are about as large as `typical` (infinite where
     /// that is not known): what is far larger than those counts little.
-    pub fn fit(
-        &self,
-        model: &Model,
-        parameters: &[Parameter],
-        (start, mut stride): (&[f64], f64),
-        typical: f64,
-        effort: Effort,
-    ) -> Fit {
+    pub fn fit(&self, model: &Model, parameters: &[Parameter], start: &[f64], typical: f64, effort: Effort) -> Fit {
         let all = effort.points >= self.points.len();
         let (tolerance, converged) = if all { (Tolerance::FIT, CLOSER) } else { (Tolerance::COARSE, CLOSE) };
         let mut problem = Problem::new(model.clone(), self.some(effort.points), parameters.to_vec(), tolerance);
@@ -213,7 +206,7 @@ impl<'a> Data<'a> {
         let mut values = start.to_vec();
         loop {
             let left = effort.evaluations.saturating_sub(problem.evaluations).max(1);
-            let settings = Settings { evaluations: left, threshold, converged, states: effort.states, stride };
+            let settings = Settings { evaluations: left, threshold, converged, states: effort.states };
             let fit = minimise(&mut problem, &values, &settings);
             let tighter = TAIL * typical_of(&fit.evaluation.residuals);
             let pulled = fit.evaluation.residuals.amax() > tighter && tighter < TIGHTER * threshold;
@@ -221,7 +214,7 @@ impl<'a> Data<'a> {
                 self.count(problem.solved);
                 return Fit { evaluations: problem.evaluations, ..fit };
             }
-            (threshold, values, stride) = (tighter, fit.values, fit.stride);
+            (threshold, values) = (tighter, fit.values);
         }
     }
 
@@ -229,11 +222,10 @@ impl<'a> Data<'a> {
     pub fn fitted(&self, hypothesis: Hypothesis, effort: Effort) -> Hypothesis {
         let Hypothesis { model, fit, .. } = &hypothesis;
         let typical = typical_of(&fit.evaluation.residuals);
-        let found = self.fit(model, &fit.parameters, (&fit.values, fit.stride), typical, effort);
+        let found = self.fit(model, &fit.parameters, &fit.values, typical, effort);
         let mut better = Hypothesis { fit: found, estimate: None, ..hypothesis.clone() };
         if hypothesis.is_full(self.points.len()) && !better.fits_better_than(&hypothesis) {
-            let Fit { termination, stride, .. } = better.fit;
-            better.fit = Fit { termination, stride, ..hypothesis.fit };
+            better.fit = Fit { termination: better.fit.termination, ..hypothesis.fit };
         }
         better
     }

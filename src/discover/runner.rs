@@ -5,7 +5,7 @@ use super::data::{Data, Effort};
 use super::hypothesis::{Addition, Basis, Estimate, Hypothesis};
 use super::look::Start;
 use super::race::{Competitor, Round};
-use crate::fit::{Fit, Parameter, STRIDE, TAIL, robust_chi2, robust_square, typical_of};
+use crate::fit::{Fit, Parameter, TAIL, robust_chi2, robust_square, typical_of};
 use crate::model::Model;
 use nalgebra::{DMatrix, DVector};
 
@@ -183,8 +183,7 @@ impl Competitor for Runner<'_, '_> {
         }
         let unit = self.bar.unit();
         let before = if self.fit.is_some() { self.bic(unit) } else { f64::INFINITY };
-        let stride = self.fit.as_ref().map_or(STRIDE, |fit| fit.stride);
-        let fit = self.data.fit(&self.model, &self.parameters, (&self.values, stride), typical, effort);
+        let fit = self.data.fit(&self.model, &self.parameters, &self.values, typical, effort);
         self.values.clone_from(&fit.values);
         self.residuals.clone_from(&fit.evaluation.residuals);
         self.fit = Some(fit);

@@ -22,17 +22,7 @@ pub struct Settings {
     pub converged: f64,
     /// Steady states, each counted as what it costs: it ends with the evaluation that reaches so many.
     pub states: u64,
-    /// Longest first step, relative to the start, both in the norm of the changes of the residuals.
-    pub stride: f64,
 }
-
-/// After a step that leads down, and after one that does not, the next is at most so many times as long (Moré 1978).
-const LONGER: f64 = 2.0;
-/// As that.
-const SHORTER: f64 = 0.25;
-
-/// Longest first step of a fit of which nothing is known.
-pub const STRIDE: f64 = 0.3;
 
 /// A finished fit.
 #[derive(Debug, Clone)]
@@ -49,8 +39,6 @@ pub struct Fit {
     pub evaluations: usize,
     /// Why it ended.
     pub termination: String,
-    /// Longest first step with which it goes on ([`Settings::stride`]).
-    pub stride: f64,
 }
 
 impl Fit {
@@ -126,15 +114,7 @@ pub fn minimise(problem: &mut Problem<'_>, start: &[f64], settings: &Settings) -
         let evaluation = problem.evaluate(&[], true);
         let objective = robust_chi2(&evaluation.residuals, settings.threshold);
         let termination = "nothing to move".into();
-        return Fit {
-            parameters,
-            values: Vec::new(),
-            evaluation,
-            objective,
-            evaluations: 1,
-            termination,
-            stride: STRIDE,
-        };
+        return Fit { parameters, values: Vec::new(), evaluation, objective, evaluations: 1, termination };
     }
     let held = held(problem, &parameters, start, settings.threshold);
     let coordinate = |((p, &x), held): ((&Parameter, &f64), &Option<f64>)| held.unwrap_or_else(|| p.coordinate(x));
@@ -148,18 +128,15 @@ pub fn minimise(problem: &mut Problem<'_>, start: &[f64], settings: &Settings) -
         .with_ftol(settings.converged)
         .with_xtol(1e-9)
         .with_gtol(1e-9)
-        .with_stepbound(settings.stride)
+        .with_stepbound(0.3)
         .with_patience(patience.max(1));
     let (target, report) = method.minimize(target);
-    let Target { problem, parameters, best, stride, .. } = target;
+    let Target { problem, parameters, best, .. } = target;
     let (objective, values, evaluation) = best;
     let spent = problem.solved >= settings.states;
     let termination =
         if spent { "its share of the budget is spent".into() } else { format!("{:?}", report.termination) };
-    // What ended for want of evaluations goes on where it was.
-    let stride = if report.termination == TerminationReason::LostPatience { stride.min(STRIDE) } else { STRIDE };
-    let evaluations = problem.evaluations - before;
-    Fit { parameters, values, evaluation, objective, evaluations, termination, stride }
+    Fit { parameters, values, evaluation, objective, evaluations: problem.evaluations - before, termination }
 }
 
 /// Coordinates of the bounds at which parameters stay, since the sum of squares falls beyond (an active set): a step
@@ -180,11 +157,6 @@ fn held(problem: &mut Problem<'_>, parameters: &[Parameter], start: &[f64], thre
     edges.into_iter().enumerate().map(falls_beyond).collect()
 }
 
-/// Before anything is evaluated.
-fn nothing() -> Evaluation {
-    Evaluation { residuals: DVector::zeros(0), jacobian: DMatrix::zeros(0, 0), predictions: Vec::new(), lost: false }
-}
-
 /// The problem as the library of the method sees it: beside the residuals of the readings one of each parameter, which
 /// is zero where a step starts, and grows along its coordinate as much as all readings may by the error of the solver. It
 /// moves no minimum; what the readings tell nothing about, where a quotient of two errors would be the step, stays where
@@ -200,22 +172,22 @@ struct Target<'p, 'a> {
     unknown: f64,
     u: DVector<f64>,
     evaluation: Option<Evaluation>,
-    /// Coordinates of the best so far, each times by how much it changes the residuals there.
-    scaled: (DVector<f64>, DVector<f64>),
-    /// As [`Fit::stride`].
-    stride: f64,
     best: (f64, Vec<f64>, Evaluation),
 }
 
 impl<'p, 'a> Target<'p, 'a> {
     fn new(problem: &'p mut Problem<'a>, parameters: Vec<Parameter>, threshold: f64) -> Self {
-        let best = (f64::INFINITY, Vec::new(), nothing());
+        let nothing = Evaluation {
+            residuals: DVector::zeros(0),
+            jacobian: DMatrix::zeros(0, 0),
+            predictions: Vec::new(),
+            lost: false,
+        };
+        let best = (f64::INFINITY, Vec::new(), nothing);
         let held = vec![false; parameters.len()];
         let unknown = problem.error();
         let (states, u) = (u64::MAX, DVector::zeros(0));
-        let scaled = (u.clone(), u.clone());
-        let stride = STRIDE;
-        Self { problem, parameters, threshold, held, states, unknown, u, evaluation: None, scaled, stride, best }
+        Self { problem, parameters, threshold, held, states, unknown, u, evaluation: None, best }
     }
 }
 
@@ -232,22 +204,10 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Target<'_, '_> {
         let values: Vec<f64> = self.parameters.iter().zip(u.iter()).map(|(p, &u)| p.value(u)).collect();
         let evaluation = self.problem.evaluate(&values, true);
         let objective = robust_chi2(&evaluation.residuals, self.threshold);
-        let is_first = self.best.1.is_empty();
-        let leads_down = objective < self.best.0;
-        if !is_first {
-            let (sizes, from) = &self.scaled;
-            let step = sizes.component_mul(u).metric_distance(from) / from.norm();
-            if step.is_finite() && step > 0.0 {
-                self.stride = step * if leads_down { LONGER } else { SHORTER };
-            }
+        if objective < self.best.0 || self.best.1.is_empty() {
+            self.best = (objective, values, evaluation.clone());
         }
         self.evaluation = Some(evaluation);
-        if leads_down || is_first {
-            let sizes = self.jacobian().map(|jacobian| jacobian.column_iter().map(|column| column.norm()).collect());
-            let sizes = sizes.map_or_else(|| DVector::zeros(0), DVector::from_vec);
-            self.scaled = (sizes.clone(), sizes.component_mul(u));
-            self.best = (objective, values, self.evaluation.clone().unwrap_or_else(nothing));
-        }
     }
 
     fn params(&self) -> DVector<f64> {

@@ -9,7 +9,7 @@ mod profile;
 pub mod resonance;
 
 pub use least_squares::{
-    CONVERGED, Fit, MARGIN, STRIDE, Settings, TAIL, deviance, minimise, price, robust_chi2, robust_square, typical_of,
+    CONVERGED, Fit, MARGIN, Settings, TAIL, deviance, minimise, price, robust_chi2, robust_square, typical_of,
 };
 pub use parameter::{Parameter, parameter};
 pub use problem::{

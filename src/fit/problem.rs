@@ -6,7 +6,7 @@ use crate::effects::slides;
 use crate::measurement::Point;
 use crate::model::{Model, Operation};
 use crate::parameter::FIRST_EFFECT_PARAMETER;
-use crate::solver::cycle::{ERROR, Tolerance};
+use crate::solver::cycle::Tolerance;
 use crate::solver::{Status, Warm, solve_steady};
 use crate::statistics::wrap;
 use nalgebra::{DMatrix, DVector};
@@ -138,12 +138,12 @@ impl<'a> Problem<'a> {
         Self { model, parameters: Vec::new(), gives_up: true, evaluations: 0, solved: 0, ..self.clone() }
     }
 
-    /// What the least error of the solver amounts to in the norm of all residuals, about \[standard deviations\].
+    /// What the error of the solver amounts to in the norm of all residuals, about \[standard deviations\].
     pub fn error(&self) -> f64 {
         let of = |point: &&Point| {
             (point.amplitude / point.amplitude_sd).powi(2) + point.phase_sd.map_or(0.0, |sd| sd.powi(-2))
         };
-        ERROR * self.points.iter().map(of).sum::<f64>().sqrt()
+        self.tolerance.error() * self.points.iter().map(of).sum::<f64>().sqrt()
     }
 
     /// The parameters.

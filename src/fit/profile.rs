@@ -1,6 +1,6 @@
 //! How well the data determine a parameter: profile likelihood, and the correlations behind it.
 
-use super::{Fit, Parameter, Problem, STRIDE, Settings, minimise, robust_chi2};
+use super::{Fit, Parameter, Problem, Settings, minimise, robust_chi2};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -173,13 +173,8 @@ pub fn profiled(
         let lowest = sides.iter().filter_map(|side| side.refit.as_ref()).min_by(|a, b| a.rise.total_cmp(&b.rise));
         if let Some(lowest) = lowest.filter(|lowest| moves < MOVES && lowest.rise < -BETTER * goal && solved < allowed)
         {
-            let settings = Settings {
-                evaluations: EVALUATIONS,
-                threshold,
-                converged: super::CONVERGED,
-                states: u64::MAX,
-                stride: STRIDE,
-            };
+            let settings =
+                Settings { evaluations: EVALUATIONS, threshold, converged: super::CONVERGED, states: u64::MAX };
             let mut again = problem.at(&fit.values, fit.parameters.clone());
             let moved = minimise(&mut again, &lowest.values, &settings);
             solved += again.solved;
@@ -327,8 +322,7 @@ impl<'p, 'a> Side<'p, 'a> {
         let from: Vec<f64> = self.others.iter().zip(slopes).map(tied).collect();
         let evaluations = 4 * (self.others.len() + 1);
         let converged = (DONE * self.of.goal / self.of.least).min(1e-3);
-        let settings =
-            Settings { evaluations, threshold: self.of.threshold, converged, states: u64::MAX, stride: STRIDE };
+        let settings = Settings { evaluations, threshold: self.of.threshold, converged, states: u64::MAX };
         let goal = self.of.goal;
         let mut refit = minimise(&mut constrained, &from, &settings);
         // Along a curved valley a refit takes more evaluations: as long as going on may bring it inside the interval.

@@ -12,7 +12,7 @@ use super::features::Judge;
 use super::{Hypothesis, Setting};
 use crate::discover::{Addition, extended};
 use crate::effects::Effect;
-use crate::fit::{Parameter, Problem, STRIDE, Settings, minimise, parameter};
+use crate::fit::{Parameter, Problem, Settings, minimise, parameter};
 use crate::measurement::Point;
 use crate::model::Model;
 use crate::solver::Status;
@@ -31,8 +31,7 @@ const FOLLOWED: usize = 3;
 /// Samples, and those followed, of a continuum of sliders, which takes long.
 const COSTLY: (usize, usize) = (4, 1);
 /// How hard a fit tries.
-const EFFORT: Settings =
-    Settings { evaluations: 15, threshold: f64::INFINITY, converged: 1e-5, states: u64::MAX, stride: STRIDE };
+const EFFORT: Settings = Settings { evaluations: 15, threshold: f64::INFINITY, converged: 1e-5, states: u64::MAX };
 /// Bisections of the box.
 const BISECTIONS: usize = 6;
 /// First and last step of a compass search, in shares of the range of a parameter, and its evaluations at most.

@@ -10,7 +10,7 @@ use super::integration::{Demands, Integration};
 pub use super::period::{Cycle, Part, Record};
 use super::radau::{State, Stepper};
 use super::sensitivity::{self, Gradient};
-pub use super::tolerance::{ERROR, Tolerance};
+pub use super::tolerance::Tolerance;
 use crate::model::system::{HybridSystem, MAX_STATES, Mode};
 
 /// Difference of the starts of two cycles, relative to the scales, at which their derivatives are the same.

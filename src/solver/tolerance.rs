@@ -5,7 +5,7 @@ use super::time::Plan;
 /// Relative change over a cycle that the last Newton step may leave at the default tolerance.
 const LEFT: f64 = 1e-8;
 /// Relative error of a steady state at the default tolerance, about.
-pub const ERROR: f64 = 1e-6;
+const ERROR: f64 = 1e-6;
 
 /// Demands on the integration.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,6 +32,11 @@ impl Tolerance {
     /// The same, if not finer than a fit needs on its way to a minimum.
     pub fn for_search(self) -> Self {
         if self.steps > Self::FIT.steps { Self::FIT } else { self }
+    }
+
+    /// Relative error of a steady state, about.
+    pub fn error(&self) -> f64 {
+        ERROR * self.slack()
     }
 
     /// Whether points that are hard to solve are given up.
