@@ -4,10 +4,11 @@
 use super::frame::{DRIVES, Frame};
 use super::header::{self, Meaning};
 use super::likely::{deviates, is_deviation, is_setting};
+use super::mapping::{Found, Slot, column_of};
 use super::names::{ALIASES, AMPLITUDE, DRIVE, FREQUENCY, LOAD, NAMES, NUMBERS, PHASE, SERIES, SPEED, SWEEP};
 use super::parts::Parts;
 use super::samples;
-use super::search::{Found, Slot, column_of, search};
+use super::search::search;
 use super::sheet::{Complaints, Sheet};
 use super::swings::{is_effective, is_peak_to_peak};
 use super::unit::{Wanted, is_unit};

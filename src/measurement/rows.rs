@@ -2,12 +2,12 @@
 
 use super::columns::{Layout, layout};
 use super::frame::{Frame, amplitude_header, kind};
+use super::mapping::Slot;
 use super::names::{AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LOAD, MEAN, PHASE, PHASE_SD, SERIES, SPEED, SWEEP};
 use super::parts::{Parts, split_complex};
 use super::preamble::BLANKS;
 use super::reading::{Reading, Readings};
 use super::rounding::Steps;
-use super::search::Slot;
 use super::sheet::{Complaints, Row, Sheet};
 use super::unit::Unit;
 use super::{Column, Direction};

@@ -1,52 +1,17 @@
 //! The search for columns: those that the scenario maps, then those whose headers say what they are.
 
-use super::frame::{Frame, READINGS, kind};
+use super::frame::{Frame, READINGS};
 use super::header::{self, Meaning};
-use super::likely::{in_hertz, is_deviation, is_other, is_setting, is_time};
-use super::names::{ALL, AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LAG, LOAD, NUMBERS, PHASE, PHASE_SD, SPEED};
-use super::parts::{Parts, parts};
-use super::sheet::{Complaints, Sheet, Tally};
-use super::swings::{Swing, is_peak_to_peak, other_amplitude};
+use super::likely::{is_deviation, is_time};
+use super::mapping::{Found, Search, Slot};
+use super::names::{AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LOAD, NUMBERS, PHASE, PHASE_SD, SPEED};
+use super::parts::parts;
+use super::rest::Candidate;
+use super::sheet::{Complaints, Sheet};
+use super::swings::Swing;
 use super::unit::{Unit, Wanted};
-use crate::scenario::diagnostic::{nearest, quote};
-use crate::scenario::parameters::{COLUMNS, MEASURED};
-
-/// Where the numbers of a column come from.
-#[derive(Debug, Clone)]
-pub(crate) enum Slot {
-    /// A column of the table and the unit of its numbers.
-    Cells(usize, Unit),
-    /// One value for all rows, in SI.
-    Value(f64, &'static str),
-}
-
-impl Slot {
-    /// The SI unit of its values.
-    pub fn si(&self) -> &'static str {
-        match self {
-            Self::Cells(_, unit) => unit.si,
-            Self::Value(_, si) => si,
-        }
-    }
-}
-
-/// What a search found.
-pub(crate) struct Found {
-    /// Columns of numbers, by position in [`COLUMNS`].
-    pub slots: [Option<Slot>; NUMBERS],
-    /// Columns of words, those after them.
-    pub words: [Option<usize>; ALL - NUMBERS],
-    /// Columns of the table that have a use, or that were complained about.
-    pub taken: Vec<bool>,
-    /// Columns that the scenario maps, or that were complained about.
-    pub told: [bool; ALL],
-    /// What was chosen of several where there is no scenario to say it.
-    pub choices: Vec<(String, String)>,
-    /// The columns of amplitude and phase, where they hold their parts.
-    pub parts: Option<Parts>,
-    /// What the numbers of every column of the table are like.
-    pub tallies: Vec<Tally>,
-}
+use crate::scenario::diagnostic::quote;
+use crate::scenario::parameters::COLUMNS;
 
 /// Finds the columns that headers and mapping name.
 pub(crate) fn search(
@@ -56,22 +21,10 @@ pub(crate) fn search(
     complaints: &mut Complaints<'_>,
     notes: &mut Vec<String>,
 ) -> Found {
-    let taken = vec![false; sheet.header.cells.len()];
-    let (slots, words, told, choices) = (Default::default(), Default::default(), [false; ALL], Vec::new());
-    let tallies = sheet.tallies();
-    let mut search =
-        Search { sheet, tallies, frame, complaints, notes, slots, words, taken, told, choices, parts: None };
+    let mut search = Search { sheet, frame, complaints, notes, found: Found::nothing_of(sheet) };
     search.map(mapping);
     search.find();
-    let Search { slots, words, taken, told, choices, parts, tallies, .. } = search;
-    Found { slots, words, taken, told, choices, parts, tallies }
-}
-
-/// A column that a header names.
-struct Candidate {
-    index: usize,
-    unit: Unit,
-    stated: bool,
+    search.found
 }
 
 /// What headers say, by the column that they speak for.
@@ -89,45 +42,16 @@ struct Said {
     unsuited: Vec<(usize, usize, Result<String, &'static str>)>,
 }
 
-/// The columns found so far.
-struct Search<'a, 'b> {
-    sheet: &'a Sheet,
-    /// What the numbers of every column of the table are like.
-    tallies: Vec<Tally>,
-    frame: &'a Frame<'a>,
-    complaints: &'a mut Complaints<'b>,
-    notes: &'a mut Vec<String>,
-    slots: [Option<Slot>; NUMBERS],
-    words: [Option<usize>; ALL - NUMBERS],
-    /// Columns of the table that have a use, or that were complained about.
-    taken: Vec<bool>,
-    /// Columns that the scenario maps, or that were complained about.
-    told: [bool; ALL],
-    /// What was chosen of several where there is no scenario to say it.
-    choices: Vec<(String, String)>,
-    parts: Option<Parts>,
-}
-
-/// The letter of an amplitude, whatever word stands behind it: `A_Skt`.
-fn is_a(name: &str) -> bool {
-    name.split('_').next() == Some("a")
-}
-
-/// The letter of a voltage, with a letter or digit behind it: `U`, `UC`, `U0`.
-fn is_voltage(name: &str) -> bool {
-    name.starts_with(['u', 'v']) && name.replace('_', "").chars().count() <= 2
-}
-
 impl Search<'_, '_> {
     /// Two columns that hold the parts of the readings, where no column holds their amplitude.
     fn find_parts(&mut self) {
         let amplitude = |index: usize| {
             matches!(header::meaning(&self.sheet.headed(index), self.frame), Meaning::Column(AMPLITUDE, ..))
         };
-        if self.told[AMPLITUDE] || (0..self.taken.len()).any(amplitude) {
+        if self.found.told[AMPLITUDE] || (0..self.found.taken.len()).any(amplitude) {
             return;
         }
-        let Some(parts) = parts(self.sheet, self.frame, &self.taken, &self.tallies) else { return };
+        let Some(parts) = parts(self.sheet, self.frame, &self.found.taken, &self.found.tallies) else { return };
         let [real, imaginary] = [parts.real, parts.imaginary].map(|at| quote(&self.sheet.header.cells[at]));
         let unit = parts.unit.shown();
         let unit = if parts.stated { unit } else { format!("{unit}, no unit being stated") };
@@ -136,25 +60,25 @@ impl Search<'_, '_> {
         } else {
             format!("{real} and {imaginary} are read as what is in phase with the drive and 90° ahead of it, in {unit}")
         });
-        self.slots[AMPLITUDE] = Some(Slot::Cells(parts.real, parts.unit.clone()));
-        self.slots[PHASE] = Some(Slot::Cells(parts.imaginary, Unit::of("rad")));
+        self.found.slots[AMPLITUDE] = Some(Slot::Cells(parts.real, parts.unit.clone()));
+        self.found.slots[PHASE] = Some(Slot::Cells(parts.imaginary, Unit::of("rad")));
         for (index, column) in [(parts.real, AMPLITUDE), (parts.imaginary, PHASE)] {
-            (self.taken[index], self.told[column]) = (true, true);
+            (self.found.taken[index], self.found.told[column]) = (true, true);
         }
-        self.parts = Some(parts);
+        self.found.parts = Some(parts);
     }
 
     /// What the headers say of columns that have no use yet.
     fn read_headers(&mut self) -> Said {
         let mut said = Said::default();
-        for index in 0..self.taken.len() {
-            if self.taken[index] {
+        for index in 0..self.found.taken.len() {
+            if self.found.taken[index] {
                 continue;
             }
             match header::meaning(&self.sheet.headed(index), self.frame) {
                 // Of what deviates its unit is known.
                 Meaning::NoUnit(AMPLITUDE_SD | PHASE_SD) | Meaning::Column(AMPLITUDE_SD | PHASE_SD, _, false) => {}
-                Meaning::Column(column, unit, stated) if !self.told[column] => {
+                Meaning::Column(column, unit, stated) if !self.found.told[column] => {
                     let unit = self.of_numbers(index, column, unit, stated);
                     if self.frame.serving(column).contains(&unit.si) {
                         said.named[column].push(Candidate { index, unit, stated });
@@ -163,33 +87,35 @@ impl Search<'_, '_> {
                     }
                 }
                 Meaning::Alias(column, unit, stated)
-                    if !self.told[column] && self.frame.serving(column).contains(&unit.si) =>
+                    if !self.found.told[column] && self.frame.serving(column).contains(&unit.si) =>
                 {
                     let unit = self.of_numbers(index, column, unit, stated);
                     said.aliases[column].push(Candidate { index, unit, stated });
                 }
                 Meaning::Likely(column, unit)
-                    if !self.told[column] && self.frame.serving(column).contains(&unit.si) =>
+                    if !self.found.told[column] && self.frame.serving(column).contains(&unit.si) =>
                 {
                     said.likely[column].push(Candidate { index, unit, stated: true });
                 }
                 // Of a drive or a reading without a unit nothing is known but that it goes with the force or the
                 // motion.
-                Meaning::NoUnit(column @ (DRIVE | AMPLITUDE)) if self.frame.is_free() && !self.told[column] => {
+                Meaning::NoUnit(column @ (DRIVE | AMPLITUDE)) if self.frame.is_free() && !self.found.told[column] => {
                     let unit = self.of_numbers(index, column, Unit::of("V"), false);
                     said.unstated[column].push(Candidate { index, unit, stated: false });
                 }
-                Meaning::NoUnit(column) if !self.told[column] => {
+                Meaning::NoUnit(column) if !self.found.told[column] => {
                     said.unsuited.push((index, column, Ok("no unit is stated, and nothing else tells it".into())));
                 }
-                Meaning::BadUnit(column, why) if !self.told[column] => said.unsuited.push((index, column, Ok(why))),
-                Meaning::Words(column) if !self.told[column] => {
-                    if let Some(before) = self.words[column - NUMBERS] {
+                Meaning::BadUnit(column, why) if !self.found.told[column] => {
+                    said.unsuited.push((index, column, Ok(why)))
+                }
+                Meaning::Words(column) if !self.found.told[column] => {
+                    if let Some(before) = self.found.words[column - NUMBERS] {
                         self.twice(column, before, index);
                     } else {
-                        self.words[column - NUMBERS] = Some(index);
+                        self.found.words[column - NUMBERS] = Some(index);
                     }
-                    self.taken[index] = true;
+                    self.found.taken[index] = true;
                 }
                 _ => {}
             }
@@ -201,12 +127,16 @@ impl Search<'_, '_> {
     fn find(&mut self) {
         self.find_parts();
         let Said { named, mut aliases, likely, unstated, unsuited } = self.read_headers();
-        // A time is the same angle, told in coarser steps.
-        if self.only(|unit| unit.si == "rad").is_some() {
-            aliases[PHASE].retain(|candidate| !candidate.unit.is_of_lags());
+        // A time is the same angle, told in coarser steps; but what is the only reading there can be tells no phase.
+        if let Some(angle) = self.rest().only(|unit| unit.si == "rad") {
+            let readings = [&named, &aliases, &likely, &unstated].into_iter().flat_map(|said| &said[AMPLITUDE]);
+            let others = self.rest().readings(true);
+            if readings.chain(&others).any(|reading| reading.index != angle.index) {
+                aliases[PHASE].retain(|candidate| !candidate.unit.is_of_lags());
+            }
         }
         let contact = self.frame.has_contact() || self.frame.is_free() && !named[LOAD].is_empty();
-        let roller = self.told[SPEED] || !named[SPEED].is_empty() || !aliases[SPEED].is_empty();
+        let roller = self.found.told[SPEED] || !named[SPEED].is_empty() || !aliases[SPEED].is_empty();
         let with_speed = !contact || roller;
         for (column, ((named, aliases), likely)) in named.into_iter().zip(aliases).zip(likely).enumerate() {
             if named.is_empty() {
@@ -218,7 +148,7 @@ impl Search<'_, '_> {
         }
         self.find_hertz();
         // A name says more than a unit.
-        if unstated[AMPLITUDE].is_empty() && !(self.frame.is_free() && self.letter().is_some()) {
+        if unstated[AMPLITUDE].is_empty() && !(self.frame.is_free() && self.rest().letter().is_some()) {
             self.find_reading(with_speed);
         }
         self.find_phase();
@@ -226,180 +156,83 @@ impl Search<'_, '_> {
         self.find_drive();
         self.find_deviations();
         for (index, column, why) in unsuited {
-            if self.slots[column].is_none() && !self.told[column] {
+            if self.found.slots[column].is_none() && !self.found.told[column] {
                 match why {
                     Ok(why) => self.bad_unit(index, column, &why),
                     Err(si) => self.unsuited(index, column, si),
                 }
-                (self.taken[index], self.told[column]) = (true, true);
+                (self.found.taken[index], self.found.told[column]) = (true, true);
             }
         }
     }
 
-    /// The unit of a column that states none by its numbers: of phases degrees where one is more than two turns of the
-    /// circle in radians, of readings a level where most are negative, as no amplitude is.
-    fn of_numbers(&self, index: usize, column: usize, unit: Unit, stated: bool) -> Unit {
-        let most = MEASURED[PHASE].maximum;
-        match column {
-            PHASE if !stated && self.tallies[index].largest > most => unit.spelt("deg"),
-            AMPLITUDE if !stated && unit.is_voltage() && self.tallies[index].is_negative() => Unit::level(),
-            _ => unit,
+    /// Uses a column that was chosen by what it is like, and says so where there was a choice.
+    fn choose_likely(&mut self, column: usize, likely: Candidate, of_several: bool) {
+        if of_several {
+            self.found.choices.push((COLUMNS[column].into(), self.sheet.header.cells[likely.index].clone()));
         }
+        self.choose_alias(column, vec![likely], true);
     }
 
     /// The frequency by its unit alone, where one column has it and none a name, or by its letter.
     fn find_hertz(&mut self) {
-        if self.slots[FREQUENCY].is_some() || self.told[FREQUENCY] {
+        if self.is_settled(FREQUENCY) {
             return;
         }
-        let sheet = self.sheet;
-        let unit = |index: &usize| {
-            let header = sheet.headed(*index);
-            let (name, bracket) = header::split(&header);
-            in_hertz(&header::plain(name), bracket)
-        };
-        let unused = || (0..self.taken.len()).filter(|index| !self.taken[*index]);
-        let mut found: Vec<(usize, Unit, bool)> =
-            unused().filter_map(|index| Some((index, unit(&index)?, true))).collect();
-        // What has a phase is no force: an F beside it that states no unit.
-        if found.is_empty() && self.frame.is_free() && self.slots[PHASE].is_some() {
-            let bare = unused().filter(|index| sheet.headed(*index).trim() == "F");
-            found = bare.map(|index| (index, Unit::of("Hz"), false)).collect();
+        let phased = self.frame.is_free() && self.found.slots[PHASE].is_some();
+        if let Some(likely) = self.rest().hertz(phased) {
+            let guessed = !likely.stated;
+            self.choose_likely(FREQUENCY, likely, guessed);
         }
-        if let [(index, unit, stated)] = found.as_slice() {
-            if !stated {
-                self.choices.push((COLUMNS[FREQUENCY].into(), sheet.header.cells[*index].clone()));
-            }
-            let likely = vec![Candidate { index: *index, unit: unit.clone(), stated: *stated }];
-            self.choose_alias(FREQUENCY, likely, true);
-        }
-    }
-
-    /// Columns without a use that are not zero throughout, their plain names and their units where they have one that a
-    /// reading may have.
-    fn unnamed(&self) -> Vec<(usize, String, Unit)> {
-        let wanted = Wanted { possible: READINGS, natural: None, share: false, per_drive: false };
-        let of = |index: usize| {
-            let header = self.sheet.headed(index);
-            let (name, bracket) = header::split(&header);
-            let unit = match bracket {
-                Some(text) => wanted.unit(text).ok()?,
-                // The end of a name is a word more often than a unit.
-                None => wanted.unit(name.rsplit_once('_')?.1).ok().filter(Unit::is_voltage)?,
-            };
-            Some((index, header::plain(name), unit))
-        };
-        (0..self.taken.len())
-            .filter(|index| !self.taken[*index] && !self.tallies[*index].is_zero())
-            .filter_map(of)
-            .collect()
     }
 
     /// The reading by its unit alone, where one column has such a unit, its deviation apart, and none a name.
     fn find_reading(&mut self, with_speed: bool) {
-        let named = |column: usize| self.slots[column].is_some() || self.told[column];
-        if named(AMPLITUDE) || !named(FREQUENCY) {
+        if self.is_settled(AMPLITUDE) || !self.is_settled(FREQUENCY) {
             return;
         }
-        let all = self.unnamed();
-        let deviation = |name: &str| self.sheet.names().any(|of| is_deviation(name, &of));
-        let whole = |index: usize| is_peak_to_peak(&self.sheet.header.cells[index]);
-        // An angle may be a phase as well, unless nothing else is there to be read.
-        let plain = |index: usize| header::plain(header::split(&self.sheet.headed(index)).0);
-        let is_left = |index: &usize| !self.taken[*index] && !deviation(&plain(*index));
-        let phased = named(PHASE) || (0..self.taken.len()).filter(is_left).count() == 1;
-        let serves = |(_, name, unit): &&(usize, String, Unit)| {
-            let known = phased || unit.si != "rad";
-            known && self.frame.serving(AMPLITUDE).contains(&unit.si) && !deviation(name)
-        };
-        let (swings, others): (Vec<_>, Vec<_>) = all.iter().filter(serves).partition(|(index, ..)| whole(*index));
-        let mut found: Vec<_> = others.into_iter().filter(|(_, name, _)| !is_other(name)).collect();
-        // Of what was measured for its own sake its deviation is stated.
-        let is_stated = |(_, name, _): &&(usize, String, Unit)| self.sheet.names().any(|own| is_deviation(&own, name));
-        if found.is_empty() || found.len() > 1 && swings.iter().any(is_stated) && !found.iter().any(is_stated) {
-            found = swings;
-        }
-        if let ([one, other], false) = (&found[..], named(DRIVE)) {
-            if one.2.is_voltage() && other.2.is_voltage() && self.frame.is_free() {
+        let mut found = self.rest().readings(self.is_settled(PHASE));
+        if let ([one, other], false) = (&found[..], self.is_settled(DRIVE)) {
+            if one.unit.is_voltage() && other.unit.is_voltage() && self.frame.is_free() {
                 // Of two voltages the one that is held drives.
-                let held = self.sheet.change(one.0) < self.sheet.change(other.0);
-                let (drive, reading) = if held { (*one, *other) } else { (*other, *one) };
-                for (column, (index, ..)) in [(DRIVE, drive), (AMPLITUDE, reading)] {
-                    self.choices.push((COLUMNS[column].into(), self.sheet.header.cells[*index].clone()));
-                }
-                self.choose_alias(DRIVE, vec![Candidate { index: drive.0, unit: drive.2.clone(), stated: true }], true);
-                found = vec![reading];
+                let held = self.sheet.change(one.index) < self.sheet.change(other.index);
+                let drive = found.remove(usize::from(!held));
+                self.found.choices.push((COLUMNS[AMPLITUDE].into(), self.sheet.header.cells[found[0].index].clone()));
+                self.choose_likely(DRIVE, drive, true);
             } else {
                 // A voltage drives what stands beside it.
-                found.retain(|(.., unit)| !unit.is_voltage());
+                found.retain(|reading| !reading.unit.is_voltage());
             }
         }
-        if let [(index, _, unit)] = found[..] {
-            let unit = if whole(*index) { unit.clone().swinging(Swing::Whole) } else { unit.clone() };
-            let likely = vec![Candidate { index: *index, unit, stated: true }];
-            self.choose_alias(AMPLITUDE, likely, with_speed);
+        if found.len() == 1 {
+            self.choose_alias(AMPLITUDE, found, with_speed);
         }
-    }
-
-    /// The one column without a use and of no statistics whose unit fits.
-    fn only(&self, fits: impl Fn(&Unit) -> bool) -> Option<(usize, Unit)> {
-        let is_plain =
-            |name: &str| !is_other(name) && !is_setting(name) && !self.sheet.names().any(|of| is_deviation(name, &of));
-        let mut all = self.unnamed().into_iter().filter(|(_, name, unit)| fits(unit) && is_plain(name));
-        let (index, _, unit) = all.next()?;
-        all.next().is_none().then_some((index, unit))
     }
 
     /// The drive by its unit alone: one voltage beside a reading that is none, unless it follows that as the signal of its
     /// sensor; beside a voltage, or what states no unit, one that is held from row to row.
     fn find_drive(&mut self) {
-        let Some(Slot::Cells(reading, read)) = &self.slots[AMPLITUDE] else { return };
-        let driven = self.slots[DRIVE].is_some() || self.told[DRIVE];
-        if driven || !self.frame.serving(DRIVE).contains(&"V") {
+        let Some(Slot::Cells(reading, read)) = &self.found.slots[AMPLITUDE] else { return };
+        if self.is_settled(DRIVE) || !self.frame.serving(DRIVE).contains(&"V") {
             return;
         }
-        if let Some((index, unit)) = self.only(Unit::is_voltage)
-            && !self.sheet.follows(index, *reading)
-            && (!read.is_voltage() || self.frame.is_free() && self.sheet.change(index) == 0.0)
+        let beside = read.is_voltage();
+        if let Some(likely) = self.rest().only(Unit::is_voltage)
+            && !self.sheet.follows(likely.index, *reading)
+            && (!beside || self.frame.is_free() && self.sheet.change(likely.index) == 0.0)
         {
-            if read.is_voltage() {
-                self.choices.push((COLUMNS[DRIVE].into(), self.sheet.header.cells[index].clone()));
-            }
-            let likely = vec![Candidate { index, unit, stated: true }];
-            self.choose_alias(DRIVE, likely, true);
+            self.choose_likely(DRIVE, likely, beside);
         }
     }
 
     /// The phase by its unit alone: one angle beside a reading and a frequency, none of which has a phase.
     fn find_phase(&mut self) {
-        let found = |column: usize| self.slots[column].is_some() || self.told[column];
-        if found(PHASE) || !found(AMPLITUDE) || !found(FREQUENCY) {
+        if self.is_settled(PHASE) || !self.is_settled(AMPLITUDE) || !self.is_settled(FREQUENCY) {
             return;
         }
-        if let Some((index, unit)) = self.only(|unit| unit.si == "rad") {
-            self.choices.push((COLUMNS[PHASE].into(), self.sheet.header.cells[index].clone()));
-            let likely = vec![Candidate { index, unit, stated: true }];
-            self.choose_alias(PHASE, likely, true);
+        if let Some(likely) = self.rest().only(|unit| unit.si == "rad") {
+            self.choose_likely(PHASE, likely, true);
         }
-    }
-
-    /// The first column without a use and without a unit that has such a name.
-    fn bare(&self, is_named: impl Fn(&str) -> bool) -> Option<usize> {
-        (0..self.taken.len()).filter(|index| !self.taken[*index]).find(|index| {
-            let header = self.sheet.headed(*index);
-            let (name, unit) = header::split(&header);
-            unit.is_none() && is_named(name)
-        })
-    }
-
-    /// The column whose name is the letter of an amplitude; a small one, which may be a distance on the screen of an
-    /// oscilloscope, not beside voltages.
-    fn letter(&self) -> Option<usize> {
-        let capital = self.bare(|name| name.starts_with('A') && is_a(&header::plain(name)));
-        let voltage = || self.bare(|name| is_voltage(&header::plain(name)));
-        capital
-            .or_else(|| self.bare(|name| is_a(&header::plain(name))))
-            .filter(|_| capital.is_some() || voltage().is_none())
     }
 
     /// Drive and reading where none has a unit: the one that has its name or letter, of two columns the reading by what the
@@ -408,10 +241,13 @@ impl Search<'_, '_> {
         if !self.frame.is_free() {
             return;
         }
-        if named[AMPLITUDE].is_empty() && self.slots[AMPLITUDE].is_none() && self.slots[FREQUENCY].is_some() {
-            let (sheet, both) = (self.sheet, self.taken.len() == 2);
-            if let Some(index) = if both { self.bare(|name| !is_time(&header::plain(name))) } else { self.letter() } {
-                self.choices.push((COLUMNS[AMPLITUDE].into(), sheet.header.cells[index].clone()));
+        if named[AMPLITUDE].is_empty() && self.found.slots[AMPLITUDE].is_none() && self.found.slots[FREQUENCY].is_some()
+        {
+            let (sheet, both) = (self.sheet, self.found.taken.len() == 2);
+            if let Some(index) =
+                if both { self.rest().bare(|name| !is_time(&header::plain(name))) } else { self.rest().letter() }
+            {
+                self.found.choices.push((COLUMNS[AMPLITUDE].into(), sheet.header.cells[index].clone()));
                 // Of two columns the name may end in the unit: `theta_rad`.
                 let wanted = Wanted { possible: READINGS, natural: None, share: false, per_drive: false };
                 let header = sheet.headed(index);
@@ -422,7 +258,7 @@ impl Search<'_, '_> {
             }
         }
         for column in [DRIVE, AMPLITUDE] {
-            if self.slots[column].is_none() && !self.told[column] && named[column].len() == 1 {
+            if self.found.slots[column].is_none() && !self.found.told[column] && named[column].len() == 1 {
                 self.choose(column, std::mem::take(&mut named[column]));
             }
         }
@@ -432,8 +268,8 @@ impl Search<'_, '_> {
     /// they state none.
     fn find_deviations(&mut self) {
         for (column, of) in [(AMPLITUDE_SD, AMPLITUDE), (PHASE_SD, PHASE)] {
-            let Some(Slot::Cells(at, unit)) = &self.slots[of] else { continue };
-            if self.slots[column].is_some() || self.told[column] {
+            let Some(Slot::Cells(at, unit)) = &self.found.slots[of] else { continue };
+            if self.found.slots[column].is_some() || self.found.told[column] {
                 continue;
             }
             let (sheet, its) = (self.sheet, unit.clone().counted(false));
@@ -453,7 +289,8 @@ impl Search<'_, '_> {
                 let serves = unit.relative || unit.si == its.si && !unit.is_level();
                 serves.then_some(Candidate { index, unit, stated })
             };
-            let unused = (0..self.taken.len()).filter(|index| !self.taken[*index] && !self.tallies[*index].is_zero());
+            let unused = (0..self.found.taken.len())
+                .filter(|index| !self.found.taken[*index] && !self.found.tallies[*index].is_zero());
             let found: Vec<Candidate> = unused.filter_map(candidate).collect();
             if found.len() == 1 {
                 self.choose_alias(column, found, true);
@@ -470,8 +307,8 @@ impl Search<'_, '_> {
         let all_volts = candidates.iter().all(volts);
         for candidate in candidates.into_iter().filter(|candidate| all_volts || !volts(candidate)) {
             let Candidate { index, unit, stated } = candidate;
-            self.taken[index] = true;
-            if let Some(Slot::Cells(before, _)) = &self.slots[column] {
+            self.found.taken[index] = true;
+            if let Some(Slot::Cells(before, _)) = &self.found.slots[column] {
                 self.twice(column, *before, index);
                 continue;
             }
@@ -493,7 +330,7 @@ impl Search<'_, '_> {
                 let (header, unit, swing) = (&self.sheet.header.cells[index], unit.shown(), unit.swing.note());
                 self.notes.push(format!("{} is read as {} in {unit}{swing}", quote(header), COLUMNS[column]));
             }
-            self.slots[column] = Some(Slot::Cells(index, unit));
+            self.found.slots[column] = Some(Slot::Cells(index, unit));
         }
     }
 
@@ -502,7 +339,7 @@ impl Search<'_, '_> {
         let sheet = self.sheet;
         let header = |candidate: &Candidate| quote(&sheet.header.cells[candidate.index]);
         // Nobody reads nothing in all rows: that is the speed or the load of a rig without a contact.
-        candidates.retain(|candidate| column != AMPLITUDE || !self.tallies[candidate.index].is_zero());
+        candidates.retain(|candidate| column != AMPLITUDE || !self.found.tallies[candidate.index].is_zero());
         if candidates.iter().any(|candidate| candidate.unit.si != "V") {
             candidates.retain(|candidate| candidate.unit.si != "V");
         }
@@ -522,7 +359,7 @@ impl Search<'_, '_> {
             let first = first.index;
             if self.sheet.follows(other.index, first) {
                 candidates.truncate(1);
-                self.choices.push((COLUMNS[column].into(), self.sheet.header.cells[first].clone()));
+                self.found.choices.push((COLUMNS[column].into(), self.sheet.header.cells[first].clone()));
             }
         }
         match candidates.as_slice() {
@@ -533,8 +370,8 @@ impl Search<'_, '_> {
                 let lag = if one.unit.negated { ", a lag positive," } else { "" };
                 let swing = one.unit.swing.note();
                 self.notes.push(format!("{header} is read as {key}{lag} in {unit}{swing}"));
-                self.taken[one.index] = true;
-                self.slots[column] = Some(Slot::Cells(one.index, one.unit.clone()));
+                self.found.taken[one.index] = true;
+                self.found.slots[column] = Some(Slot::Cells(one.index, one.unit.clone()));
             }
             [first, second, ..] if column <= AMPLITUDE => {
                 let title = format!("which column is the {}?", COLUMNS[column]);
@@ -546,7 +383,7 @@ impl Search<'_, '_> {
                     COLUMNS[column]
                 );
                 self.complaints.add(&sheet.place(&sheet.header, second.index), &title, &label, &help);
-                self.told[column] = true;
+                self.found.told[column] = true;
             }
             _ => {}
         }
@@ -566,139 +403,7 @@ impl Search<'_, '_> {
         let alone = rank(&candidates[0]) != rank(&candidates[1]) && candidates[1].unit.si == "V";
         candidates.truncate(1);
         if !alone {
-            self.choices.push((COLUMNS[column].into(), self.sheet.header.cells[candidates[0].index].clone()));
+            self.found.choices.push((COLUMNS[column].into(), self.sheet.header.cells[candidates[0].index].clone()));
         }
-    }
-
-    /// Two columns for one quantity.
-    fn twice(&mut self, column: usize, before: usize, index: usize) {
-        if self.complaints.leaves_out() {
-            return;
-        }
-        let sheet = self.sheet;
-        let title = format!("two columns hold the {}", COLUMNS[column].replace('_', " "));
-        let label = format!("so does {}, column {}", quote(&sheet.header.cells[before]), before + 1);
-        let help = "remove or rename one of the two, or choose with [measurement] columns";
-        let label = sheet.cell_name(&sheet.header, index) + &label;
-        self.complaints.add(&sheet.place(&sheet.header, index), &title, &label, help);
-    }
-
-    /// A unit that is none of the column's.
-    fn bad_unit(&mut self, index: usize, column: usize, why: &str) {
-        if self.complaints.leaves_out() {
-            return;
-        }
-        let (sheet, frame) = (self.sheet, self.frame);
-        let title = format!("the unit of column {} does not serve", quote(&sheet.header.cells[index]));
-        let label = sheet.cell_name(&sheet.header, index) + why;
-        let (key, meaning) = (COLUMNS[column], MEASURED[column].meaning);
-        let help = format!("`{key}` is the {meaning}; write e.g. {}", frame.standard(column));
-        self.complaints.add(&sheet.place(&sheet.header, index), &title, &label, &help);
-    }
-
-    /// A drive or a reading that the scenario's rig does not have.
-    fn unsuited(&mut self, index: usize, column: usize, si: &'static str) {
-        if self.complaints.leaves_out() {
-            return;
-        }
-        let sheet = self.sheet;
-        let (title, help) = other_rig(self.frame, column, si);
-        let title = format!("column {} {title}", quote(&sheet.header.cells[index]));
-        let label = format!("{}{}", sheet.cell_name(&sheet.header, index), kind(si));
-        self.complaints.add(&sheet.place(&sheet.header, index), &title, &label, &help);
-    }
-
-    /// The columns that the scenario maps.
-    fn map(&mut self, mapping: &[(String, String)]) {
-        for (key, wanted) in mapping {
-            let Some(column) = column_of(key) else { continue };
-            let Some(index) = self.mapped_index(key, wanted.trim(), column) else { continue };
-            self.taken[index] = true;
-            if column >= NUMBERS {
-                self.words[column - NUMBERS] = Some(index);
-                self.notes.push(format!("{} is read as {key}", quote(&self.sheet.header.cells[index])));
-            } else {
-                self.map_numbers(key, index, column);
-            }
-        }
-    }
-
-    /// Where the header stands that is mapped to a key; none where there is none, or the column or the header is mapped
-    /// already.
-    fn mapped_index(&mut self, key: &str, wanted: &str, column: usize) -> Option<usize> {
-        let sheet = self.sheet;
-        let headers = &sheet.header.cells;
-        let place_of = |index: usize| sheet.place(&sheet.header, index);
-        let exact = headers.iter().position(|header| header == wanted);
-        let index = exact.or_else(|| headers.iter().position(|header| header.eq_ignore_ascii_case(wanted)));
-        let again = std::mem::replace(&mut self.told[column], true);
-        let Some(index) = index else {
-            let title =
-                format!("the table has no column {}, which [measurement] columns names as {key}", quote(wanted));
-            let near = nearest(wanted, headers.iter().map(String::as_str));
-            let label =
-                near.map_or("the columns that there are".into(), |near| format!("did you mean {}?", quote(near)));
-            let help = format!("write {key} = \"…\" in columns with one of these headers, letter by letter");
-            self.complaints.add(&sheet.row_place(&sheet.header), &title, &label, &help);
-            return None;
-        };
-        if again {
-            let title = format!("[measurement] columns names the {} twice", COLUMNS[column]);
-            let help = "drive, force and torque are one: name the one that drives the rig";
-            self.complaints.add(&place_of(index), &title, &format!("named as {key}"), help);
-            return None;
-        }
-        if self.taken[index] {
-            let title = format!("[measurement] columns uses {} twice", quote(wanted));
-            let label = format!("named again as {key}");
-            self.complaints.add(&place_of(index), &title, &label, "name each header once");
-            return None;
-        }
-        Some(index)
-    }
-
-    /// A column of numbers that is mapped to a key, in the unit that its header states or that is taken for granted.
-    fn map_numbers(&mut self, key: &str, index: usize, column: usize) {
-        let (sheet, frame) = (self.sheet, self.frame);
-        let header = &sheet.header.cells[index];
-        match header::mapped(&sheet.headed(index), key, column, frame) {
-            Ok((unit, _)) if !frame.serving(column).contains(&unit.si) => self.unsuited(index, column, unit.si),
-            Ok((unit, stated)) => {
-                let unit = self.of_numbers(index, column, unit, stated).counted(key == LAG);
-                let more = if stated { "" } else { ", no unit being stated" };
-                let (shown, swing) = (unit.shown(), unit.swing.note());
-                self.notes.push(format!("{} is read as {key} in {shown}{more}{swing}", quote(header)));
-                if unit.swing == Swing::Amplitude {
-                    self.notes.extend(other_amplitude(header, column));
-                }
-                self.slots[column] = Some(Slot::Cells(index, unit));
-            }
-            Err(why) => {
-                let title = format!("the unit of column {} does not serve as {key}", quote(header));
-                let si = frame.natural(column).unwrap_or(MEASURED[column].unit);
-                let help = format!("`{key}` is the {}, in units like {si}", MEASURED[column].meaning);
-                self.complaints.add(&sheet.place(&sheet.header, index), &title, &why, &help);
-            }
-        }
-    }
-}
-
-/// The column that a key of `[measurement] columns` means.
-pub(crate) fn column_of(key: &str) -> Option<usize> {
-    match key {
-        "force" | "torque" => Some(DRIVE),
-        LAG => Some(PHASE),
-        _ => COLUMNS[..ALL].iter().position(|name| *name == key),
-    }
-}
-
-/// What is said of a drive or a reading in a unit that the scenario's rig does not have: end of the title, and help.
-pub(crate) fn other_rig(frame: &Frame<'_>, column: usize, si: &str) -> (String, String) {
-    let (kind, change) = (kind(si), frame.change(column, si));
-    let headers = frame.headers(column);
-    if column == DRIVE {
-        (format!("holds {kind}, by which the rig is not driven"), format!("the drive needs to be {headers}; {change}"))
-    } else {
-        (format!("holds {kind}, which is not read of the rig"), format!("the reading needs to be {headers}; {change}"))
     }
 }

@@ -29,6 +29,7 @@ mod prediction;
 pub mod radau;
 pub mod sensitivity;
 pub mod shooting;
+mod slider;
 mod sliders;
 mod stages;
 mod steady;

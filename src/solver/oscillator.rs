@@ -6,14 +6,16 @@
 //! Newton's method on all harmonics starts from them. Unknowns are the mean and the cosine and sine of every harmonic.
 
 pub mod fold;
+mod laid;
+pub(super) mod stability;
 
 use super::describing::{companions, describing, nearly};
 use super::joint::{Instant, pulls};
 use super::tolerance::Tolerance;
 use crate::model::system::SingleMode;
+use laid::{Laid, basis_at};
 use nalgebra::{DMatrix, DVector};
-use std::cell::RefCell;
-use std::collections::HashMap;
+use stability::multiplier;
 use std::f64::consts::TAU;
 use std::rc::Rc;
 
@@ -174,77 +176,6 @@ pub fn states(mode: &dyn SingleMode, tolerance: &Tolerance) -> (Vec<Periodic>, V
         near.ends.extend(near.states);
     }
     (found, near.ends)
-}
-
-/// The basis functions at many instants of one period: cosine and sine of the harmonics, the mean first where there is
-/// one.
-struct Laid {
-    /// Harmonics of the unknowns: each twice, the mean once.
-    harmonics: Vec<usize>,
-    /// Values at every instant, and their derivatives by the phase.
-    basis: DMatrix<f64>,
-    slopes: DMatrix<f64>,
-    instants: usize,
-    /// Instants on which forces are projected: half of them where the second half of a period is the negative of the
-    /// first.
-    projected: usize,
-}
-
-impl Laid {
-    fn new(harmonics: Vec<usize>, instants: usize, odd: bool) -> Self {
-        let unknowns = harmonics.len();
-        let (mut basis, mut slopes) = (DMatrix::zeros(instants, unknowns), DMatrix::zeros(instants, unknowns));
-        for j in 0..instants {
-            let (values, by_phase) = basis_at(&harmonics, TAU * j as f64 / instants as f64);
-            for m in 0..unknowns {
-                (basis[(j, m)], slopes[(j, m)]) = (values[m], by_phase[m]);
-            }
-        }
-        let projected = if odd { instants / 2 } else { instants };
-        Self { harmonics, basis, slopes, instants, projected }
-    }
-
-    /// The basis of the harmonics up to `highest`, kept for the next time.
-    fn of(highest: usize, instants: usize, odd: bool) -> Rc<Self> {
-        thread_local!(static KEPT: RefCell<HashMap<(usize, usize, bool), Rc<Laid>>> = RefCell::default());
-        KEPT.with_borrow_mut(|kept| {
-            let new = || Rc::new(Self::new(harmonics(highest, odd), instants, odd));
-            kept.entry((highest, instants, odd)).or_insert_with(new).clone()
-        })
-    }
-
-    /// Position of the cosine of harmonic `k`.
-    fn cosine(&self, k: usize) -> usize {
-        self.harmonics.iter().position(|h| *h == k).unwrap_or(0)
-    }
-
-    /// Positions and harmonics of the cosines.
-    fn pairs(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        let first = self.cosine(1);
-        (first..self.harmonics.len()).step_by(2).map(|at| (at, self.harmonics[at]))
-    }
-}
-
-/// Harmonics of the unknowns up to `highest`: of an odd motion the odd ones alone.
-fn harmonics(highest: usize, odd: bool) -> Vec<usize> {
-    let all = (if odd { 1 } else { 0 }..=highest).filter(|k| !odd || k % 2 == 1);
-    all.flat_map(|k| std::iter::repeat_n(k, if k == 0 { 1 } else { 2 })).collect()
-}
-
-/// Cosine, then sine of every harmonic, and their derivatives by the phase.
-fn basis_at(harmonics: &[usize], phase: f64) -> (Vec<f64>, Vec<f64>) {
-    let mut last = 0;
-    let value = |&k: &usize| {
-        let (sine, cosine) = (k as f64 * phase).sin_cos();
-        let second = std::mem::replace(&mut last, k) == k;
-        if second { (sine, k as f64 * cosine) } else { (cosine, -(k as f64) * sine) }
-    };
-    let both: Vec<(f64, f64)> = if harmonics.first() == Some(&0) {
-        std::iter::once((1.0, 0.0)).chain(harmonics[1..].iter().map(value)).collect()
-    } else {
-        harmonics.iter().map(value).collect()
-    };
-    both.into_iter().unzip()
 }
 
 /// Forces at every instant with their slopes, and what they are on the harmonics.
@@ -505,40 +436,4 @@ fn projected(
     let multiplier = multiplier(mode, &balance.motion, laid.instants);
     let harmonics = laid.harmonics.clone();
     Periodic { harmonics, series, steps, left, multiplier, adjoints, by_joint, by_law }
-}
-
-/// Largest modulus of the Floquet multipliers: a disturbance M y'' + (C + c) y' + (K + k) y = 0 over one period, by the
-/// exact flow between instants.
-fn multiplier(mode: &dyn SingleMode, motion: &[[f64; 4]], instants: usize) -> f64 {
-    let [mass, damping, stiffness] = mode.linear();
-    let h = TAU / mode.omega() / instants as f64;
-    let w0 = (stiffness / mass).sqrt();
-    let mut product = [[1.0, 0.0], [0.0, 1.0]];
-    // Of an odd motion the second half of the period has the slopes of the first.
-    for [_, _, k, c] in motion.iter().cycle().take(instants) {
-        // In units of 1/w0: y'' + 2 d y' + s y = 0.
-        let (s, d) = ((stiffness + k) / stiffness, 0.5 * (damping + c) / (mass * w0));
-        let t = h * w0;
-        let flow = flow(s, d, t);
-        let p = product;
-        for i in 0..2 {
-            for j in 0..2 {
-                product[i][j] = flow[i][0] * p[0][j] + flow[i][1] * p[1][j];
-            }
-        }
-    }
-    let (trace, determinant) =
-        (product[0][0] + product[1][1], product[0][0] * product[1][1] - product[0][1] * product[1][0]);
-    let root = 0.25 * trace * trace - determinant;
-    if root >= 0.0 { 0.5 * trace.abs() + root.sqrt() } else { determinant.max(0.0).sqrt() }
-}
-
-/// The flow of y'' + 2 d y' + s y = 0 over a time t: y and y' by y and y'.
-pub(super) fn flow(s: f64, d: f64, t: f64) -> [[f64; 2]; 2] {
-    let square = s - d * d;
-    let w = square.abs().sqrt();
-    let (cosine, sine) = if square >= 0.0 { ((w * t).cos(), (w * t).sin()) } else { ((w * t).cosh(), (w * t).sinh()) };
-    let sine = if w * t < 1e-8 { t } else { sine / w };
-    let fade = (-d * t).exp();
-    [[fade * (cosine + d * sine), fade * sine], [-fade * s * sine, fade * (cosine - d * sine)]]
 }

@@ -1,6 +1,7 @@
 //! Periodic states of a contact of many parallel sliders: Newton for the few states they share.
 
-use super::sliders::{Cycle, Method, SHARED, STRETCH, Shared, Slider, with_hysteresis};
+use super::slider::Slider;
+use super::sliders::{Cycle, Method, SHARED, STRETCH, Shared, with_hysteresis};
 use crate::effects::Branch;
 use crate::model::continuum::held;
 use crate::model::system::SliderSystem;

@@ -7,7 +7,8 @@
 //! periodic state by its map.
 
 use super::describing::{describing, nearly};
-use super::oscillator::{Found, flow};
+use super::oscillator::Found;
+use super::oscillator::stability::flow;
 use super::tolerance::Tolerance;
 use crate::model::system::SingleMode;
 use crate::roots::regula_falsi;

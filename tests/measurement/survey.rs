@@ -199,6 +199,16 @@ fn spectra_periods_and_complex_numbers_are_read_as_their_programs_write_them() {
     let lag = |f: f64| 1e3 * (f / 50.0) / (std::f64::consts::TAU * f);
     same(&read(&text("f (Hz),x (mm),time lag (ms)", &|f| format!("{f},{},{:.12}", f / 50.0, lag(f)))));
     same(&read(&text("f (Hz),x (mm),lag (ms),angle (rad)", &|f| format!("{f},{},0.3,{}", f / 50.0, -f / 50.0))));
+    // An angle that is the reading tells no phase.
+    let turned = read(&text("f (Hz),Amplitude (Grad),Zeitverschiebung (s)", &|f| {
+        format!("{f},{},{:.12}", f / 50.0, lag(f) / 1e3)
+    }));
+    let phases = turned.points.iter().zip(&plain.points);
+    assert!(
+        phases
+            .map(|(own, other)| (own.phase, other.phase))
+            .all(|pair| { matches!(pair, (Some(own), Some(other)) if (own - other).abs() < 1e-9) })
+    );
     same(&read(&text("Frequency (Hz),x (Real) [mm],x (Imag) [mm]", &|f| {
         format!("{f},{:e},{:e}", polar(f).0, polar(f).1)
     })));

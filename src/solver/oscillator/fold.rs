@@ -5,7 +5,8 @@
 //! misfit.
 
 use super::super::describing::{GRID_PER_DECADE, end_by_numbers};
-use super::{Balance, Found, Laid, STEPS, Tolerance, evaluate, one_harmonic, projected, with_harmonics};
+use super::laid::Laid;
+use super::{Balance, Found, STEPS, Tolerance, evaluate, one_harmonic, projected, with_harmonics};
 use crate::model::system::SingleMode;
 use nalgebra::{DMatrix, DVector};
 use std::rc::Rc;
