@@ -13,22 +13,29 @@ const CHANGES: [(f64, f64); 3] = [(0.0, 0.0), (0.012, -0.06), (-0.02, 0.11)];
 const RIG: &str = "title = \"t\"\n[rig]\nkind = \"oscillator\"\nmass = \"2 kg\"\nnatural_frequency = \"80 Hz\"\nquality_factor = 50\n\
     drive = \"force\"\n[measurement]\nfile = \"t.csv\"\n[fit]\nfree = [\"rig.mass\", \"rig.natural_frequency\", \"rig.quality_factor\"]\n";
 
-/// So many of the series, at one drive each, with one percent of noise.
+/// So many of the series, at one drive, with one percent of noise.
 fn written(folder: &Path, series: usize) -> (Scenario, Table) {
+    let linear = |(d, g): (f64, f64), ratio: f64| ((1.0 + d - ratio * ratio) / (1.0 + g), ratio / 50.0 / (1.0 + g));
+    tabled(folder, series, |number, ratio| (1.0, linear(CHANGES[number], ratio)))
+}
+
+/// So many series of a level of the drive and the real and imaginary part of drive over motion, each in units of those at
+/// rest, by number of the series and frequency over 80 Hz.
+fn tabled(folder: &Path, series: usize, of: impl Fn(usize, f64) -> (f64, (f64, f64))) -> (Scenario, Table) {
     let mut text =
         String::from("series,frequency_hz,force_n,amplitude_m,phase_rad,amplitude_sd_percent,phase_sd_rad\n");
     let mut row = 0_u32;
-    for (number, (d, g)) in CHANGES[..series].iter().enumerate() {
+    for number in 0..series {
         for step in 0..41 {
             let ratio = 1.0 + 0.002 * (f64::from(step) - 20.0);
-            let (re, im) = (1.0 + d - ratio * ratio, ratio / 50.0);
+            let (level, (re, im)) = of(number, ratio);
             let noise = |of: u32| {
                 let sum: f64 = (0..12).map(|i| f64::from(sobol_burley::sample(row, 12 * of + i, 5))).sum();
                 0.01 * (sum - 6.0)
             };
-            let amplitude = (1.0 + g) * 1e-5 / re.hypot(im) * (1.0 + noise(0));
+            let amplitude = 1e-5 * level / re.hypot(im) * (1.0 + noise(0));
             let phase = -im.atan2(re) + noise(1);
-            let force = 1e-5 * 2.0 * (std::f64::consts::TAU * 80.0).powi(2);
+            let force = level * 1e-5 * 2.0 * (std::f64::consts::TAU * 80.0).powi(2);
             writeln!(text, "{number},{:.6},{force:.8e},{amplitude:.8e},{phase:.7},1,0.01", 80.0 * ratio).unwrap();
             row += 1;
         }
@@ -95,4 +102,47 @@ fn of_one_series_no_drift_is_searched_and_that_is_said() {
     assert!(found.notes.iter().any(|note| note == said), "{:?}", found.notes);
     let (scenario, table) = written(folder.path(), 2);
     assert!(!asked(&scenario, &table).notes.iter().any(|note| note.contains("asked for")));
+}
+
+/// Levels of the drive, each of a series that has drifted.
+const LEVELS: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
+
+#[test]
+fn a_damping_that_drifted_with_the_rest_is_no_law_of_the_amplitude() {
+    let folder = tempfile::tempdir().unwrap();
+    let losses = [0.02, 0.021, 0.0226, 0.0235];
+    let (scenario, table) = tabled(folder.path(), LEVELS.len(), |number, ratio| {
+        let d = [0.0, 0.004, -0.003, 0.007][number];
+        (LEVELS[number], (1.0 + d - ratio * ratio, ratio * losses[number]))
+    });
+    let found = discover(&scenario, &table, &SearchOptions::default());
+    let label = found.steps.last().unwrap().hypothesis.label();
+    assert!(label.contains("drift") && label.contains("damping"), "{label}");
+    assert_eq!(found.verdict, Verdict::Unexplained, "{label}: {:?}", found.notes);
+    let said = stickslip::discover::sentence(&found);
+    assert!(said.contains("a rig of its own in every series"), "{said}");
+}
+
+#[test]
+fn a_spring_that_hardens_within_the_series_is_named_beside_a_drift() {
+    let folder = tempfile::tempdir().unwrap();
+    let (scenario, table) = tabled(folder.path(), LEVELS.len(), |number, ratio| {
+        let (d, level) = ([0.0, 0.004, -0.003, 0.007][number], LEVELS[number]);
+        // Of one harmonic: the amplitude at which drive over motion is as large as it has to be.
+        let of = |a: f64| (1.0 + d + 6e-8 * a * a - ratio * ratio, ratio / 50.0);
+        let (mut low, mut high) = (0.0, 1e3);
+        for _ in 0..200 {
+            let a = 0.5 * (low + high);
+            let (re, im) = of(a);
+            if a * re.hypot(im) < level { low = a } else { high = a }
+        }
+        (level, of(low))
+    });
+    let found = discover(&scenario, &table, &SearchOptions::default());
+    let names: Vec<String> = found.steps.last().unwrap().hypothesis.effects();
+    assert_eq!(found.verdict, Verdict::EffectMissing, "{names:?} {:?}", found.notes);
+    assert!(
+        names.iter().any(|name| name == "drift") && names.iter().any(|name| name.contains("stiffness")),
+        "{names:?}"
+    );
 }

@@ -1,8 +1,9 @@
 //! What the rounds of a search say together: verdict, ladder, ranking, rivals, and what remains open.
 
+use super::each_series::is_told_within;
 use super::hypothesis::{Addition, Basis, Estimate, Hypothesis, count, extended, not_searched};
 use super::known::{Entry, Known};
-use super::notes::{of_both_ways, of_named, of_what_is_left};
+use super::notes::{of_both_ways, of_gain_alone, of_named, of_what_is_left};
 use super::select::{CONTINUED, Search};
 use super::testimony::{beyond_prediction, beyond_testimony};
 use super::unnamed::{OF_AMPLITUDE, is_drift_a_law_of_the_amplitude};
@@ -44,16 +45,30 @@ fn evidence(base: &Step, end: &Step, points: usize) -> Evidence {
     Evidence {
         testable: white.testable && shows_anything(&end.comparison.table.points),
         structured: white.structured,
-        decidable: is_decidable(base, end),
+        decidable: undecidable(base, end).is_none(),
         unsolved: end.comparison.unsolved() as f64 / points as f64,
         effects,
         recalibrations: additions.len() - effects,
     }
 }
 
+/// Why the readings could not have told against what an explanation adds, where that is so, in words.
+pub(super) fn undecidable(base: &Step, end: &Step) -> Option<&'static str> {
+    if !is_told_from_linear(base, end) {
+        return Some(
+            "one sweep without phases does not tell a law of the amplitude from one of the frequency: sweep again at a third \
+             or three times the drive",
+        );
+    }
+    (!is_told_within(base, end)).then_some(
+        "a rig of its own in every series, damping included, follows the readings as well, and so what else drifted is not \
+         told from a law: sweep again as at first",
+    )
+}
+
 /// Whether the readings could tell what an explanation adds from a linear law of the frequency, which follows any one
 /// sweep of amplitudes: that a motion has two stable states or comes back at another frequency or drive is against one.
-pub(super) fn is_decidable(base: &Step, end: &Step) -> bool {
+fn is_told_from_linear(base: &Step, end: &Step) -> bool {
     let (table, model) = (&end.comparison.table, &end.hypothesis.model);
     let Some(at) = table.points.first().map(operation) else { return true };
     let is_linear = |model| Alone::new(model, &at).is_linear();
@@ -144,6 +159,7 @@ impl Search<'_> {
             notes.extend(of_named(&end.hypothesis));
         }
         notes.extend(of_both_ways(end));
+        notes.extend(of_gain_alone(end));
         notes.extend(self.not_chosen(&candidates, &end.hypothesis, further.as_deref()));
         notes.extend(of_what_is_left(end, unit));
         notes.extend(self.followed_alone(verdict, &end.comparison));

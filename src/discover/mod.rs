@@ -8,6 +8,7 @@ mod candidates;
 mod conclude;
 mod criteria;
 mod data;
+mod each_series;
 mod fall;
 mod field;
 mod held_out;
@@ -178,10 +179,11 @@ impl Discovery {
     }
 
     /// What to measure next, where that has something to decide: where nothing is missing a rival that cannot be told
-    /// apart is no news, nor is one that is ruled out and would hardly be told.
+    /// apart is no news, nor is one that is ruled out and would hardly be told, or that would confirm what explains nothing.
     pub fn next_worth(&self) -> Option<&NextMeasurement> {
-        let open = |n: &&NextMeasurement| self.verdict != Verdict::NothingMissing && n.ruled_out_by.is_none();
-        self.next_measurement.as_ref().filter(|n| n.decides() || open(n))
+        let open = |n: &NextMeasurement| self.verdict != Verdict::NothingMissing && n.ruled_out_by.is_none();
+        let confirms = |n: &NextMeasurement| self.verdict != Verdict::Unexplained && n.decides();
+        self.next_measurement.as_ref().filter(|n| confirms(n) || open(n))
     }
 
     /// The candidates to be shown, in their order: the first so many that have a place and are wanted, and the base.

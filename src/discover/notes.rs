@@ -2,6 +2,7 @@
 
 use super::Step;
 use super::hypothesis::{Addition, Hypothesis};
+use crate::fit::Interval;
 use crate::measurement::{Direction, Series};
 
 /// What has to be known of the effects that are named: what looks like them, and signs that leave no trace.
@@ -46,6 +47,42 @@ pub(super) fn of_both_ways(end: &Step) -> Option<String> {
          or a rig that rings long does: sweep more slowly, and in turn, to tell"
             .into()
     })
+}
+
+/// That a drift of nothing but the gain, which follows the drive, is more likely the transducer's or the amplifier's.
+pub(super) fn of_gain_alone(end: &Step) -> Option<String> {
+    let c = &end.comparison;
+    let of = |key: char, series: usize| {
+        let key = format!("effect.drift.{key}_{}", series + 1);
+        c.fit.parameters.iter().position(|p| p.key == key).map(|at| c.intervals[at])
+    };
+    let series = &c.table.series;
+    let stays = |series: usize| of('d', series).is_some_and(|i| i.low <= 0.0 && 0.0 <= i.high);
+    if series.len() < 3 || !(1..series.len()).all(stays) {
+        return None;
+    }
+    let first = Interval { low: 0.0, high: 0.0, value: 0.0, ..of('g', 1)? };
+    let gains = (0..series.len()).map(|number| if number == 0 { Some(first) } else { of('g', number) });
+    let mut gains: Vec<(f64, Interval)> =
+        series.iter().map(|s| s.drive).zip(gains.collect::<Option<Vec<_>>>()?).collect();
+    gains.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let falls = |sign: f64| {
+        let pairs = || gains.windows(2);
+        let ends = [gains[0].1, gains[gains.len() - 1].1];
+        let [low, high] = ends.map(|i| if sign > 0.0 { (i.low, i.high) } else { (-i.high, -i.low) });
+        pairs().all(|pair| pair[0].0 < pair[1].0 && sign * (pair[0].1.value - pair[1].1.value) > 0.0) && high.1 < low.0
+    };
+    let how = if falls(1.0) {
+        "falls"
+    } else if falls(-1.0) {
+        "rises"
+    } else {
+        return None;
+    };
+    Some(format!(
+        "of drift: only the gain differs from series to series, and it {how} with the drive: what drives or what reads is not in \
+         proportion (an amplifier at its limit, a saturating transducer) rather than another rig"
+    ))
 }
 
 /// What the residuals of an explanation say, where its typical one is `unit` times the noise.

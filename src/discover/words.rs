@@ -1,6 +1,6 @@
 //! What a discovery says, in words that the terminal and the report share.
 
-use super::conclude::is_decidable;
+use super::conclude::undecidable;
 use super::hypothesis::Basis;
 use super::{Candidate, Discovery, MARGIN, Step, Verdict};
 use crate::compare::outlier_words;
@@ -72,8 +72,10 @@ fn said(d: &Discovery) -> String {
         }
         Verdict::Unexplained if !end.comparison.whiteness.testable => {
             let what = if end.hypothesis.additions.is_empty() { "the calibrated model".into() } else { all };
+            let freedom = end.comparison.table.freedom;
+            let known = if freedom.is_finite() { format!(", by a noise known from {freedom:.0} degrees of freedom") } else { String::new() };
             format!(
-                "undecided: the series are too short to test whether {what} leaves more than noise; chi2 {:.2}",
+                "undecided: the series are too short to test whether {what} leaves more than noise; chi2 {:.2}{known}",
                 end.comparison.overall.chi2_per_point
             )
         }
@@ -84,12 +86,9 @@ fn said(d: &Discovery) -> String {
             let error = |step: &Step| step.comparison.overall.rms_error_percent / 100.0;
             let (before, after) = (error(&d.steps[0]), error(end));
             let [from, to] = [before, after].map(|error| percent(error, 2));
-            let but = if end.comparison.whiteness.structured || is_decidable(&d.steps[0], end) {
-                "but structured misfit is left"
-            } else {
-                "but one sweep without phases does not tell a law of the amplitude from one of the frequency: sweep again \
-                 at a third or three times the drive"
-            };
+            let unstructured = !end.comparison.whiteness.structured;
+            let why = unstructured.then(|| undecidable(&d.steps[0], end)).flatten();
+            let but = format!("but {}", why.unwrap_or("structured misfit is left"));
             // The search goes by squares over the noise: the relative error of the amplitude need not fall with them, where
             // readings far below the peak, which are mostly noise, make most of it.
             let [chi2, left] = [&d.steps[0], end].map(|step| step.comparison.overall.chi2_per_point);
@@ -157,7 +156,7 @@ pub fn how_sure(d: &Discovery) -> String {
             let noise = end.comparison.unit().sqrt();
             let size = if noise > 1.0 { format!(", {noise:.1} times the noise") } else { String::new() };
             format!("no cause is named, since a test finds structure in what is left{size}")
-        } else if is_decidable(&d.steps[0], end) {
+        } else if undecidable(&d.steps[0], end).is_none() {
             "no cause is named, since too few of the readings have a steady state".into()
         } else {
             "no cause is named, since these readings could not contradict it".into()

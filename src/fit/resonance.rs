@@ -19,7 +19,7 @@ use std::f64::consts::TAU;
 
 /// Shares of the largest response above which readings tell a resonance: all, a tenth, half power.
 const NEAR: [f64; 3] = [0.0, 0.1, std::f64::consts::FRAC_1_SQRT_2];
-/// Quality factors beyond these are estimates of noise.
+/// Quality factors beyond these are estimates of noise; below the first a displacement or an acceleration has no peak.
 const QUALITY: (f64, f64) = (0.5, 1e7);
 
 /// So many widths off, or so many times as sharp or as broad, a resonance is another one than that of the readings: an
@@ -39,14 +39,9 @@ pub struct Resonance {
     pub phase: Option<f64>,
     /// Whether the readings reach the resonance from both sides.
     pub spanned: bool,
-}
-
-impl Resonance {
-    /// Whether it has no peak that could be told from anything that falls: its width is that of the range that is
-    /// looked for.
-    pub fn is_overdamped(&self) -> bool {
-        self.quality <= QUALITY.0
-    }
+    /// Whether it has a peak that can be told from anything that falls: a displacement or an acceleration by its quality
+    /// factor, a velocity, which has one at any, where the readings reach half power on both sides.
+    pub peaked: bool,
 }
 
 /// The resonance of one series of readings that are the motion differentiated `order` times; `None` where they tell
@@ -61,7 +56,9 @@ pub fn resonance(points: &[&Point], order: u8) -> Option<Resonance> {
     let above = |share: f64| usable.iter().copied().filter(|p| response(p) >= share * most).collect::<Vec<_>>();
     let found = NEAR.into_iter().filter_map(|share| alone(&above(share), order));
     let of = |resonance: Resonance| {
-        (left(&usable, &resonance, order), Resonance { spanned: spanned(&usable, &resonance), ..resonance })
+        let peaked = resonance.quality > QUALITY.0 || order == 1 && halved(&usable, &resonance);
+        let seen = Resonance { spanned: spanned(&usable, &resonance), peaked, ..resonance };
+        (left(&usable, &resonance, order), seen)
     };
     let alone = found.map(of).min_by(|a, b| a.0.total_cmp(&b.0));
     let responses: Vec<(f64, f64)> =
@@ -69,7 +66,7 @@ pub fn resonance(points: &[&Point], order: u8) -> Option<Resonance> {
     let shows = |(left, resonance): &(f64, Resonance)| resonance.spanned && floor::is_no_parabola(&responses, *left);
     let shown = alone.filter(shows).map(|(_, resonance)| resonance);
     match shown {
-        Some(resonance) if !resonance.is_overdamped() => Some(resonance),
+        Some(resonance) if resonance.peaked => Some(resonance),
         Some(resonance) => by_amplitudes(&usable, order).or(Some(resonance)),
         None => {
             let floor = floor::on_floor(&usable).or_else(|| floor::in_part(&usable));
@@ -86,7 +83,7 @@ fn by_amplitudes(usable: &[&Point], order: u8) -> Option<Resonance> {
         return None;
     }
     let amplitudes: Vec<Point> = usable.iter().map(|p| Point { phase: None, ..(*p).clone() }).collect();
-    resonance(&amplitudes.iter().collect::<Vec<_>>(), order).filter(|r| r.spanned && !r.is_overdamped())
+    resonance(&amplitudes.iter().collect::<Vec<_>>(), order).filter(|r| r.spanned && r.peaked)
 }
 
 /// Squares that a resonance leaves of the responses, at the size that leaves least.
@@ -104,6 +101,13 @@ fn left(usable: &[&Point], of: &Resonance, order: u8) -> f64 {
 /// Whether readings lie on both sides of a resonance.
 fn spanned(usable: &[&Point], of: &Resonance) -> bool {
     usable.iter().any(|p| p.frequency < of.frequency) && usable.iter().any(|p| p.frequency > of.frequency)
+}
+
+/// Whether readings lie beyond half power on both sides of a resonance of velocities.
+fn halved(usable: &[&Point], of: &Resonance) -> bool {
+    let half = 0.5 / of.quality;
+    let [low, high] = [-half, half].map(|half| of.frequency * ((1.0 + half * half).sqrt() + half));
+    usable.iter().any(|p| p.frequency < low) && usable.iter().any(|p| p.frequency > high)
 }
 
 /// The resonance of readings of nothing else.
@@ -136,7 +140,8 @@ fn alone(usable: &[&Point], order: u8) -> Option<Resonance> {
     };
     let frequency = center * (1.0 + shift).max(0.0).sqrt();
     // i w C = i (w/w0) (w0^2/Q) M.
-    let quality = ((frequency / center).powi(2) / width).clamp(QUALITY.0, QUALITY.1);
+    let least_quality = if order == 1 { 1.0 / QUALITY.1 } else { QUALITY.0 };
+    let quality = ((frequency / center).powi(2) / width).clamp(least_quality, QUALITY.1);
     if !(frequency > 0.0 && quality.is_finite() && slope > 0.0) {
         return None;
     }
@@ -144,7 +149,7 @@ fn alone(usable: &[&Point], order: u8) -> Option<Resonance> {
     let peak = (frequency / center).powi(order.into()) / stiffness_at_resonance;
     // At resonance z = i M w0^2/Q turned as the slope -M wc^2 is.
     let phase = angle.map(|angle| wrap(turn - (angle + std::f64::consts::PI + std::f64::consts::FRAC_PI_2)));
-    Some(Resonance { frequency, quality, peak, phase, spanned: false })
+    Some(Resonance { frequency, quality, peak, phase, spanned: false, peaked: false })
 }
 
 /// Offset and slope of z = offset + slope d.
@@ -204,13 +209,14 @@ pub fn of_all(points: &[Point], order: u8) -> Option<Resonance> {
         peak: median(found.iter().map(|r| r.peak)),
         phase,
         spanned: first.spanned,
+        peaked: first.peaked,
     })
 }
 
 /// The same, or where none is told, as beside what grows with the frequency, one that they show among them when taken as
 /// the motion differentiated otherwise.
 pub fn shown(points: &[Point], order: u8) -> Option<Resonance> {
-    let is_peak = |r: &Resonance| r.spanned && !r.is_overdamped();
+    let is_peak = |r: &Resonance| r.spanned && r.peaked;
     of_all(points, order).or_else(|| (0..=2).filter_map(|other| of_all(points, other)).find(is_peak))
 }
 
@@ -227,7 +233,7 @@ pub fn of_any(points: &[Point], orders: impl IntoIterator<Item = u8>) -> Option<
     for (number, order) in orders.into_iter().enumerate() {
         let Some(found) = of_all(points, order) else { continue };
         let left = left_over(&found, order);
-        let is_peak = number == 0 || found.spanned && !found.is_overdamped();
+        let is_peak = number == 0 || found.spanned && found.peaked;
         if is_peak && best.as_ref().is_none_or(|(least, _)| left < *least) {
             best = Some((left, found));
         }
@@ -318,7 +324,7 @@ pub fn astray(model: &Model, points: &[Point]) -> Option<((f64, f64), Resonance)
     // Beyond the readings a width is enough.
     let beyond = |f: f64| points.iter().all(|p| p.frequency < f) || points.iter().all(|p| p.frequency > f);
     let near = if beyond(own.0) { 1.0 } else { ASTRAY };
-    let is_astray = seen.spanned && !seen.is_overdamped() && !(shift < near && sharper < ASTRAY.ln());
+    let is_astray = seen.spanned && seen.peaked && !(shift < near && sharper < ASTRAY.ln());
     is_astray.then_some((own, seen))
 }
 
@@ -419,7 +425,7 @@ mod tests {
 
     #[test]
     fn amplitudes_of_a_linear_rig_tell_it_exactly_however_broad_it_is() {
-        for (quality, order) in [(0.6_f64, 1), (0.8, 2), (1.0, 0), (1.0, 1), (3.0, 2), (1e4, 0)] {
+        for (quality, order) in [(0.2_f64, 1), (0.6, 1), (0.8, 2), (1.0, 0), (1.0, 1), (3.0, 2), (1e4, 0)] {
             let at = |row: usize| {
                 let f = 750.0 * (1.0 + 1.0 / quality).powf((row as f64 - 19.3) / 20.0);
                 let (w, w0) = (TAU * f, TAU * 750.0);

@@ -153,7 +153,8 @@ fn by_alias(header: &str, name: &str, bracket: Option<&str>, frame: &Frame<'_>) 
                 Some(si) => of(Unit::of(si), false),
                 None => Some(Meaning::NoUnit(alias.column)),
             },
-            (rest, None) if alias.name.chars().count() > 1 || matches!(rest, "_hz" | "_s") => {
+            // One letter behind another is an index more often than a unit.
+            (rest, None) if alias.name.chars().count() > 1 || matches!(rest, "_hz" | "_s") || rest.len() > 2 => {
                 let parts: Vec<&str> = rest.strip_prefix('_').map_or(Vec::new(), |tail| tail.split('_').collect());
                 suffix(&parts).find_map(|text| wanted.unit(&text).ok()).and_then(|unit| of(unit, true))
             }

@@ -34,7 +34,7 @@ const DRIVES_IT: &[&str] = &[
 ];
 /// Beginnings of words that say what is read of it.
 const READS: &[&str] = &[
-    "amplit", "ampiez", "displ", "deflect", "auslenk", "respon", "antwort", "output", "veloc", "geschw", "accel",
+    "amplit", "ampiez", "disp", "deflect", "auslenk", "respon", "antwort", "output", "veloc", "geschw", "accel",
     "beschl", "angle", "winkel", "tip", "motion", "laser", "vibrom", "sensor", "magnit",
 ];
 
@@ -94,9 +94,34 @@ pub(crate) fn is_time(name: &str) -> bool {
 
 /// Words for the deviation of what the rest of a name, or the letter after them, stands for.
 const DEVIATES: &[&str] = &[
-    "d", "δ", "delta", "σ", "s", "sigma", "sd", "std", "stdev", "u", "unc", "err", "error", "noise", "ruido",
-    "rauschen", "fehler",
+    "d",
+    "δ",
+    "delta",
+    "σ",
+    "s",
+    "sigma",
+    "sd",
+    "std",
+    "stdev",
+    "u",
+    "unc",
+    "err",
+    "error",
+    "noise",
+    "ruido",
+    "rauschen",
+    "fehler",
+    "unsicherheit",
+    "errore",
+    "erreur",
+    "erro",
+    "incertezza",
+    "incertitude",
+    "incerteza",
+    "incertidumbre",
 ];
+/// Marks that stand before the letter of a quantity: `dA`.
+const BEFORE_LETTERS: &[&str] = &["d", "δ", "σ", "s"];
 /// Words for a mean, which is of the same quantity.
 pub(crate) const MEANS: &[&str] = &["mean", "avg", "average", "mittel", "mittelwert"];
 /// Words for what of a swing is measured, as in `peak-to-peak voltage`; their deviation is of the same quantity.
@@ -110,10 +135,14 @@ const COUNTS: &[&str] = &["lag", "shift", "difference", "diff"];
 /// `Amp.std` and `Amp.mittel`.
 pub(crate) fn is_deviation(name: &str, of: &str) -> bool {
     let glued = name.strip_suffix(of).is_some_and(|mark| DEVIATES.contains(&mark.trim_end_matches('_')));
+    // Also before the letter of a name that is spelt out: `dA` beside `Amplitude`.
+    let initial = of.char_indices().nth(1).map(|(end, _)| &of[..end]);
+    let lettered = initial.is_some_and(|i| name.strip_suffix(i).is_some_and(|mark| BEFORE_LETTERS.contains(&mark)));
     let mut own: Vec<&str> = name.split('_').collect();
     // A letter behind a name is of another of its kind: `U_s` is the voltage of a source.
     let is_mark = |(at, word): (usize, &&str)| DEVIATES.contains(word) && (at == 0 || word.chars().count() > 1);
     glued
+        || lettered
         || own.iter().enumerate().position(is_mark).is_some_and(|at| {
             own.remove(at);
             // Of `std dev` both are the mark.
@@ -212,6 +241,8 @@ mod tests {
             ("x1_std_dev", "x1_avg"),
             ("err_amp", "amplitude"),
             ("err_ps", "phase_shift"),
+            ("da", "amplitude"),
+            ("errore_v_r", "v_r"),
         ] {
             assert!(is_deviation(name, of), "{name} {of}");
         }
@@ -221,6 +252,7 @@ mod tests {
             ("phase_err", "amplitude"),
             ("error", "amplitude"),
             ("err_a", "amplitude"),
+            ("ua", "amplitude"),
         ] {
             assert!(!is_deviation(name, of), "{name} {of}");
         }

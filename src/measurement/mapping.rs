@@ -77,6 +77,11 @@ impl Search<'_, '_> {
     pub fn map(&mut self, mapping: &[(String, String)]) {
         for (key, wanted) in mapping {
             let Some(column) = column_of(key) else { continue };
+            if wanted.trim().is_empty() {
+                // No column, whatever one is called.
+                self.found.told[column] = true;
+                continue;
+            }
             let Some(index) = self.mapped_index(key, wanted.trim(), column) else { continue };
             self.found.taken[index] = true;
             if column >= NUMBERS {

@@ -98,7 +98,13 @@ impl Rest<'_> {
             let known = phased || one.unit.si != "rad";
             known && self.frame.serving(AMPLITUDE).contains(&one.unit.si) && !self.deviates(&one.name)
         };
-        let (swings, others): (Vec<_>, Vec<_>) = self.possible().filter(serves).partition(|one| whole(one.index));
+        let all: Vec<Possible> = self.possible().filter(serves).collect();
+        // What is held from row to row while something else is not is set; a voltage may drive.
+        let is_held = |one: &Possible| self.sheet.change(one.index) == 0.0;
+        let moves = !all.iter().all(is_held);
+        let is_set = |one: &Possible| moves && !one.unit.is_voltage() && is_held(one);
+        let (swings, others): (Vec<_>, Vec<_>) =
+            all.into_iter().filter(|one| !is_set(one)).partition(|one| whole(one.index));
         let others: Vec<Possible> = others.into_iter().filter(|one| !is_other(&one.name)).collect();
         let is_stated = |one: &Possible| self.sheet.names().any(|own| is_deviation(&own, &one.name));
         let only_swings = others.len() > 1 && swings.iter().any(is_stated) && !others.iter().any(is_stated);

@@ -4,6 +4,7 @@ use super::frame::{Frame, READINGS};
 use super::header::{self, Meaning};
 use super::likely::{is_deviation, is_time};
 use super::mapping::{Found, Search, Slot};
+use super::modes::TOLD;
 use super::names::{AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LOAD, NUMBERS, PHASE, PHASE_SD, SPEED};
 use super::parts::parts;
 use super::rest::Candidate;
@@ -153,6 +154,7 @@ impl Search<'_, '_> {
         }
         self.find_phase();
         self.find_without_unit(unstated);
+        self.leave_out_dead_phases();
         self.find_drive();
         self.find_deviations();
         for (index, column, why) in unsuited {
@@ -232,6 +234,17 @@ impl Search<'_, '_> {
         }
         if let Some(likely) = self.rest().only(|unit| unit.si == "rad") {
             self.choose_likely(PHASE, likely, true);
+        }
+    }
+
+    /// Phases that are one number throughout were not measured.
+    fn leave_out_dead_phases(&mut self) {
+        let Some(Slot::Cells(index, _)) = self.found.slots[PHASE] else { return };
+        let numbers: Vec<f64> = self.sheet.numbers(index).collect();
+        if numbers.len() >= TOLD && self.found.parts.is_none() && numbers.iter().all(|number| *number == numbers[0]) {
+            self.found.slots[PHASE] = None;
+            let header = quote(&self.sheet.header.cells[index]);
+            self.notes.push(format!("{header} is {} in all rows: it is not read as phase", numbers[0]));
         }
     }
 
@@ -338,6 +351,9 @@ impl Search<'_, '_> {
     fn choose_alias(&mut self, column: usize, mut candidates: Vec<Candidate>, with_speed: bool) {
         let sheet = self.sheet;
         let header = |candidate: &Candidate| quote(&sheet.header.cells[candidate.index]);
+        if column == AMPLITUDE && self.frame.is_free() {
+            self.set_apart(&mut candidates);
+        }
         // Nobody reads nothing in all rows: that is the speed or the load of a rig without a contact.
         candidates.retain(|candidate| column != AMPLITUDE || !self.found.tallies[candidate.index].is_zero());
         if candidates.iter().any(|candidate| candidate.unit.si != "V") {
@@ -386,6 +402,26 @@ impl Search<'_, '_> {
                 self.found.told[column] = true;
             }
             _ => {}
+        }
+    }
+
+    /// Sets apart what could be read by its name but is held while another is not; where that is one voltage and nothing
+    /// else drives, it does. What has no such name has to be held from row to row.
+    fn set_apart(&mut self, candidates: &mut Vec<Candidate>) {
+        let moves = |one: &Candidate| one.unit.is_level() || !self.sheet.is_held(one.index);
+        let changes = |one: &Candidate| one.unit.is_level() || self.sheet.change(one.index) > 0.0;
+        let among = candidates.iter().any(moves);
+        if !among && !self.rest().readings(true).iter().any(changes) {
+            return;
+        }
+        let all = std::mem::take(candidates);
+        let (moving, held): (Vec<_>, Vec<_>) =
+            all.into_iter().partition(|one| if among { moves(one) } else { changes(one) });
+        *candidates = moving;
+        if let ([drive], false) = (&held[..], self.is_settled(DRIVE))
+            && drive.unit.is_voltage()
+        {
+            self.choose_likely(DRIVE, drive.clone(), true);
         }
     }
 

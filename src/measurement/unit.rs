@@ -384,7 +384,7 @@ fn written_out(word: &str) -> Option<String> {
 fn canonical(symbol: &str) -> String {
     match symbol.to_lowercase().as_str() {
         "percent" | "pct" => return "%".into(),
-        "degree" | "degrees" | "grad" | "º" => return "deg".into(),
+        "degree" | "degrees" | "grad" | "gradi" | "grados" | "graus" | "º" => return "deg".into(),
         "sec" => return "s".into(),
         word => {
             if let Some(symbol) = written_out(word) {

@@ -86,6 +86,7 @@ fn within(usable: &[&Point]) -> Option<(f64, Resonance)> {
         peak: found.peak,
         phase: found.phase.map(wrap),
         spanned: true,
+        peaked: true,
     };
     (low < frequency && frequency < high).then(|| (found.gain, resonance()))
 }
