@@ -239,9 +239,14 @@ impl Search<'_, '_> {
 
     /// Phases that are one number throughout were not measured.
     fn leave_out_dead_phases(&mut self) {
-        let Some(Slot::Cells(index, _)) = self.found.slots[PHASE] else { return };
+        let Some(Slot::Cells(index, unit)) = &self.found.slots[PHASE] else { return };
+        let (index, is_time) = (*index, unit.is_of_lags());
         let numbers: Vec<f64> = self.sheet.numbers(index).collect();
-        if numbers.len() >= TOLD && self.found.parts.is_none() && numbers.iter().all(|number| *number == numbers[0]) {
+        if !is_time
+            && numbers.len() >= TOLD
+            && self.found.parts.is_none()
+            && numbers.iter().all(|number| *number == numbers[0])
+        {
             self.found.slots[PHASE] = None;
             let header = quote(&self.sheet.header.cells[index]);
             self.notes.push(format!("{header} is {} in all rows: it is not read as phase", numbers[0]));

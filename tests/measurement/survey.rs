@@ -170,6 +170,29 @@ fn the_reading_is_what_a_deviation_is_stated_of_and_the_drive_what_is_held() {
     let text: String = (0..12).map(f64::from).map(|i| format!("{},3,{:.2},2.{i}\n", 80.0 + i, voltage(i))).collect();
     let error = survey("t.csv", &format!("f,U0,UC,a\n{text}")).expect_err("no reading is named").to_string();
     assert!(error.contains("no column for amplitude"), "{error}");
+    // What is held is set, and drives where it is a voltage beside another.
+    let both = of("I (mA),f (Hz),F (N),A (V)", &|i| {
+        format!("{},{},2,{:.2}", if i < 6.0 { 200 } else { 400 }, 80.0 + i, voltage(i))
+    });
+    assert!(
+        both.contains(&("amplitude", "A (V)".to_string())) && both.contains(&("drive", "F (N)".to_string())),
+        "{both:?}"
+    );
+    let row = |i: f64| format!("{},{:.2},{:.2},0.01,{:.0}", 80.0 + i, 4.2 + 0.01 * i, voltage(i), -20.0 * i);
+    let read = of("frequenza [Hz],ampiezza V_g [V],ampiezza V_R [V],errore V_R [V],fase V_R [gradi]", &row);
+    for (key, header) in
+        [("drive", "ampiezza V_g [V]"), ("amplitude", "ampiezza V_R [V]"), ("phase", "fase V_R [gradi]")]
+    {
+        assert!(read.contains(&(key, header.to_string())), "{key}: {read:?}");
+    }
+    // An index is a letter, a unit behind a letter is longer.
+    let read = of("f_Hz,force_N,x_um", &|i| format!("{},2,{:.2}", 80.0 + i, voltage(i)));
+    assert!(read.contains(&("amplitude", "x_um".to_string())), "{read:?}");
+    let read = of("Frequenz / Hz;Amplitude / V;dA [V]", &|i| format!("{};{:.2};0.05", 80.0 + i, voltage(i)));
+    assert!(read.contains(&("amplitude_sd", "dA [V]".to_string())), "{read:?}");
+    // A phase that is one number was not measured.
+    let read = of("f (Hz),x (mm),phase (deg)", &|i| format!("{},{:.2},0", 80.0 + i, voltage(i)));
+    assert!(!read.iter().any(|(key, _)| *key == "phase"), "{read:?}");
     // A reading over a drive is a response.
     let read = of("f (Hz),Acceleration/Force (m/s^2/N)", &|i| format!("{},{:.2}", 80.0 + i, voltage(i)));
     assert!(read.contains(&("amplitude", "Acceleration/Force (m/s^2/N)".to_string())), "{read:?}");
