@@ -7,7 +7,7 @@ use super::legend::{Entry as Label, Key, legend, legend_width};
 use super::marks::Mark;
 use super::resonance::{phase_axis, unbroken};
 use super::scheme::draw_curve;
-use super::style::{INK, Table, Unit, WIDTH, cell, ramp, significant};
+use super::style::{GAP, INK, LEFT, Table, Unit, WIDTH, cell, ramp, significant};
 use super::{Drawing, FigureError};
 use crate::atlas::{CONDITIONS, Entry, Strength, varied};
 use crate::parameter::ParameterInfo;
@@ -15,8 +15,6 @@ use crate::scenario::Signals;
 use crate::solver::SteadyState;
 use crate::sweep::Curve;
 
-const LEFT: f64 = 92.0;
-const GAP: f64 = 38.0;
 /// Largest amplitude shown, in those of the base.
 const CEILING: f64 = 2.5;
 const READING: [&str; 3] = [

@@ -3,12 +3,10 @@
 use super::axes::{Axis, Panel, range};
 use super::canvas::{Dash, Point, Stroke, document};
 use super::legend::{Key, legend, legend_width};
-use super::style::{Color, GREY, STATIC, Table, Unit, WIDTH, cell, count, ramp, significant};
+use super::style::{Color, GREY, LEFT, STATIC, TOP, Table, Unit, WIDTH, cell, count, ramp, significant};
 use super::{Drawing, FigureError};
 use crate::scenario::Signal;
 
-const LEFT: f64 = 92.0;
-const TOP: f64 = 40.0;
 /// Most curves drawn.
 const MOST: usize = 8;
 

@@ -5,12 +5,11 @@ use super::canvas::{Point, Stroke, document};
 use super::data::{self, Field, health};
 use super::legend::{Entry, Key, legend, legend_width};
 use super::marks::{MARKS, Mark};
-use super::style::{Color, Table, Unit, WIDTH, cell, ramp, significant};
+use super::style::{Color, HEIGHT, Table, Unit, WIDTH, cell, ramp, significant};
 use super::{Drawing, Figure, FigureError};
 use crate::scenario::Signal;
 use crate::sweep::{Curve, Outcome};
 
-const HEIGHT: f64 = 740.0;
 const FLOOR: f64 = 1e-16;
 
 /// The figure.

@@ -2,7 +2,7 @@
 
 use super::axes::{Axis, Panel, range};
 use super::canvas::{Anchor, Canvas, Stroke, Type, document};
-use super::style::{DOTS, GREY, INK, SLIP, STATIC, Table, WIDTH, cell, count, significant};
+use super::style::{DOTS, GREY, INK, SLIP, STATIC, TOP, Table, WIDTH, cell, count, significant};
 use super::{Drawing, FigureError};
 use crate::history::{Kind, Series};
 
@@ -13,7 +13,6 @@ const RUNS: usize = 200;
 const COLUMNS: usize = 3;
 const LEFT: f64 = 76.0;
 const GAP: f64 = 84.0;
-const TOP: f64 = 44.0;
 const HEIGHT: f64 = 120.0;
 const STEP: f64 = 178.0;
 

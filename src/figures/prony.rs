@@ -4,7 +4,7 @@ use super::axes::{Axis, Panel};
 use super::canvas::{Canvas, Dash, Point, Stroke, document};
 use super::legend::{Entry, Key, legend, legend_width};
 use super::marks::Mark;
-use super::style::{Color, INK, SHADE, SLIP, STATIC, Table, Unit, WIDTH, cell, significant};
+use super::style::{Color, GAP, INK, LEFT, SHADE, SLIP, STATIC, TOP, Table, Unit, WIDTH, cell, significant};
 use super::{Drawing, FigureError};
 use crate::prony::{Analysis, Contact, Kind, branches, hertz};
 use crate::units::{self, readable::percent};
@@ -12,10 +12,7 @@ use std::f64::consts::TAU;
 
 /// Name of the figure; also the stem of its files.
 pub const NAME: &str = "moduli";
-const LEFT: f64 = 96.0;
-const TOP: f64 = 40.0;
 const HEIGHT: f64 = 260.0;
-const GAP: f64 = 34.0;
 const SERIES: Stroke = Stroke { color: STATIC, width: 2.4, dash: Dash::Solid };
 const SPRING_POT: Stroke = Stroke { color: SLIP, width: 2.0, dash: Dash::Dashes(8.0, 5.0) };
 const BRANCH: Stroke = Stroke { color: Color(0xaa, 0x44, 0x99), width: 4.0, dash: Dash::Solid };

@@ -3,11 +3,11 @@
 
 use super::axes::{Axis, Panel};
 use super::canvas::{Anchor, Canvas, Dash, Point, Stroke, Type, document};
-use super::comparison::grid::{Cell, Grid, LEFT, Rows, heading};
+use super::comparison::grid::{Cell, Grid, Rows, heading};
 use super::data;
 use super::legend::{Entry, Key};
 use super::style::{
-    DASH_SLIP, DASH_STATIC, INK, LABEL_SIZE, SLIP, STATIC, Table, Unit, WIDTH, budget_percent, cell, significant,
+    DASH_SLIP, DASH_STATIC, INK, LABEL_SIZE, LEFT, SLIP, STATIC, Table, Unit, WIDTH, budget_percent, cell, significant,
 };
 use super::{Drawing, FigureError};
 use crate::question::{Answer, Hypothesis, Setting, condition, criteria, otherwise, why_not};

@@ -6,7 +6,7 @@ use super::data::{self, health};
 use super::legend::{Entry, Key, legend, legend_width};
 use super::marks::Mark;
 use super::scheme::{Scheme, Styled, draw_curve, draw_limit, limit_band, limit_name, limit_points, limits};
-use super::style::{DOTS, INK, Table, Unit, WIDTH, cell, count};
+use super::style::{DOTS, HEIGHT, INK, Table, Unit, WIDTH, cell, count};
 use super::{Drawing, Figure, FigureError};
 use crate::scenario::Signals;
 use crate::solver::SteadyState;
@@ -14,7 +14,6 @@ use crate::sweep::{Curve, LimitCurve, Outcome};
 use crate::units::Frequencies;
 use std::f64::consts::PI;
 
-const HEIGHT: f64 = 740.0;
 /// Dash of what only a sweep downwards finds.
 const DOWN: Dash = Dash::Dashes(8.0, 4.0);
 /// How to read it where there is no contact.

@@ -6,12 +6,11 @@ use super::data::{self, Field, health};
 use super::legend::{Entry, Key, legend, legend_width};
 use super::marks::{MARKS, Mark};
 use super::scheme::{limit_name, limits};
-use super::style::{DOTS, INK, TICK_SIZE, Table, Unit, WIDTH, cell, ramp, text_width};
+use super::style::{DOTS, HEIGHT, INK, TICK_SIZE, Table, Unit, WIDTH, cell, ramp, text_width};
 use super::{Drawing, Figure, FigureError};
 use crate::scenario::Signal;
 use crate::sweep::{Curve, LimitCurve, LimitingCase, Outcome};
 
-const HEIGHT: f64 = 720.0;
 const THRESHOLD: [&str; 2] = ["faster than the arm", "ever moves: full slip"];
 
 /// The figure.

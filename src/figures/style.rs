@@ -11,6 +11,17 @@ use std::sync::{Arc, Once, OnceLock};
 
 /// Width of a figure in logical pixels.
 pub const WIDTH: f64 = 1100.0;
+/// Height of a figure of one plot \[px\].
+pub const HEIGHT: f64 = 740.0;
+/// About the panels of a figure \[px\]: at the left, where the labels of an axis stand, at the right, above, where a line
+/// of text stands, and between two panels.
+pub const LEFT: f64 = 94.0;
+/// See [`LEFT`].
+pub const RIGHT: f64 = 20.0;
+/// See [`LEFT`].
+pub const TOP: f64 = 48.0;
+/// See [`LEFT`].
+pub const GAP: f64 = 34.0;
 /// Size of tick and legend text \[px\].
 pub const TICK_SIZE: f64 = 15.0;
 /// Size of axis labels \[px\].

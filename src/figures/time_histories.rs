@@ -4,11 +4,10 @@ use super::axes::{Axis, Panel, range};
 use super::canvas::{Anchor, Canvas, Dash, Point, Stroke, Type, document};
 use super::legend::{Key, legend};
 use super::orbits::{Cycle, cycles, force_range, force_unit, left_out};
-use super::style::{Color, DASH_ROLLER, INK, ROLLER, SHADE, SLIP, Table, Unit, WIDTH, cell};
+use super::style::{Color, DASH_ROLLER, HEIGHT, INK, ROLLER, SHADE, SLIP, Table, Unit, WIDTH, cell};
 use super::{Drawing, Figure, FigureError};
 use crate::sweep::Outcome;
 
-const HEIGHT: f64 = 740.0;
 const MOST_COLUMNS: usize = 3;
 const FORCE: Color = Color(0x6a, 0x3d, 0x9a);
 

@@ -3,11 +3,10 @@
 use crate::compare::Comparison;
 use crate::figures::canvas::{Stroke, Type, document};
 use crate::figures::legend::{Key, legend};
-use crate::figures::style::{Color, GREY, SLIP_BAND, STATIC, Table, WHITE, WIDTH, budget_percent, cell};
+use crate::figures::style::{Color, GREY, SLIP_BAND, STATIC, TOP, Table, WHITE, WIDTH, budget_percent, cell};
 use crate::figures::{Drawing, Figure, FigureError};
 
 const LEFT: f64 = 40.0;
-const TOP: f64 = 44.0;
 const BAR: f64 = 46.0;
 const NUMERICS: Color = Color(0x22, 0x22, 0x22);
 

@@ -14,16 +14,14 @@ use crate::compare::{Comparison, ContactPoint, units_of_force};
 use crate::figures::axes::{Axis, Panel};
 use crate::figures::canvas::{Canvas, Point, Stroke, Type, document};
 use crate::figures::marks::Mark;
-use crate::figures::style::{Color, DASH_SLIP, DOTS, INK, Unit, WIDTH, count, significant, text_width};
+use crate::figures::style::{Color, DASH_SLIP, DOTS, GAP, INK, LEFT, Unit, WIDTH, count, significant, text_width};
 use crate::figures::{Drawing, Figure, FigureError};
 use crate::scenario::Rig;
 
 /// By how much the first of several lines is wider than the last, at most.
 const WIDER: f64 = 3.9;
-const LEFT: f64 = 92.0;
 /// Right of the panels: names of the reference lines.
 const RIGHT: f64 = 84.0;
-const GAP: f64 = 30.0;
 /// Heights of the two rows.
 const HEIGHTS: [f64; 2] = [280.0, 240.0];
 /// Height of the name of a speed above its panel.

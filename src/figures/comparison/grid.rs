@@ -3,14 +3,8 @@
 use crate::figures::axes::Panel;
 use crate::figures::canvas::{Canvas, Type};
 use crate::figures::legend::{Entry, legend, legend_width};
-use crate::figures::style::WIDTH;
+use crate::figures::style::{GAP, LEFT, RIGHT, WIDTH};
 
-/// Room for tick labels and the label of the vertical axis.
-pub const LEFT: f64 = 96.0;
-/// Room at the right edge.
-const RIGHT: f64 = 24.0;
-/// Between panels side by side.
-const GAP: f64 = 36.0;
 /// Above a panel: two lines of heading.
 const HEADING: f64 = 52.0;
 /// Between a panel and its strip.

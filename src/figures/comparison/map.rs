@@ -7,12 +7,11 @@ use super::words;
 use crate::compare::{Compared, Comparison};
 use crate::figures::axes::{Axis, Panel, Scale, range};
 use crate::figures::canvas::{Anchor, Canvas, Stroke, Type, document};
-use crate::figures::style::{Color, GREY, INK, Table, WIDTH, cell, count, diverging, significant, text_width};
+use crate::figures::style::{Color, GREY, INK, TOP, Table, WIDTH, cell, count, diverging, significant, text_width};
 use crate::figures::{Drawing, Figure, FigureError};
 
 /// Shades of the colour scale on either side of zero.
 const SHADES: f64 = 24.0;
-const TOP: f64 = 40.0;
 const GAP: f64 = 26.0;
 /// Below a map: its frequencies and their name \[px\].
 const FOOT: f64 = 62.0;

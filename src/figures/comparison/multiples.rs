@@ -1,12 +1,12 @@
 //! Small multiples: for each condition a panel of values over a strip of errors, under one legend.
 
-use super::grid::{Cell, Grid, LEFT, Rows, heading};
+use super::grid::{Cell, Grid, Rows, heading};
 use super::sigma::{BAND, Sigma};
 use crate::figures::FigureError;
 use crate::figures::axes::{Axis, Panel, range};
 use crate::figures::canvas::{Anchor, Canvas, Stroke, Type, document};
 use crate::figures::legend::Entry;
-use crate::figures::style::{GREY, INK, LABEL_SIZE, SHADE, WIDTH, significant};
+use crate::figures::style::{GREY, INK, LABEL_SIZE, LEFT, SHADE, WIDTH, significant};
 
 /// What all panels share.
 pub struct Multiples<'a> {

@@ -7,11 +7,10 @@ use crate::figures::axes::{Axis, Panel};
 use crate::figures::canvas::{Anchor, Canvas, Stroke, Type, document};
 use crate::figures::legend::Key;
 use crate::figures::marks::Mark;
-use crate::figures::style::{GREY, GRID, INK, STATIC, Table, WHITE, WIDTH, cell, count, significant, text_width};
+use crate::figures::style::{
+    GAP, GREY, GRID, INK, STATIC, TOP, Table, WHITE, WIDTH, cell, count, significant, text_width,
+};
 use crate::figures::{Drawing, Figure, FigureError};
-
-const TOP: f64 = 48.0;
-const GAP: f64 = 34.0;
 
 /// What bad looks like and what to do where there is no contact.
 const ALONE: [&str; 2] = [

@@ -7,20 +7,19 @@ use crate::compare::Compared;
 use crate::discover::{Discovery, Fall, STRENGTHS, State, Step};
 use crate::figures::axes::{Axis, Panel};
 use crate::figures::canvas::{Canvas, Point, Stroke, document};
-use crate::figures::comparison::grid::{LEFT, Rows, heading};
+use crate::figures::comparison::grid::{Rows, heading};
 use crate::figures::comparison::multiples::frequencies;
 use crate::figures::comparison::overlay::{BAR, Data, MEASURED};
 use crate::figures::comparison::stack::{Part, Stack};
 use crate::figures::comparison::words;
 use crate::figures::legend::{Entry, Key};
 use crate::figures::marks::Mark;
-use crate::figures::style::{DASH_SLIP, DASHES, INK, SLIP, STATIC, Table, WIDTH, cell, significant};
+use crate::figures::style::{DASH_SLIP, DASHES, INK, LEFT, RIGHT, SLIP, STATIC, Table, WIDTH, cell, significant};
 use crate::figures::{Drawing, Figure, FigureError};
 
 /// Panels of curves; beside them is the fall of the error.
 const PANELS: usize = 3;
-/// Room right of the panels, between two of them, and between them and the fall with its own axis.
-const RIGHT: f64 = 20.0;
+/// Between two of them, and between them and the fall with its own axis \[px\].
 const GAP: f64 = 22.0;
 const APART: f64 = 92.0;
 /// Above a panel two lines, its height, below it an axis \[px\].

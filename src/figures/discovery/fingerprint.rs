@@ -11,12 +11,9 @@ use crate::figures::comparison::multiples::frequencies;
 use crate::figures::comparison::words;
 use crate::figures::legend::{Entry, Key, legend};
 use crate::figures::marks::Mark;
-use crate::figures::style::{INK, WIDTH, count, significant, text_width};
+use crate::figures::style::{GAP, INK, LEFT, RIGHT, WIDTH, count, significant, text_width};
 use crate::figures::{Drawing, Figure, FigureError};
 
-const LEFT: f64 = 92.0;
-const RIGHT: f64 = 20.0;
-const GAP: f64 = 30.0;
 /// Conditions at most.
 const MOST: usize = 4;
 const HEIGHT: f64 = 210.0;

@@ -3,15 +3,11 @@
 use crate::figures::axes::{Axis, Panel, range};
 use crate::figures::canvas::{Canvas, Point, Stroke, Type, document};
 use crate::figures::marks::Mark;
-use crate::figures::style::{DASH_SLIP, INK, STATIC, STATIC_BAND, Table, Unit, WIDTH, cell};
+use crate::figures::style::{DASH_SLIP, GAP, INK, LEFT, RIGHT, STATIC, STATIC_BAND, TOP, Table, Unit, WIDTH, cell};
 use crate::figures::{Drawing, Figure, FigureError};
 use crate::free_form::{Curve, Dependence, FreeForm, Variable};
 
-const LEFT: f64 = 92.0;
-const RIGHT: f64 = 20.0;
-const GAP: f64 = 34.0;
 const HEIGHT: f64 = 220.0;
-const TOP: f64 = 44.0;
 const BETWEEN: f64 = 18.0;
 /// Curves at most.
 const MOST: usize = 3;

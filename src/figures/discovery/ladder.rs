@@ -7,11 +7,9 @@ use crate::figures::axes::{Axis, Panel};
 use crate::figures::canvas::{Canvas, Point, Stroke, Type, document};
 use crate::figures::legend::{Entry, Key, legend};
 use crate::figures::marks::Mark;
-use crate::figures::style::{DASH_SLIP, GREY, INK, SLIP, STATIC, Table, WHITE, WIDTH, cell, significant};
+use crate::figures::style::{DASH_SLIP, GAP, GREY, INK, SLIP, STATIC, TOP, Table, WHITE, WIDTH, cell, significant};
 use crate::figures::{Drawing, Figure, FigureError};
 
-const TOP: f64 = 48.0;
-const GAP: f64 = 40.0;
 const RIGHT: f64 = 30.0;
 
 /// Names of what is drawn.

@@ -7,13 +7,12 @@ use crate::figures::axes::{Axis, Panel};
 use crate::figures::canvas::{Anchor, Canvas, Stroke, Type, document};
 use crate::figures::legend::{Entry, Key, legend};
 use crate::figures::marks::Mark;
-use crate::figures::style::{GREY, GRID, INK, SLIP, STATIC, Table, WIDTH, cell, count, significant, text_width};
+use crate::figures::style::{GREY, GRID, INK, SLIP, STATIC, TOP, Table, WIDTH, cell, count, significant, text_width};
 use crate::figures::{Drawing, Figure, FigureError};
 use crate::fit::{Interval, Parameter};
 use crate::units;
 use crate::units::readable::quantity;
 
-const TOP: f64 = 48.0;
 /// Room for the numbers at the right.
 const NUMBERS: f64 = 390.0;
 /// Deviations in percent within which the scale is linear.

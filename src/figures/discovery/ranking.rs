@@ -8,11 +8,10 @@ use crate::figures::canvas::{Anchor, Canvas, Stroke, Type, document};
 use crate::figures::legend::{Entry, Key, legend};
 use crate::figures::marks::Mark;
 use crate::figures::style::{
-    Color, GREY, GRID, INK, ROLLER, SHADE, SLIP, STATIC, Table, WHITE, WIDTH, cell, count, significant,
+    Color, GREY, GRID, INK, ROLLER, SHADE, SLIP, STATIC, TOP, Table, WHITE, WIDTH, cell, count, significant,
 };
 use crate::figures::{Drawing, Figure, FigureError};
 
-const TOP: f64 = 52.0;
 /// Room for the numbers at the right.
 const NUMBERS: f64 = 170.0;
 /// Candidates shown, the base besides.
