@@ -1,8 +1,8 @@
 //! Moving the free parameters of a scenario to where its model fits best.
 
 use super::{Label, Outlier, STATES, Setting};
-use crate::fit::resonance;
 use crate::fit::{CONVERGED, Fit, Parameter, Problem, Settings, TAIL, minimise, parameter, robust_chi2, typical_of};
+use crate::fit::{placed, resonance};
 use crate::measurement::{Point, Series, Table};
 use crate::model::{Model, Operation};
 use crate::scenario::Scenario;
@@ -104,7 +104,7 @@ pub fn calibrate(model: &Model, keys: &[String], points: &[Point], tolerance: To
         calibrate_about(model, keys, points, tolerance, (seed, STATES.saturating_sub(spent)))
     };
     let mut best = about(&model, 0);
-    let started = resonance::started(&model, keys, points).map(|model| model.scaled_at(&operations));
+    let started = placed::started(&model, keys, points).map(|model| model.scaled_at(&operations));
     let mut solved = best.solved;
     if let Some(other) = started.map(|model| about(&model, solved)) {
         solved += other.solved;

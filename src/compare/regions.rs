@@ -15,7 +15,7 @@ const EXCESS: f64 = 3.0;
 pub struct Region {
     /// The condition.
     #[serde(flatten)]
-    #[schemars(with = "super::SettingKeys")]
+    #[schemars(with = "super::setting::SettingKeys")]
     pub setting: Setting,
     /// Index of the condition.
     pub condition: usize,

@@ -10,7 +10,7 @@ use super::options::{MARGIN, MISTAKE};
 use super::race::{Competitor, Race, Round};
 use super::runner::{Bar, COSTLY, Runner};
 use super::select::{CONTINUED, Search};
-use crate::fit::{cost, resonance, robust_square, values_in};
+use crate::fit::{cost, placed, resonance, robust_square, values_in};
 use crate::model::Model;
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -281,7 +281,7 @@ impl<'a> Search<'a> {
         // ... or where the readings show a resonance beside what is read with it, out of which a flank of it may have
         // led the fit.
         let keys: Vec<String> = from.fit.parameters.iter().map(|p| p.key.clone()).collect();
-        if let Some(seen) = resonance::started(&from.model, &keys, self.data.points) {
+        if let Some(seen) = placed::started(&from.model, &keys, self.data.points) {
             let values = values_in(&seen, &from.fit.parameters);
             let place = Parent::new(&self.data, from, values, points);
             let has_left = resonance::left_readings(&from.fitted(), self.data.points).is_some();

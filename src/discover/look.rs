@@ -6,10 +6,10 @@ pub mod motion;
 use super::data::{Data, readings};
 use super::hypothesis::{Addition, Hypothesis, extended};
 use crate::effects::Effect;
-use crate::fit::resonance;
 use crate::fit::{
     Evaluation, Parameter, Prediction, Problem, TAIL, model_with, parameter, robust_chi2, typical_of, values_in,
 };
+use crate::fit::{placed, resonance};
 use crate::linear::{least_squares, svd};
 use crate::measurement::Point;
 use crate::model::Model;
@@ -83,7 +83,7 @@ impl<'a> Parent<'a> {
             let steady = pairs.filter(|(_, prediction)| prediction.status.is_steady());
             steady.map(|(point, prediction)| predicted(point, prediction)).collect()
         };
-        resonance::kept(model, &free, &read(&self.evaluation), &read(evaluation))
+        placed::kept(model, &free, &read(&self.evaluation), &read(evaluation))
     }
 
     /// Changes of stiffness and gain, beside those of the first series, with which the model would have the resonance
@@ -120,8 +120,8 @@ impl<'a> Parent<'a> {
         let mut model = extended(&self.model, &[addition]);
         // First both in turn; what scales the readings may scale the strengths, which are then found again.
         let (_, scale) = self.nearest(data, &model, &measured, TURNS)?;
-        model = resonance::scaled(&model, &free, scale.norm());
-        if free.iter().any(|key| key == resonance::PHASE) {
+        model = placed::scaled(&model, &free, scale.norm());
+        if free.iter().any(|key| key == placed::PHASE) {
             model.instrument.phase_offset = wrap(model.instrument.phase_offset + scale.arg());
         }
         let (strengths, _) = self.nearest(data, &model, &measured, 1)?;
@@ -362,7 +362,7 @@ impl Sample {
                 };
                 model_with(&model, &parameters, &model.effects.last().map_or(stated, least))
             }
-            Self::Resonance => resonance::started(&model, &addition.keys(), data.points).unwrap_or(model),
+            Self::Resonance => placed::started(&model, &addition.keys(), data.points).unwrap_or(model),
         }
     }
 }

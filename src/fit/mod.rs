@@ -4,6 +4,7 @@
 mod dense;
 mod least_squares;
 mod parameter;
+pub mod placed;
 mod problem;
 mod profile;
 pub mod resonance;
