@@ -39,13 +39,13 @@ fn not_told_apart(ties: &[Vec<Hypothesis>], steps: &[Step], verdict: Verdict) ->
 }
 
 /// The figures that the verdict on an explanation follows from.
-fn evidence(base: &Step, end: &Step, points: usize) -> Evidence {
+fn evidence(end: &Step, undecidable: Option<&str>, points: usize) -> Evidence {
     let (additions, white) = (&end.hypothesis.additions, &end.comparison.whiteness);
     let effects = additions.iter().filter(|a| a.is_effect()).count();
     Evidence {
         testable: white.testable && shows_anything(&end.comparison.table.points),
         structured: white.structured,
-        decidable: undecidable(base, end).is_none(),
+        decidable: undecidable.is_none(),
         unsolved: end.comparison.unsolved() as f64 / points as f64,
         effects,
         recalibrations: additions.len() - effects,
@@ -53,7 +53,7 @@ fn evidence(base: &Step, end: &Step, points: usize) -> Evidence {
 }
 
 /// Why the readings could not have told against what an explanation adds, where that is so, in words.
-pub(super) fn undecidable(base: &Step, end: &Step) -> Option<&'static str> {
+fn undecidable(base: &Step, end: &Step) -> Option<&'static str> {
     if !is_told_from_linear(base, end) {
         return Some(
             "one sweep without phases does not tell a law of the amplitude from one of the frequency: sweep again at a third \
@@ -62,7 +62,7 @@ pub(super) fn undecidable(base: &Step, end: &Step) -> Option<&'static str> {
     }
     (!is_told_within(base, end)).then_some(
         "a rig of its own in every series, damping included, follows the readings as well, and so what else drifted is not \
-         told from a law: sweep again as at first",
+         told from a law: repeat the first sweep at the end; where it differs, the rig has changed",
     )
 }
 
@@ -139,7 +139,9 @@ impl Search<'_> {
         let further = if is_explained { beyond_testimony(&mut steps) } else { beyond_prediction(&mut steps) };
         let ties = if is_explained && further.is_some() { &[] } else { ties };
         let end = &steps[steps.len() - 1];
-        let verdict = verdict(&evidence(&steps[0], end, self.table.points.len()));
+        let structured = end.comparison.whiteness.structured;
+        let undecidable = if structured { None } else { undecidable(&steps[0], end) };
+        let verdict = verdict(&evidence(end, undecidable, self.table.points.len()));
         let tied = || ties.iter().filter(|tied| tied.len() > 1);
         let rivals: Vec<Hypothesis> = tied().flatten().cloned().collect();
         let seen: Vec<String> = ties.iter().flatten().chain([&end.hypothesis]).flat_map(Hypothesis::effects).collect();
@@ -175,6 +177,7 @@ impl Search<'_> {
             correlations: end.comparison.correlations.clone(),
             solved: self.data.solved(),
             spent,
+            undecidable,
             notes,
             steps,
             fall: OnceLock::new(),

@@ -3,7 +3,10 @@
 use super::SearchOptions;
 use super::hypothesis::{Addition, Hypothesis};
 use crate::compare::TIGHTER;
-use crate::fit::{Fit, Parameter, Problem, Settings, TAIL, cost, minimise, parameter, price, typical_of, values_in};
+use crate::fit::{
+    Fit, Parameter, Problem, Settings, TAIL, cost, minimise, model_with, parameter, price, robust_chi2, typical_of,
+    values_in,
+};
 use crate::measurement::{Noise, Point};
 use crate::model::Model;
 use crate::solver::cycle::Tolerance;
@@ -197,8 +200,25 @@ impl<'a> Data<'a> {
     }
 
     /// Fits the parameters of a model from a start, whose residuals are about as large as `typical` (infinite where
-    /// that is not known): what is far larger than those counts little.
+    /// that is not known): what is far larger than those counts little. A strength that comes to nothing and would go on to
+    /// the other sign is followed there, too.
     pub fn fit(&self, model: &Model, parameters: &[Parameter], start: &[f64], typical: f64, effort: Effort) -> Fit {
+        let fit = self.fit_of_signs(model, parameters, start, typical, effort);
+        let Some((parameters, values)) = fit.across_zero() else { return fit };
+        let across = self.fit_of_signs(model, &parameters, &values, typical, effort);
+        let threshold = TAIL * typical_of(&fit.evaluation.residuals);
+        let left = |fit: &Fit| robust_chi2(&fit.evaluation.residuals, threshold);
+        if left(&across) < left(&fit) { across } else { fit }
+    }
+
+    fn fit_of_signs(
+        &self,
+        model: &Model,
+        parameters: &[Parameter],
+        start: &[f64],
+        typical: f64,
+        effort: Effort,
+    ) -> Fit {
         let all = effort.points >= self.points.len();
         let (tolerance, converged) = if all { (Tolerance::FIT, CLOSER) } else { (Tolerance::COARSE, CLOSE) };
         let mut problem = Problem::new(model.clone(), self.some(effort.points), parameters.to_vec(), tolerance);
@@ -223,12 +243,22 @@ impl<'a> Data<'a> {
         let Hypothesis { model, fit, .. } = &hypothesis;
         let typical = typical_of(&fit.evaluation.residuals);
         let found = self.fit(model, &fit.parameters, &fit.values, typical, effort);
-        let mut better = Hypothesis { fit: found, estimate: None, ..hypothesis.clone() };
+        let model = with_signs(model, &found);
+        let better = Hypothesis { model, fit: found, estimate: None, ..hypothesis.clone() };
         if hypothesis.is_full(self.points.len()) && !better.fits_better_than(&hypothesis) {
-            better.fit = Fit { termination: better.fit.termination, ..hypothesis.fit };
+            let fit = Fit { termination: better.fit.termination, ..hypothesis.fit };
+            return Hypothesis { model: hypothesis.model, fit, ..better };
         }
         better
     }
+}
+
+/// The model with strengths of the signs that a fit found, from which later fits begin.
+pub(super) fn with_signs(model: &Model, fit: &Fit) -> Model {
+    let stated = values_in(model, &fit.parameters);
+    let turned =
+        fit.parameters.iter().zip(&fit.values).zip(stated).filter(|((p, x), stated)| p.signed && *x * stated < 0.0);
+    turned.fold(model.clone(), |model, ((p, x), _)| model_with(&model, std::slice::from_ref(p), &[*x]))
 }
 
 /// Part of the budget that is kept for intervals, one over this.
@@ -273,6 +303,8 @@ fn spread_out(points: &[Point]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::discover::hypothesis::extended;
+    use crate::discover::select::Search;
 
     #[test]
     fn every_first_part_of_the_points_is_spread_over_all_series_and_along_each() {
@@ -301,5 +333,50 @@ mod tests {
         }
         // The first of either series lies in its middle.
         assert!(order[..3].contains(&15) && order[..3].contains(&60), "{order:?}");
+    }
+
+    /// Amplitudes of a velocity of 66 Hz and quality 2.9 on a share of the drive, b_r = 1.1 and b_i = 0.13, to a thousandth.
+    #[test]
+    fn a_strength_of_the_wrong_sign_goes_on_through_zero() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let row = |n: u32| {
+            let x = 0.6 + 0.02 * f64::from(n);
+            let (re, im) = (2.9 * (x - 1.0 / x), 1.0);
+            let size = re * re + im * im;
+            let reading = (1.1 + 2.9 * im / size).hypot(0.13 - 2.9 * re / size);
+            let noise = 1.0 + 0.002 * (f64::from(n * 7919 % 101) / 101.0 - 0.5);
+            format!("{},1,{},0.1\n", 66.0 * x, 3.0 * reading * noise)
+        };
+        let text: String = (0..41).map(row).collect();
+        std::fs::write(
+            folder.path().join("t.csv"),
+            format!("frequency_hz,drive_v,amplitude_v,amplitude_sd_percent\n{text}"),
+        )
+        .expect("a table");
+        let text = "title = 't'\n[rig]\nkind = 'oscillator'\ndrive = 'force'\nnatural_frequency = '65 Hz'\nquality_factor = 2.5\n\
+             [instrument]\nsensitivity = '4000 V s/m'\ndrive_sensitivity = '1 V/N'\n[measurement]\nfile = 't.csv'\n[fit]\n\
+             free = ['rig.natural_frequency', 'rig.quality_factor', 'instrument.sensitivity']\n";
+        std::fs::write(folder.path().join("t.toml"), text).expect("a scenario");
+        let scenario = crate::scenario::load(folder.path().join("t.toml")).expect("a scenario");
+        let table = crate::measurement::load(&scenario).expect("a table").expect("measurements");
+        let (scenario, options) = (table.applied_to(&scenario), SearchOptions::default());
+        let (search, start) = Search::begin(&scenario, &table, &options, &Arc::default());
+        let crosstalk = *search.pool.iter().find(|a| a.name() == "crosstalk").expect("a candidate");
+        let mut stuck = 0;
+        for signs in [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]] {
+            let mut model = extended(&start.fitted(), &[crosstalk]);
+            model.effects[0].1 = signs.map(|sign| 0.3 * sign).to_vec();
+            let parameters = search.data.beside(&model, &start, crosstalk);
+            let values = values_in(&model, &parameters);
+            let effort = Effort { points: 41, evaluations: 400, states: u64::MAX };
+            let alone = search.data.fit_of_signs(&model, &parameters, &values, f64::INFINITY, effort);
+            stuck += usize::from(alone.evaluation.chi2() > 100.0 * 41.0);
+            let fit = search.data.fit(&model, &parameters, &values, f64::INFINITY, effort);
+            let chi2 = fit.evaluation.chi2() / 41.0;
+            assert!(chi2 < 1.5, "{signs:?}: {chi2} at {:?}", fit.values);
+            let found = with_signs(&model, &fit).effects[0].1.clone();
+            assert!(found.iter().zip(&fit.values[3..]).all(|(own, of)| own * of > 0.0), "{found:?} {:?}", fit.values);
+        }
+        assert!(stuck > 0, "no start was stuck at zero");
     }
 }

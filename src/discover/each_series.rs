@@ -3,7 +3,7 @@
 use super::Step;
 use crate::compare::calibrate;
 use crate::effects::Effect;
-use crate::fit::{MARGIN, TAIL, robust_chi2, typical_of};
+use crate::fit::{MARGIN, TAIL, parameter, robust_chi2, typical_of};
 use crate::measurement::Point;
 use crate::model::Model;
 use crate::solver::cycle::Tolerance;
@@ -22,8 +22,12 @@ pub(super) fn is_told_within(base: &Step, end: &Step) -> bool {
     }
     let points = &end.comparison.table.points;
     let series = points.iter().map(|p| p.series).max().map_or(0, |last| last + 1);
-    let keys: Vec<String> = base.hypothesis.fit.parameters.iter().map(|p| p.key.clone()).collect();
     let own = base.hypothesis.fitted();
+    let mut keys: Vec<String> = base.hypothesis.fit.parameters.iter().map(|p| p.key.clone()).collect();
+    let damping = ["rig.quality_factor", "rig.damping_ratio", "rig.damping"];
+    if !keys.iter().any(|key| damping.contains(&key.as_str())) {
+        keys.extend(damping.iter().find(|key| parameter(&own, key).is_some()).map(|key| key.to_string()));
+    }
     let of_each: Vec<Vec<Point>> =
         (0..series).map(|index| points.iter().filter(|p| p.series == index).cloned().collect()).collect();
     let residuals = &end.comparison.fit.evaluation.residuals;

@@ -108,8 +108,9 @@ impl<'a> Search<'a> {
         }
         field.iter_mut().for_each(|runner| runner.bar = Bar::At(best, unit));
         let all = field.len();
-        // With as many evaluations as before a race is on all points, on the fewest: a curved valley takes that many.
-        self.run_race((field, entries), (4 * self.options.first_evaluations, 1.0, all), known);
+        // With the work of a second round, all of it as evaluations: a curved valley takes that many.
+        let evaluations = (self.options.first_evaluations as f64 / self.options.kept).ceil() as usize;
+        self.run_race((field, entries), (evaluations, 1.0, all), known);
     }
 
     /// Runs a race; the hypotheses that came to its end, fitted to all points.

@@ -162,6 +162,8 @@ pub struct Discovery {
     pub solved: u64,
     /// As that.
     pub spent: bool,
+    /// Why the readings could not have told against the explanation, where that is so, in words.
+    pub undecidable: Option<&'static str>,
     /// Things said in plain words.
     pub notes: Vec<String>,
     fall: OnceLock<Option<Fall>>,

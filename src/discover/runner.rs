@@ -1,7 +1,7 @@
 //! One competitor of the race: a fit of one more addition from one starting point.
 
 use super::MARGIN;
-use super::data::{Data, Effort};
+use super::data::{Data, Effort, with_signs};
 use super::hypothesis::{Addition, Basis, Estimate, Hypothesis};
 use super::look::Start;
 use super::race::{Competitor, Round};
@@ -184,6 +184,8 @@ impl Competitor for Runner<'_, '_> {
         let unit = self.bar.unit();
         let before = if self.fit.is_some() { self.bic(unit) } else { f64::INFINITY };
         let fit = self.data.fit(&self.model, &self.parameters, &self.values, typical, effort);
+        self.model = with_signs(&self.model, &fit);
+        self.parameters.clone_from(&fit.parameters);
         self.values.clone_from(&fit.values);
         self.residuals.clone_from(&fit.evaluation.residuals);
         self.fit = Some(fit);

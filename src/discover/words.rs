@@ -1,11 +1,10 @@
 //! What a discovery says, in words that the terminal and the report share.
 
-use super::conclude::undecidable;
 use super::hypothesis::Basis;
 use super::{Candidate, Discovery, MARGIN, Step, Verdict};
 use crate::compare::outlier_words;
 use crate::fit::{Identified, Interval, Parameter};
-use crate::measurement::shows_anything;
+use crate::measurement::{NoiseSource, shows_anything};
 use crate::scenario::parameters::of_key;
 use crate::units::count;
 use crate::units::readable::{percent, quantity};
@@ -31,11 +30,20 @@ fn as_stated(d: &Discovery) -> Option<String> {
     let chi2 = base.overall.chi2_per_point * noise.powi(2);
     let is_within = d.noise.contradicts(base.table.noise_sources()) && noise < 1.0 && chi2 < 1.0;
     is_within.then(|| {
-        format!(
-            "; within the stated deviations, {:.1} times the scatter, the calibrated model explains the data",
-            1.0 / noise
-        )
+        let which = match base.table.amplitude_noise {
+            NoiseSource::Replicates => "the deviations of repeated readings",
+            _ => "the stated deviations",
+        };
+        format!("; within {which}, {:.1} times the scatter, the calibrated model explains the data", 1.0 / noise)
     })
+}
+
+/// What a test found in what a step leaves.
+fn what_is_left(end: &Step) -> &'static str {
+    match end.comparison.whiteness.exceeds {
+        true => "more is left than the readings scatter along their series",
+        false => "structured misfit is left",
+    }
 }
 
 /// The verdict in a sentence.
@@ -73,22 +81,20 @@ fn said(d: &Discovery) -> String {
         Verdict::Unexplained if !end.comparison.whiteness.testable => {
             let what = if end.hypothesis.additions.is_empty() { "the calibrated model".into() } else { all };
             let freedom = end.comparison.table.freedom;
-            let known = if freedom.is_finite() { format!(", by a noise known from {freedom:.0} degrees of freedom") } else { String::new() };
+            let known = if freedom.is_finite() { format!(", by a noise known from {} of freedom", count(freedom.round() as usize, "degree")) } else { String::new() };
             format!(
                 "undecided: the series are too short to test whether {what} leaves more than noise; chi2 {:.2}{known}",
                 end.comparison.overall.chi2_per_point
             )
         }
         Verdict::Unexplained if end.hypothesis.additions.is_empty() => {
-            format!("unexplained: structured misfit is left, {}", nothing(d))
+            format!("unexplained: {}, {}", what_is_left(end), nothing(d))
         }
         Verdict::Unexplained => {
             let error = |step: &Step| step.comparison.overall.rms_error_percent / 100.0;
             let (before, after) = (error(&d.steps[0]), error(end));
             let [from, to] = [before, after].map(|error| percent(error, 2));
-            let unstructured = !end.comparison.whiteness.structured;
-            let why = unstructured.then(|| undecidable(&d.steps[0], end)).flatten();
-            let but = format!("but {}", why.unwrap_or("structured misfit is left"));
+            let but = format!("but {}", d.undecidable.unwrap_or(what_is_left(end)));
             // The search goes by squares over the noise: the relative error of the amplitude need not fall with them, where
             // readings far below the peak, which are mostly noise, make most of it.
             let [chi2, left] = [&d.steps[0], end].map(|step| step.comparison.overall.chi2_per_point);
@@ -155,8 +161,13 @@ pub fn how_sure(d: &Discovery) -> String {
         } else if white.structured {
             let noise = end.comparison.unit().sqrt();
             let size = if noise > 1.0 { format!(", {noise:.1} times the noise") } else { String::new() };
+            if white.exceeds {
+                return format!(
+                    "no cause is named, since more is left than the readings scatter along their series{size}"
+                );
+            }
             format!("no cause is named, since a test finds structure in what is left{size}")
-        } else if undecidable(&d.steps[0], end).is_none() {
+        } else if d.undecidable.is_none() {
             "no cause is named, since too few of the readings have a steady state".into()
         } else {
             "no cause is named, since these readings could not contradict it".into()

@@ -50,6 +50,23 @@ impl Fit {
         square + price(self.parameters.len(), readings, freedom)
     }
 
+    /// Of strengths of either sign that came to less than a search looks for, and would go on to the other sign: all
+    /// parameters and values with these at the least of that sign. `None` where there is none.
+    pub fn across_zero(&self) -> Option<(Vec<Parameter>, Vec<f64>)> {
+        let (residuals, jacobian) = (&self.evaluation.residuals, &self.evaluation.jacobian);
+        let goes_on = |index: usize| {
+            let (parameter, value) = (&self.parameters[index], self.values[index]);
+            let uphill = jacobian.column(index).dot(residuals);
+            parameter.signed && parameter.share(value) < 0.0 && uphill * value > 0.0
+        };
+        let across: Vec<bool> = (0..self.values.len()).map(goes_on).collect();
+        let mirrored = |(p, goes_on): (&Parameter, &bool)| if *goes_on { p.mirrored() } else { p.clone() };
+        let parameters: Vec<Parameter> = self.parameters.iter().zip(&across).map(mirrored).collect();
+        let least = |(at, value): (usize, &f64)| if across[at] { parameters[at].within(0.0) } else { *value };
+        let values = self.values.iter().enumerate().map(least).collect();
+        across.contains(&true).then_some((parameters, values))
+    }
+
     /// Whether it ended for want of evaluations, not at a minimum.
     pub fn is_exhausted(&self) -> bool {
         self.termination == format!("{:?}", TerminationReason::LostPatience)

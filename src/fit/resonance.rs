@@ -55,7 +55,8 @@ pub fn resonance(points: &[&Point], order: u8) -> Option<Resonance> {
     let found = NEAR.into_iter().filter_map(|share| alone(&above(share), order));
     let of = |resonance: Resonance| {
         let peaked = resonance.quality > QUALITY.0 || order == 1 && halved(&usable, &resonance);
-        let seen = Resonance { spanned: spanned(&usable, &resonance), peaked, ..resonance };
+        let quality = if peaked { resonance.quality } else { QUALITY.0 };
+        let seen = Resonance { quality, spanned: spanned(&usable, &resonance), peaked, ..resonance };
         (left(&usable, &resonance, order), seen)
     };
     let alone = found.map(of).min_by(|a, b| a.0.total_cmp(&b.0));
@@ -207,7 +208,7 @@ pub fn of_all(points: &[Point], order: u8) -> Option<Resonance> {
         peak: median(found.iter().map(|r| r.peak)),
         phase,
         spanned: first.spanned,
-        peaked: first.peaked,
+        peaked: 2 * found.iter().filter(|r| r.peaked).count() >= found.len(),
     })
 }
 

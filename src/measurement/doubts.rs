@@ -1,7 +1,8 @@
 //! What in a table is possible and yet not likely: said, not refused.
 
 use super::Point;
-use crate::statistics::{is_curve, median, wrap};
+use crate::statistics::{SIGNIFICANCE, is_curve, median, wrap};
+use nalgebra::Complex;
 use std::f64::consts::TAU;
 
 /// Points of a curve whose phases tell which way they turn, at least, and by how much they turn, at least \[rad\].
@@ -157,6 +158,24 @@ fn turns_too_little(points: &[Point]) -> Option<f64> {
 /// Whether phases rise with the frequency, as where a lag is counted positive.
 pub(super) fn counts_lags(points: &[Point]) -> bool {
     turn(points).is_some_and(|turn| turn > TURNING.1)
+}
+
+/// Whether phases, and their changes between neighbours along the frequency, point anywhere: neither has a direction by a
+/// test that could have found one (Rayleigh 1919). A long cable turns phases all around, by the same from one to the next.
+pub(super) fn are_random(points: &[Point]) -> bool {
+    let mut order: Vec<&Point> = points.iter().filter(|p| p.phase.is_some()).collect();
+    order.sort_by(|a, b| a.series.cmp(&b.series).then(a.frequency.total_cmp(&b.frequency)));
+    let phases: Vec<f64> = order.iter().filter_map(|p| p.phase).collect();
+    let pairs = order.windows(2).zip(phases.windows(2)).filter(|(pair, _)| pair[0].series == pair[1].series);
+    let changes: Vec<f64> = pairs.map(|(_, pair)| pair[1] - pair[0]).collect();
+    let points_anywhere = |angles: &[f64]| {
+        let count = angles.len() as f64;
+        let sum: Complex<f64> = angles.iter().map(|angle| Complex::from_polar(1.0, *angle)).sum();
+        let by_chance = -SIGNIFICANCE.ln();
+        // Half as much in common would have been found.
+        0.25 * count > by_chance && sum.norm_sqr() < by_chance * count
+    };
+    points_anywhere(&phases) && points_anywhere(&changes)
 }
 
 /// Rows of the smallest amplitudes of a curve, fewer than half, where the gap to the others is wider than these spread,

@@ -136,7 +136,9 @@ const COUNTS: &[&str] = &["lag", "shift", "difference", "diff"];
 pub(crate) fn is_deviation(name: &str, of: &str) -> bool {
     let glued = name.strip_suffix(of).is_some_and(|mark| DEVIATES.contains(&mark.trim_end_matches('_')));
     // Also before the letter of a name that is spelt out: `dA` beside `Amplitude`.
-    let initial = of.char_indices().nth(1).map(|(end, _)| &of[..end]);
+    let first = of.split('_').next().unwrap_or_default();
+    let is_word = first.chars().all(char::is_alphabetic) && first.chars().count() >= SHORT;
+    let initial = first.chars().next().filter(|_| is_word);
     let lettered = initial.is_some_and(|i| name.strip_suffix(i).is_some_and(|mark| BEFORE_LETTERS.contains(&mark)));
     let mut own: Vec<&str> = name.split('_').collect();
     // A letter behind a name is of another of its kind: `U_s` is the voltage of a source.
@@ -253,6 +255,8 @@ mod tests {
             ("error", "amplitude"),
             ("err_a", "amplitude"),
             ("ua", "amplitude"),
+            ("du", "u0"),
+            ("dx", "x0"),
         ] {
             assert!(!is_deviation(name, of), "{name} {of}");
         }

@@ -1,7 +1,7 @@
 //! The columns that the scenario maps, and the complaints about columns.
 
 use super::frame::{Frame, kind};
-use super::header;
+use super::header::{self, Meaning};
 use super::names::{ALL, AMPLITUDE, DRIVE, LAG, NUMBERS, PHASE};
 use super::parts::Parts;
 use super::rest::Rest;
@@ -77,9 +77,15 @@ impl Search<'_, '_> {
     pub fn map(&mut self, mapping: &[(String, String)]) {
         for (key, wanted) in mapping {
             let Some(column) = column_of(key) else { continue };
-            if wanted.trim().is_empty() {
+            if wanted.trim().is_empty() && column > AMPLITUDE {
                 // No column, whatever one is called.
                 self.found.told[column] = true;
+                let is_named = |index: usize| {
+                    let meaning = header::meaning(&self.sheet.headed(index), self.frame);
+                    matches!(meaning, Meaning::Column(c, ..) | Meaning::Alias(c, ..) | Meaning::Likely(c, _) if c == column)
+                };
+                let named: Vec<usize> = (0..self.found.taken.len()).filter(|index| is_named(*index)).collect();
+                named.into_iter().for_each(|index| self.found.taken[index] = true);
                 continue;
             }
             let Some(index) = self.mapped_index(key, wanted.trim(), column) else { continue };

@@ -99,10 +99,10 @@ impl Rest<'_> {
             known && self.frame.serving(AMPLITUDE).contains(&one.unit.si) && !self.deviates(&one.name)
         };
         let all: Vec<Possible> = self.possible().filter(serves).collect();
-        // What is held from row to row while something else is not is set; a voltage may drive.
+        // A current that is held from row to row while something else is not is set.
         let is_held = |one: &Possible| self.sheet.change(one.index) == 0.0;
         let moves = !all.iter().all(is_held);
-        let is_set = |one: &Possible| moves && !one.unit.is_voltage() && is_held(one);
+        let is_set = |one: &Possible| moves && one.unit.is_current() && is_held(one);
         let (swings, others): (Vec<_>, Vec<_>) =
             all.into_iter().filter(|one| !is_set(one)).partition(|one| whole(one.index));
         let others: Vec<Possible> = others.into_iter().filter(|one| !is_other(&one.name)).collect();

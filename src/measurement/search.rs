@@ -4,7 +4,6 @@ use super::frame::{Frame, READINGS};
 use super::header::{self, Meaning};
 use super::likely::{is_deviation, is_time};
 use super::mapping::{Found, Search, Slot};
-use super::modes::TOLD;
 use super::names::{AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LOAD, NUMBERS, PHASE, PHASE_SD, SPEED};
 use super::parts::parts;
 use super::rest::Candidate;
@@ -127,14 +126,23 @@ impl Search<'_, '_> {
     /// Columns whose headers say what they are.
     fn find(&mut self) {
         self.find_parts();
-        let Said { named, mut aliases, likely, unstated, unsuited } = self.read_headers();
+        let Said { named, mut aliases, mut likely, unstated, unsuited } = self.read_headers();
         // A time is the same angle, told in coarser steps; but what is the only reading there can be tells no phase.
         if let Some(angle) = self.rest().only(|unit| unit.si == "rad") {
-            let readings = [&named, &aliases, &likely, &unstated].into_iter().flat_map(|said| &said[AMPLITUDE]);
+            let all = [&named, &aliases, &likely, &unstated].map(|said| said[AMPLITUDE].iter().map(|one| one.index));
+            let readings: Vec<usize> = all.into_iter().flatten().collect();
+            let is_reading = readings.contains(&angle.index);
             let others = self.rest().readings(true);
-            if readings.chain(&others).any(|reading| reading.index != angle.index) {
+            let unnamed =
+                others.iter().filter(|other| !is_reading && !other.unit.is_voltage()).map(|other| other.index);
+            if readings.into_iter().chain(unnamed).any(|index| index != angle.index) {
                 aliases[PHASE].retain(|candidate| !candidate.unit.is_of_lags());
             }
+        }
+        if self.frame.is_free() && named[AMPLITUDE].is_empty() {
+            let driven = [&named, &aliases, &likely, &unstated].iter().any(|said| !said[DRIVE].is_empty());
+            let said = if aliases[AMPLITUDE].is_empty() { &mut likely } else { &mut aliases };
+            self.set_apart(&mut said[AMPLITUDE], driven || self.is_settled(DRIVE));
         }
         let contact = self.frame.has_contact() || self.frame.is_free() && !named[LOAD].is_empty();
         let roller = self.found.told[SPEED] || !named[SPEED].is_empty() || !aliases[SPEED].is_empty();
@@ -237,19 +245,14 @@ impl Search<'_, '_> {
         }
     }
 
-    /// Phases that are one number throughout were not measured.
+    /// Phases that are zero in all rows were not measured, unless the scenario says which column holds them.
     fn leave_out_dead_phases(&mut self) {
-        let Some(Slot::Cells(index, unit)) = &self.found.slots[PHASE] else { return };
-        let (index, is_time) = (*index, unit.is_of_lags());
-        let numbers: Vec<f64> = self.sheet.numbers(index).collect();
-        if !is_time
-            && numbers.len() >= TOLD
-            && self.found.parts.is_none()
-            && numbers.iter().all(|number| *number == numbers[0])
-        {
+        let Some(Slot::Cells(index, _)) = self.found.slots[PHASE] else { return };
+        if self.found.tallies[index].is_zero() && !self.found.told[PHASE] {
             self.found.slots[PHASE] = None;
             let header = quote(&self.sheet.header.cells[index]);
-            self.notes.push(format!("{header} is {} in all rows: it is not read as phase", numbers[0]));
+            self.notes.retain(|note| !note.starts_with(&header));
+            self.notes.push(format!("{header} is 0 in all rows: no phase was measured"));
         }
     }
 
@@ -356,9 +359,6 @@ impl Search<'_, '_> {
     fn choose_alias(&mut self, column: usize, mut candidates: Vec<Candidate>, with_speed: bool) {
         let sheet = self.sheet;
         let header = |candidate: &Candidate| quote(&sheet.header.cells[candidate.index]);
-        if column == AMPLITUDE && self.frame.is_free() {
-            self.set_apart(&mut candidates);
-        }
         // Nobody reads nothing in all rows: that is the speed or the load of a rig without a contact.
         candidates.retain(|candidate| column != AMPLITUDE || !self.found.tallies[candidate.index].is_zero());
         if candidates.iter().any(|candidate| candidate.unit.si != "V") {
@@ -411,22 +411,31 @@ impl Search<'_, '_> {
     }
 
     /// Sets apart what could be read by its name but is held while another is not; where that is one voltage and nothing
-    /// else drives, it does. What has no such name has to be held from row to row.
-    fn set_apart(&mut self, candidates: &mut Vec<Candidate>) {
-        let moves = |one: &Candidate| one.unit.is_level() || !self.sheet.is_held(one.index);
-        let changes = |one: &Candidate| one.unit.is_level() || self.sheet.change(one.index) > 0.0;
-        let among = candidates.iter().any(moves);
-        if !among && !self.rest().readings(true).iter().any(changes) {
-            return;
-        }
-        let all = std::mem::take(candidates);
-        let (moving, held): (Vec<_>, Vec<_>) =
-            all.into_iter().partition(|one| if among { moves(one) } else { changes(one) });
+    /// else drives, it does. A current that is held is a setting beside whatever else could be read.
+    fn set_apart(&mut self, candidates: &mut Vec<Candidate>, driven: bool) {
+        let (sheet, mut all) = (self.sheet, std::mem::take(candidates));
+        let changes = self.rest().readings(true).iter().any(|one| sheet.change(one.index) > 0.0);
+        all.retain(|one| !(changes && one.unit.is_current() && sheet.change(one.index) == 0.0));
+        let ways: [&dyn Fn(&Candidate) -> bool; 2] =
+            [&|one| sheet.is_narrow(one.index), &|one| sheet.change(one.index) == 0.0];
+        let is_held = |way: &&dyn Fn(&Candidate) -> bool, one: &Candidate| !one.unit.is_level() && way(one);
+        let tells = |way: &&&dyn Fn(&Candidate) -> bool| {
+            all.iter().any(|one| is_held(way, one)) && !all.iter().all(|one| is_held(way, one))
+        };
+        let held: Vec<bool> = match ways.iter().find(tells) {
+            Some(way) => all.iter().map(|one| is_held(way, one)).collect(),
+            None => vec![false; all.len()],
+        };
+        let (held, moving): (Vec<_>, Vec<_>) = all.into_iter().zip(held).partition(|(_, held)| *held);
+        let [held, moving] = [held, moving].map(|of| of.into_iter().map(|(one, _)| one).collect::<Vec<_>>());
         *candidates = moving;
-        if let ([drive], false) = (&held[..], self.is_settled(DRIVE))
+        if let ([drive], false) = (&held[..], driven)
             && drive.unit.is_voltage()
         {
             self.choose_likely(DRIVE, drive.clone(), true);
+        }
+        if let ([reading], false) = (&candidates[..], held.is_empty()) {
+            self.found.choices.push((COLUMNS[AMPLITUDE].into(), sheet.header.cells[reading.index].clone()));
         }
     }
 

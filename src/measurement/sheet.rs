@@ -100,11 +100,11 @@ impl Sheet {
         change(self.numbers(index))
     }
 
-    /// Whether a column is held from row to row, or changes less than a resonance does between its peak and half power.
-    pub fn is_held(&self, index: usize) -> bool {
+    /// Whether a column changes by less than a resonance does between its peak and half power.
+    pub fn is_narrow(&self, index: usize) -> bool {
         let (low, high) =
             self.numbers(index).fold((f64::INFINITY, 0.0f64), |(l, h), x| (l.min(x.abs()), h.max(x.abs())));
-        self.change(index) == 0.0 || high < std::f64::consts::SQRT_2 * low
+        high < std::f64::consts::SQRT_2 * low
     }
 
     /// Whether a column changes more than its ratio to another, which it then follows, as the signal of a sensor does;

@@ -140,6 +140,11 @@ impl Unit {
         self.si == "V" && self.foreign.is_none() && !self.decibel && self.over.is_none()
     }
 
+    /// Whether it is that of a current.
+    pub fn is_current(&self) -> bool {
+        self.foreign.is_some() && self.text.ends_with('A')
+    }
+
     /// As it is told.
     pub fn shown(&self) -> String {
         if self.reciprocal {

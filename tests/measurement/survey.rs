@@ -185,6 +185,29 @@ fn the_reading_is_what_a_deviation_is_stated_of_and_the_drive_what_is_held() {
     {
         assert!(read.contains(&(key, header.to_string())), "{key}: {read:?}");
     }
+    // Also where the reading has a peak in a few rows alone, and not beside what is called a drive.
+    let peak = |i: f64| if i == 6.0 { 2.0 } else { 0.02 };
+    let read = of("f [Hz],ampiezza V_g [V],ampiezza V_R [V]", &|i| {
+        format!("{},{:.2},{}", 80.0 + i, 4.2 + 0.01 * (i % 2.0), peak(i))
+    });
+    assert!(read.contains(&("drive", "ampiezza V_g [V]".to_string())), "{read:?}");
+    let read =
+        of("f (Hz),drive,ampiezza V_g [V],ampiezza V_R [V]", &|i| format!("{},1,4.2,{:.2}", 80.0 + i, voltage(i)));
+    assert!(read.contains(&("drive", "drive".to_string())), "{read:?}");
+    // A response that was held is read: its voltage drives.
+    let read =
+        of("f (Hz),x (mm),U (V)", &|i| format!("{},{},{:.2}", 80.0 + i, if i < 6.0 { 1 } else { 2 }, 3.0 / voltage(i)));
+    assert!(
+        read.contains(&("amplitude", "x (mm)".to_string())) && read.contains(&("drive", "U (V)".to_string())),
+        "{read:?}"
+    );
+    // `new` reads its scenario back with the column that it chose.
+    let rows: String = (0..12).map(f64::from).map(|i| format!("{},2,{:.2},5.0\n", 80.0 + i, voltage(i))).collect();
+    let seen = survey("t.csv", &format!("f (Hz),F (N),x (mm),displacement (mm)\n{rows}")).expect("a table");
+    assert!(seen.mapping.contains(&("amplitude".into(), "x (mm)".into())), "{:?}", seen.mapping);
+    // What another voltage is called, with a letter before it, is no deviation of the first.
+    let read = of("f (Hz),U0 (V),dU (V)", &|i| format!("{},4.2,{:.2}", 80.0 + i, voltage(i)));
+    assert!(!read.iter().any(|(key, _)| *key == "amplitude_sd"), "{read:?}");
     // An index is a letter, a unit behind a letter is longer.
     let read = of("f_Hz,force_N,x_um", &|i| format!("{},2,{:.2}", 80.0 + i, voltage(i)));
     assert!(read.contains(&("amplitude", "x_um".to_string())), "{read:?}");
@@ -193,6 +216,19 @@ fn the_reading_is_what_a_deviation_is_stated_of_and_the_drive_what_is_held() {
     // A phase that is one number was not measured.
     let read = of("f (Hz),x (mm),phase (deg)", &|i| format!("{},{:.2},0", 80.0 + i, voltage(i)));
     assert!(!read.iter().any(|(key, _)| *key == "phase"), "{read:?}");
+    // Nor is one that points anywhere; a loop that keeps to the resonance has one phase, a long cable turns it evenly.
+    for (phase, is_used) in [
+        (&(|i: f64| ((12.9898 * i).sin() * 43758.5453).fract() * 360.0) as &dyn Fn(f64) -> f64, false),
+        (&|_| -90.0, true),
+        (&|i| (-100.0 * i) % 360.0, true),
+        (&|i| -(i - 20.0).atan2(3.0).to_degrees() - 90.0, true),
+    ] {
+        let rows: String =
+            (0..41).map(f64::from).map(|i| format!("{},{:.3},{:.1}\n", 80.0 + i, voltage(i / 4.0), phase(i))).collect();
+        let seen = survey("t.csv", &format!("f (Hz),x (mm),phase (deg)\n{rows}")).expect("a table");
+        assert_eq!(seen.table.points.iter().all(|point| point.phase.is_some()), is_used, "{:?}", seen.table.notes);
+        assert_eq!(seen.mapping.contains(&("phase".into(), String::new())), !is_used, "{:?}", seen.mapping);
+    }
     // A reading over a drive is a response.
     let read = of("f (Hz),Acceleration/Force (m/s^2/N)", &|i| format!("{},{:.2}", 80.0 + i, voltage(i)));
     assert!(read.contains(&("amplitude", "Acceleration/Force (m/s^2/N)".to_string())), "{read:?}");

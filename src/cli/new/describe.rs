@@ -101,13 +101,7 @@ impl Draft<'_> {
                  what lies beyond it does not explain, and is used again without `frequency` in [measurement]"
             ));
         }
-        if self.unphased {
-            lacking.push(
-                "the phases have nothing of that resonance and are not used; they are again without `phase = \"\"` in [measurement] \
-                 columns"
-                    .into(),
-            );
-        } else if self.seen.table.points.iter().all(|p| p.phase.is_none()) {
+        if self.seen.table.points.iter().all(|p| p.phase.is_none()) {
             lacking.push("no phases: delays cannot be told, damping and nonlinearity less well".into());
         } else if self.resonance.phase.is_none() {
             lacking.push("the phases do not show that resonance: the amplitudes alone tell it".into());

@@ -11,7 +11,6 @@ use crate::scenario::diagnostic::whole_file;
 use crate::scenario::{self, Coordinate, Signal};
 use crate::solver::cycle::Tolerance;
 use crate::statistics::wrap;
-use nalgebra::Complex;
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI};
 use std::ops::RangeInclusive;
 use std::path::Path;
@@ -44,8 +43,6 @@ pub struct Draft<'a> {
     pub modes: &'a [Mode],
     /// Between which frequencies \[Hz\] readings are used, where not all are.
     pub band: Option<(f64, f64)>,
-    /// Whether there are phases that are not used, as they have nothing of the resonance.
-    pub unphased: bool,
 }
 
 impl<'a> Draft<'a> {
@@ -90,15 +87,7 @@ impl<'a> Draft<'a> {
             );
         };
         let stuck = if rolls { of(stuck) } else { None };
-        let unphased = resonance.phase.is_none() && phases_lack(points, &resonance);
-        let mut draft = Self { seen, table, coordinate, resonance, stuck, rolls, modes, band, unphased };
-        if unphased {
-            draft.seen.table.points.iter_mut().for_each(|p| (p.phase, p.phase_sd) = (None, None));
-            draft.seen.columns.iter_mut().filter(|c| c.key == Some("phase")).for_each(|c| c.key = None);
-            draft.seen.mapping.retain(|(key, _)| !key.starts_with("phase"));
-            draft.seen.mapping.push(("phase".into(), String::new()));
-        }
-        Ok(draft)
+        Ok(Self { seen, table, coordinate, resonance, stuck, rolls, modes, band })
     }
 
     /// The resonance that some readings show.
@@ -166,17 +155,6 @@ impl<'a> Draft<'a> {
         let of = |index: usize| table.points.iter().filter(move |p| p.series == index).collect();
         table.series.iter().enumerate().map(move |(index, series)| (series, of(index)))
     }
-}
-
-/// Whether phases are alike among themselves no less than beside those of a resonance: they have nothing of it.
-fn phases_lack(points: &[Point], resonance: &Resonance) -> bool {
-    let phases = || points.iter().filter_map(|p| Some((p.frequency / resonance.frequency, p.phase?)));
-    let own = |ratio: f64| -(ratio / resonance.quality).atan2(1.0 - ratio * ratio);
-    let alike = |turned: f64| {
-        let unit = |(ratio, phase): (f64, f64)| Complex::from_polar(1.0, phase - turned * own(ratio));
-        phases().map(unit).sum::<Complex<f64>>().norm()
-    };
-    phases().next().is_some() && alike(1.0) <= alike(0.0)
 }
 
 /// How many times a reading may be the motion differentiated: of a voltage it is not said, and what is broad as a

@@ -12,6 +12,7 @@ const TRIED: [f64; 5] = [0.0, 1e-9, 1e-6, 1e-3, 1.0];
 const NEAR: f64 = 1e-9;
 /// Phases of an oscillation at which a force is looked at.
 const PHASES: usize = 16;
+
 /// A formula that is being tried.
 pub(super) struct Tried<'a> {
     pub statement: &'a Statement,

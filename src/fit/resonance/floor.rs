@@ -80,13 +80,14 @@ fn within(usable: &[&Point]) -> Option<(f64, Resonance)> {
     let (shift, width) = (found.shift * reach, found.width * reach);
     let frequency = center * (1.0 + shift).max(0.0).sqrt();
     let ratio = frequency / center;
+    let quality = (ratio.powi(2) / width).clamp(super::QUALITY.0, super::QUALITY.1);
     let resonance = || Resonance {
         frequency,
-        quality: (ratio.powi(2) / width).clamp(super::QUALITY.0, super::QUALITY.1),
+        quality,
         peak: found.peak,
         phase: found.phase.map(wrap),
         spanned: true,
-        peaked: true,
+        peaked: quality > super::QUALITY.0,
     };
     (low < frequency && frequency < high).then(|| (found.gain, resonance()))
 }
