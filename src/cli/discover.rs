@@ -218,7 +218,7 @@ fn candidates(d: &Discovery, points: usize) -> Vec<String> {
         let open = d.candidates.iter().filter(|c| c.is_open).count();
         let open = if open > 0 { format!(", {open} estimated to do as well and not fitted") } else { String::new() };
         let weight: f64 = 1.0 - shown.iter().map(|c| c.weight).sum::<f64>();
-        let together = Some(format!("{weight:.3}")).filter(|weight| weight.trim_matches(['0', '.', '-']) != "");
+        let together = Some(format!("{weight:.3}")).filter(|weight| !weight.trim_matches(['0', '.', '-']).is_empty());
         let together = together.map_or(String::new(), |weight| format!(", weight {weight} together"));
         lines.push(format!("  and {} more{together} (see --json){open}", d.candidates.len() - shown.len()));
     }

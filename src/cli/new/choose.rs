@@ -6,7 +6,7 @@ use crate::cli::progress::of_searches;
 use crate::compare::{EXCESS, calibrate, judge};
 use crate::discover::{Hypothesis, MARGIN, SearchOptions, explain};
 use crate::error::Result;
-use crate::fit::{Parameter, deviance, price, robust_square, typical_of};
+use crate::fit::{deviance, price, robust_square, typical_of};
 use crate::free_form;
 use crate::measurement::{Table, load};
 use crate::model::Model;
@@ -39,17 +39,12 @@ struct Left {
 }
 
 impl Left {
-    /// By effects of the catalogue and, where a search is too short for these, by any law of the amplitude. An effect that
-    /// ends at a bound of its range undoes a wrong kind, as a lag far longer than a period integrates: the calibrated model
-    /// counts in its place.
+    /// By effects of the catalogue and, where a search is too short for these, by any law of the amplitude.
     fn by(scenario: &Scenario, table: &Table, short: &SearchOptions, solved: &Arc<AtomicU64>) -> Vec<Self> {
         let model = Model::new(&table.applied_to(scenario));
         let calibration = calibrate(&model, &scenario.free, &table.points, Tolerance::FIT, 0);
         let law = free_form::left_by_amplitude(&judge(scenario, table, &calibration, None));
         let (Hypothesis { fit, .. }, looked_at) = explain(scenario, table, short, solved);
-        let at_bound = |(p, value): (&Parameter, &f64)| p.key.starts_with("effect.") && p.at_bound(*value);
-        let is_undone = fit.parameters.iter().zip(&fit.values).any(at_bound);
-        let (fit, looked_at) = if is_undone { (calibration.fit, 0.0) } else { (fit, looked_at) };
         let freedom = table.freedom;
         let effects =
             Self { residuals: fit.evaluation.residuals, parameters: fit.parameters.len(), freedom, looked_at };
