@@ -53,14 +53,14 @@ fn evidence(end: &Step, undecidable: Option<&str>, points: usize) -> Evidence {
 }
 
 /// Why the readings could not have told against what an explanation adds, where that is so, in words.
-fn undecidable(base: &Step, end: &Step) -> Option<&'static str> {
+fn undecidable(base: &Step, end: &Step, looked_at: f64) -> Option<&'static str> {
     if !is_told_from_linear(base, end) {
         return Some(
             "one sweep without phases does not tell a law of the amplitude from one of the frequency: sweep again at a third \
              or three times the drive",
         );
     }
-    (!is_told_within(base, end)).then_some(
+    (!is_told_within(base, end, looked_at)).then_some(
         "a rig of its own in every series, damping included, follows the readings as well, and so what else drifted is not \
          told from a law: repeat the first sweep at the end; where it differs, the rig has changed",
     )
@@ -140,7 +140,7 @@ impl Search<'_> {
         let ties = if is_explained && further.is_some() { &[] } else { ties };
         let end = &steps[steps.len() - 1];
         let structured = end.comparison.whiteness.structured;
-        let undecidable = if structured { None } else { undecidable(&steps[0], end) };
+        let undecidable = if structured { None } else { undecidable(&steps[0], end, self.looked_at(&end.hypothesis)) };
         let verdict = verdict(&evidence(end, undecidable, self.table.points.len()));
         let tied = || ties.iter().filter(|tied| tied.len() > 1);
         let rivals: Vec<Hypothesis> = tied().flatten().cloned().collect();

@@ -11,8 +11,9 @@ use crate::solver::cycle::Tolerance;
 /// Whether the readings within the series tell what an explanation adds to the motion beside a drift. A rig that was
 /// another one in each series may have had another damping there, too: what the calibrated model leaves where it is
 /// fitted to every series by itself, each with numbers of its own, nothing beside the drift has explained. True without
-/// a drift, of a single series, and of a contact, whose laws are told by loads and speeds.
-pub(super) fn is_told_within(base: &Step, end: &Step) -> bool {
+/// a drift, of a single series, and of a contact, whose laws are told by loads and speeds. The explanation was chosen among
+/// many: what the search charges for having `looked_at` them it has to gain as well.
+pub(super) fn is_told_within(base: &Step, end: &Step, looked_at: f64) -> bool {
     let additions = &end.hypothesis.additions;
     let acts = |name: &str| end.hypothesis.model.effects.iter().any(|(e, _)| e.name() == name && !e.is_read_beside());
     let beside = additions.iter().any(|a| !a.is_of_each_series() && a.is_effect() && acts(a.name()));
@@ -40,7 +41,7 @@ pub(super) fn is_told_within(base: &Step, end: &Step) -> bool {
     // More numbers take off as many squares of noise.
     let is_worse = |model: &Model, others: usize| {
         let more = (series * keys.len() + others) as f64 - end.hypothesis.fit.parameters.len() as f64;
-        left(model) + more * unit > robust_chi2(residuals, threshold) + MARGIN * unit
+        left(model) + more * unit > robust_chi2(residuals, threshold) + (MARGIN + looked_at) * unit
     };
     // By themselves, and with what the explanation reads beside the motion.
     let mut with = own.clone();

@@ -50,14 +50,21 @@ impl Fit {
         square + price(self.parameters.len(), readings, freedom)
     }
 
-    /// Of strengths of either sign that came to less than a search looks for, and would go on to the other sign: all
-    /// parameters and values with these at the least of that sign. `None` where there is none.
+    /// Of strengths of either sign that came to less than a search looks for, and would take off more squares at the other
+    /// sign than [`MARGIN`] of what is typically left, the other parameters following: all parameters and values with
+    /// these at the least of that sign. `None` where there is none.
     pub fn across_zero(&self) -> Option<(Vec<Parameter>, Vec<f64>)> {
         let (residuals, jacobian) = (&self.evaluation.residuals, &self.evaluation.jacobian);
         let goes_on = |index: usize| {
             let (parameter, value) = (&self.parameters[index], self.values[index]);
-            let uphill = jacobian.column(index).dot(residuals);
-            parameter.signed && parameter.share(value) < 0.0 && uphill * value > 0.0
+            if !parameter.signed || parameter.share(value) >= 0.0 {
+                return false;
+            }
+            let others = jacobian.clone().remove_column(index).qr().q();
+            let column = jacobian.column(index);
+            let own = column - &others * (others.transpose() * column);
+            let uphill = own.dot(residuals);
+            uphill * value > 0.0 && uphill * uphill > MARGIN * typical_of(residuals).powi(2) * own.norm_squared()
         };
         let across: Vec<bool> = (0..self.values.len()).map(goes_on).collect();
         let mirrored = |(p, goes_on): (&Parameter, &bool)| if *goes_on { p.mirrored() } else { p.clone() };
