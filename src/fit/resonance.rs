@@ -182,6 +182,11 @@ fn parabola(values: &[(f64, f64)]) -> Option<(f64, f64, f64)> {
     }
     let shift = -0.5 * b / c;
     let square = a / c - shift * shift;
+    // Of a damping so large that the squares have no minimum at any frequency.
+    let broad = Some((1.0 + shift).powi(2) + square).filter(|whole| square <= 0.0 && *whole > 0.0);
+    if let Some(at) = broad.map(|whole| whole.sqrt() - 1.0).filter(|at| *at > shift) {
+        return Some((at, (2.0 * (at - shift) * (1.0 + at)).sqrt(), c.sqrt()));
+    }
     // Where noise hides the width, that of the amplitudes within a factor of the root of two of the largest.
     let near: Vec<f64> = values.iter().filter(|(_, y)| *y < 2.0).map(|(d, _)| (d - shift).abs()).collect();
     let square = if square > 0.0 { square } else { near.iter().copied().fold(0.0, f64::max).powi(2) };

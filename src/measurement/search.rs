@@ -4,6 +4,7 @@ use super::frame::{Frame, READINGS};
 use super::header::{self, Meaning};
 use super::likely::{is_deviation, is_time};
 use super::mapping::{Found, Search, Slot};
+use super::modes::TOLD;
 use super::names::{AMPLITUDE, AMPLITUDE_SD, DRIVE, FREQUENCY, LOAD, NUMBERS, PHASE, PHASE_SD, SPEED};
 use super::parts::parts;
 use super::rest::Candidate;
@@ -245,10 +246,11 @@ impl Search<'_, '_> {
         }
     }
 
-    /// Phases that are zero in all rows were not measured, unless the scenario says which column holds them.
+    /// Phases that are zero in all rows, of a curve or more, were not measured, unless the scenario says which column holds them.
     fn leave_out_dead_phases(&mut self) {
         let Some(Slot::Cells(index, _)) = self.found.slots[PHASE] else { return };
-        if self.found.tallies[index].is_zero() && !self.found.told[PHASE] {
+        let tally = &self.found.tallies[index];
+        if tally.is_zero() && tally.numbers >= TOLD && !self.found.told[PHASE] {
             self.found.slots[PHASE] = None;
             let header = quote(&self.sheet.header.cells[index]);
             self.notes.retain(|note| !note.starts_with(&header));

@@ -143,17 +143,22 @@ fn a_drive_that_sags_on_the_way_is_one_sweep() {
     assert_eq!(series(&[sweep(2.8), sweep(3.0), sweep(3.2)].concat()), 3);
 }
 
+/// Keys and headers of the columns that are read of twelve rows.
+fn of(header: &str, row: &dyn Fn(f64) -> String) -> Vec<(&'static str, String)> {
+    let text: String = (0..12).map(|i| row(f64::from(i)) + "\n").collect();
+    let seen = survey("t.csv", &format!("{header}\n{text}")).unwrap_or_else(|error| panic!("{error}"));
+    seen.columns.iter().filter_map(|c| Some((c.key?, c.header.clone()))).collect()
+}
+
+/// A resonance in the middle of twelve rows.
+fn voltage(i: f64) -> f64 {
+    2.0 / (1.0 + (i - 6.0).powi(2) / 8.0)
+}
+
 /// Heights of a Lissajous figure stand beside the voltage that was measured, and the voltage of a generator beside an
 /// amplitude in divisions of a scale.
 #[test]
 fn the_reading_is_what_a_deviation_is_stated_of_and_the_drive_what_is_held() {
-    let of = |header: &str, row: &dyn Fn(f64) -> String| {
-        let text: String = (0..12).map(|i| row(f64::from(i)) + "\n").collect();
-        let seen = survey("t.csv", &format!("{header}\n{text}")).unwrap_or_else(|error| panic!("{error}"));
-        let columns = seen.columns.iter().filter_map(|c| Some((c.key?, c.header.clone())));
-        columns.collect::<Vec<_>>()
-    };
-    let voltage = |i: f64| 2.0 / (1.0 + (i - 6.0).powi(2) / 8.0);
     let read = of("f (Hz),peak-to-peak voltage (V),unc voltage (V),y0 (V),y1 (V),unc y (V)", &|i| {
         format!("{},{:.2},0.05,{:.2},{:.2},0.05", 80.0 + i, voltage(i), voltage(i), 0.3 + 0.1 * (i * i % 7.0))
     });
@@ -170,6 +175,15 @@ fn the_reading_is_what_a_deviation_is_stated_of_and_the_drive_what_is_held() {
     let text: String = (0..12).map(f64::from).map(|i| format!("{},3,{:.2},2.{i}\n", 80.0 + i, voltage(i))).collect();
     let error = survey("t.csv", &format!("f,U0,UC,a\n{text}")).expect_err("no reading is named").to_string();
     assert!(error.contains("no column for amplitude"), "{error}");
+    // A reading over a drive is a response.
+    let read = of("f (Hz),Acceleration/Force (m/s^2/N)", &|i| format!("{},{:.2}", 80.0 + i, voltage(i)));
+    assert!(read.contains(&("amplitude", "Acceleration/Force (m/s^2/N)".to_string())), "{read:?}");
+    let read = of("Bias (V),f (Hz),amplitude", &|i| format!("4,{},{:.2}", 80.0 + i, voltage(i)));
+    assert!(!read.iter().any(|(key, _)| *key == "drive"), "a bias: {read:?}");
+}
+
+#[test]
+fn what_is_held_is_set_and_no_reading() {
     // What is held is set, and drives where it is a voltage beside another.
     let both = of("I (mA),f (Hz),F (N),A (V)", &|i| {
         format!("{},{},2,{:.2}", if i < 6.0 { 200 } else { 400 }, 80.0 + i, voltage(i))
@@ -213,6 +227,10 @@ fn the_reading_is_what_a_deviation_is_stated_of_and_the_drive_what_is_held() {
     assert!(read.contains(&("amplitude", "x_um".to_string())), "{read:?}");
     let read = of("Frequenz / Hz;Amplitude / V;dA [V]", &|i| format!("{};{:.2};0.05", 80.0 + i, voltage(i)));
     assert!(read.contains(&("amplitude_sd", "dA [V]".to_string())), "{read:?}");
+}
+
+#[test]
+fn phases_that_were_not_measured_are_not_read() {
     // A phase that is one number was not measured.
     let read = of("f (Hz),x (mm),phase (deg)", &|i| format!("{},{:.2},0", 80.0 + i, voltage(i)));
     assert!(!read.iter().any(|(key, _)| *key == "phase"), "{read:?}");
@@ -229,11 +247,6 @@ fn the_reading_is_what_a_deviation_is_stated_of_and_the_drive_what_is_held() {
         assert_eq!(seen.table.points.iter().all(|point| point.phase.is_some()), is_used, "{:?}", seen.table.notes);
         assert_eq!(seen.mapping.contains(&("phase".into(), String::new())), !is_used, "{:?}", seen.mapping);
     }
-    // A reading over a drive is a response.
-    let read = of("f (Hz),Acceleration/Force (m/s^2/N)", &|i| format!("{},{:.2}", 80.0 + i, voltage(i)));
-    assert!(read.contains(&("amplitude", "Acceleration/Force (m/s^2/N)".to_string())), "{read:?}");
-    let read = of("Bias (V),f (Hz),amplitude", &|i| format!("4,{},{:.2}", 80.0 + i, voltage(i)));
-    assert!(!read.iter().any(|(key, _)| *key == "drive"), "a bias: {read:?}");
 }
 
 #[test]
