@@ -29,8 +29,9 @@ pub(super) fn is_told_within(base: &Step, end: &Step, looked_at: f64) -> bool {
     if !keys.iter().any(|key| damping.contains(&key.as_str())) {
         keys.extend(damping.iter().find(|key| parameter(&own, key).is_some()).map(|key| key.to_string()));
     }
-    let of_each: Vec<Vec<Point>> =
-        (0..series).map(|index| points.iter().filter(|p| p.series == index).cloned().collect()).collect();
+    let of = |index: usize| points.iter().filter(|p| p.series == index).cloned().collect();
+    // Of a series that lies outside the band that is used there are none.
+    let of_each: Vec<Vec<Point>> = (0..series).map(of).filter(|own: &Vec<Point>| !own.is_empty()).collect();
     let residuals = &end.comparison.fit.evaluation.residuals;
     let threshold = TAIL * typical_of(residuals);
     let left = |model: &Model| -> f64 {
@@ -40,7 +41,7 @@ pub(super) fn is_told_within(base: &Step, end: &Step, looked_at: f64) -> bool {
     let unit = end.comparison.unit();
     // More numbers take off as many squares of noise.
     let is_worse = |model: &Model, others: usize| {
-        let more = (series * keys.len() + others) as f64 - end.hypothesis.fit.parameters.len() as f64;
+        let more = (of_each.len() * keys.len() + others) as f64 - end.hypothesis.fit.parameters.len() as f64;
         left(model) + more * unit > robust_chi2(residuals, threshold) + (MARGIN + looked_at) * unit
     };
     // By themselves, and with what the explanation reads beside the motion.
