@@ -81,7 +81,9 @@ fn said(d: &Discovery) -> String {
         Verdict::Unexplained if !end.comparison.whiteness.testable => {
             let what = if end.hypothesis.additions.is_empty() { "the calibrated model".into() } else { all };
             let freedom = end.comparison.table.freedom;
-            let known = if freedom.is_finite() { format!(", by a noise known from {} of freedom", count(freedom.round() as usize, "degree")) } else { String::new() };
+            let known = Some(freedom).filter(|freedom| freedom.is_finite()).map_or(String::new(), |freedom| {
+                format!(", by a noise known from {} of freedom", count(freedom.round() as usize, "degree"))
+            });
             format!(
                 "undecided: the series are too short to test whether {what} leaves more than noise; chi2 {:.2}{known}",
                 end.comparison.overall.chi2_per_point
