@@ -57,9 +57,11 @@ pub(crate) use unit::{Unit, Wanted, suffix};
 
 use crate::error::{Error, Result};
 use crate::scenario::diagnostic::whole_file;
+use crate::scenario::parameters::COLUMNS;
 use crate::scenario::{MeasurementSource, Scenario, Signals, Sweep};
 use crate::statistics::median;
 use frame::Frame;
+use names::PHASE;
 use reading::Readings;
 
 /// One measured steady state, SI units.
@@ -298,7 +300,7 @@ fn read(wanted: &MeasurementSource, bytes: &[u8], frame: &Frame<'_>, sweep: Opti
             rows::readings(&sheet, &wanted.columns, frame, sweep, &mut notes)?
         }
     };
-    let readings = within(readings, wanted, &mut notes)?;
+    let readings = phased(within(readings, wanted, &mut notes)?, wanted);
     unused_keys(wanted, format, &mut notes);
     let Readings { signals, columns, choices, .. } = &readings;
     let (signals, columns, choices) = (*signals, columns.clone(), choices.clone());
@@ -357,6 +359,20 @@ fn within(readings: Readings, wanted: &MeasurementSource, notes: &mut Vec<String
     Ok(kept)
 }
 
+/// The readings without their phases, where the scenario wants none.
+fn phased(mut readings: Readings, wanted: &MeasurementSource) -> Readings {
+    if wanted.columns.iter().any(is_no_phase) {
+        readings.list.iter_mut().for_each(|reading| (reading.phase, reading.phase_sd) = (None, None));
+        readings.phase_stated = false;
+    }
+    readings
+}
+
+/// Whether an entry of a mapping says that no column is of phases.
+fn is_no_phase((key, header): &(String, String)) -> bool {
+    key == COLUMNS[PHASE] && header.trim().is_empty()
+}
+
 /// Formats, by the extension of the file's name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Format {
@@ -395,7 +411,7 @@ fn unused_keys(wanted: &MeasurementSource, format: Format, notes: &mut Vec<Strin
     if wanted.sheet.is_some() && format != Format::Workbook {
         unused("sheet", "workbooks");
     }
-    if !wanted.columns.is_empty() && format == Format::Universal {
+    if !wanted.columns.iter().all(is_no_phase) && format == Format::Universal {
         unused("columns", "tables with a header");
     }
 }

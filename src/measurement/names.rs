@@ -191,8 +191,17 @@ pub(crate) const ALIASES: &[Alias] = &[
     alias("zeitverschiebung", PHASE, SECOND, false),
     alias("a", PHASE, SECOND, false),
     alias("roller_speed", SPEED, VELOCITY, false),
+    alias("roller_velocity", SPEED, VELOCITY, false),
+    alias("belt_speed", SPEED, VELOCITY, false),
+    alias("belt_velocity", SPEED, VELOCITY, false),
+    alias("surface_speed", SPEED, VELOCITY, false),
+    alias("sliding_speed", SPEED, VELOCITY, false),
+    alias("sliding_velocity", SPEED, VELOCITY, false),
+    alias("gleitgeschwindigkeit", SPEED, VELOCITY, false),
+    alias("w", LOAD, NEWTON, false),
     alias("normal_load", LOAD, NEWTON, false),
     alias("normal_force", LOAD, NEWTON, false),
+    alias("normalkraft", LOAD, NEWTON, false),
 ];
 
 /// Words in names that say what is held, with its SI unit; the first that is there decides.

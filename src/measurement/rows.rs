@@ -43,7 +43,7 @@ pub(crate) fn readings(
     // A frequency of zero anywhere else is a slip.
     let is_spectrum = sheet.rows().next().is_some_and(|first| is_constant_part(&layout, &first))
         && sheet.rows().any(|row| !is_constant_part(&layout, &row));
-    let (mut constant, mut overflown) = (0, 0);
+    let (mut constant, mut overflown, mut unread) = (0, 0, 0);
     for (at, row) in sheet.rows().enumerate() {
         if is_spectrum && is_constant_part(&layout, &row) {
             constant += 1;
@@ -51,6 +51,10 @@ pub(crate) fn readings(
         }
         if row.cells.iter().any(|cell| is_overflow(cell)) {
             overflown += 1;
+            continue;
+        }
+        if is_unread(&layout, &row) {
+            unread += 1;
             continue;
         }
         let mut cells = Cells { sheet, layout: &layout, row: &row, commas, steps, complaints: &mut complaints };
@@ -67,6 +71,9 @@ pub(crate) fn readings(
     if overflown > 0 {
         let rows = count(overflown, "row");
         notes.push(format!("{rows} with a number of 9.9e37, which an instrument writes that has no reading, not used"));
+    }
+    if unread > 0 {
+        notes.push(format!("{} with empty cells where the reading would stand, not used", count(unread, "row")));
     }
     let stated = |column: usize| layout.slots[column].is_some();
     let si = |column: usize| layout.slots[column].as_ref().map_or("", Slot::si);
@@ -88,6 +95,16 @@ const OVERFLOW: f64 = 9.9e37;
 fn is_overflow(cell: &str) -> bool {
     let number = || cell.trim().replace(',', ".").parse::<f64>();
     cell.contains("37") && number().is_ok_and(|number| number.abs() >= OVERFLOW && number.is_finite())
+}
+
+/// Whether a row has a frequency, and empty cells in place of amplitude and phase.
+fn is_unread(layout: &Layout, row: &Row) -> bool {
+    let of = |column: usize| layout.slots[column].as_ref().and_then(Slot::index);
+    let is_empty = |index: usize| row.cells.get(index).is_some_and(|cell| cell.trim().is_empty());
+    let parts = layout.parts.iter().flat_map(|parts| [parts.real, parts.imaginary]);
+    let read: Vec<usize> =
+        if layout.parts.is_some() { parts.collect() } else { of(AMPLITUDE).into_iter().chain(of(PHASE)).collect() };
+    !read.is_empty() && read.into_iter().all(is_empty) && of(FREQUENCY).is_some_and(|index| !is_empty(index))
 }
 
 /// Whether a row is of frequency zero, with which a spectrum begins.

@@ -140,12 +140,16 @@ impl Search<'_, '_> {
                 aliases[PHASE].retain(|candidate| !candidate.unit.is_of_lags());
             }
         }
+        let loaded = !named[LOAD].is_empty() || !aliases[LOAD].is_empty();
+        let contact = self.frame.has_contact() || self.frame.is_free() && loaded;
+        if contact && !self.is_settled(SPEED) && named[SPEED].is_empty() && aliases[SPEED].is_empty() {
+            self.tell_roller(&mut aliases);
+        }
         if self.frame.is_free() && named[AMPLITUDE].is_empty() {
             let driven = [&named, &aliases, &likely, &unstated].iter().any(|said| !said[DRIVE].is_empty());
             let said = if aliases[AMPLITUDE].is_empty() { &mut likely } else { &mut aliases };
             self.set_apart(&mut said[AMPLITUDE], driven || self.is_settled(DRIVE));
         }
-        let contact = self.frame.has_contact() || self.frame.is_free() && !named[LOAD].is_empty();
         let roller = self.found.told[SPEED] || !named[SPEED].is_empty() || !aliases[SPEED].is_empty();
         let with_speed = !contact || roller;
         for (column, ((named, aliases), likely)) in named.into_iter().zip(aliases).zip(likely).enumerate() {
@@ -175,6 +179,20 @@ impl Search<'_, '_> {
                 (self.found.taken[index], self.found.told[column]) = (true, true);
             }
         }
+    }
+
+    /// Beside a load and another reading, a velocity that changes from row to row less than that is the roller's.
+    fn tell_roller(&self, aliases: &mut [Vec<Candidate>; NUMBERS]) {
+        let (velocities, others): (Vec<Candidate>, Vec<Candidate>) =
+            std::mem::take(&mut aliases[AMPLITUDE]).into_iter().partition(|one| one.unit.si == "m/s");
+        let change = |one: &Candidate| self.sheet.change(one.index);
+        let is_held = |one: &Candidate| !others.is_empty() && others.iter().all(|other| change(one) < change(other));
+        match velocities.as_slice() {
+            [one] if is_held(one) => aliases[SPEED] = velocities,
+            _ => aliases[AMPLITUDE].extend(velocities),
+        }
+        aliases[AMPLITUDE].extend(others);
+        aliases[AMPLITUDE].sort_by_key(|one| one.index);
     }
 
     /// Uses a column that was chosen by what it is like, and says so where there was a choice.

@@ -102,17 +102,13 @@ fn survey_of(file: PathBuf, band: Option<(f64, f64)>, bytes: impl Fn(&Path) -> R
     }
     if doubts::are_random(&table.points) {
         wanted.columns = vec![(COLUMNS[PHASE].to_string(), String::new())];
-        let unphased = read(&wanted, &bytes, &Frame::any(), None)?;
-        // Of complex numbers the phase is no column of its own.
-        if unphased.0.points.iter().all(|point| point.phase.is_none()) {
-            (table, columns, mapping) = unphased;
-            table.notes.push(
-                "the phases are scattered over the whole circle, from row to row as well: they are not used; they are used again \
-                 without `phase = \"\"` in [measurement] columns"
-                    .into(),
-            );
-            mapping.extend(wanted.columns.clone());
-        }
+        (table, columns, mapping) = read(&wanted, &bytes, &Frame::any(), None)?;
+        table.notes.push(
+            "the phases are scattered over the whole circle, from row to row as well: they are not used; they are used again \
+             without `phase = \"\"` in [measurement] columns"
+                .into(),
+        );
+        mapping.extend(wanted.columns.clone());
     }
     Ok(Survey { table, columns, mapping, record })
 }

@@ -94,6 +94,77 @@ fn an_element_of_a_scattering_matrix_is_amplitude_or_phase_by_its_unit() {
 }
 
 #[test]
+fn phases_that_point_anywhere_are_left_out_of_any_kind_of_table() {
+    let text = |header: &str, cells: fn(f64, f64) -> String, turns: f64| {
+        let row = |n: u32| {
+            let r = 0.9 + 0.004 * f64::from(n);
+            let size = (1.0 - r * r).hypot(r / 20.0).recip() * if n.is_multiple_of(2) { 1.01 } else { 0.99 };
+            // Not evenly spread, as the points of a sequence are.
+            let share = ((12.9898 * f64::from(n)).sin() * 43_758.545_3).rem_euclid(1.0);
+            let phase = std::f64::consts::TAU * turns * share - 1.5;
+            format!("{},0.5,{}\n", 100.0 * r, cells(size, phase))
+        };
+        format!("{header}\n{}", (0..50).map(row).collect::<String>())
+    };
+    let polar: fn(f64, f64) -> String = |size, phase| format!("{size},{phase}");
+    let parts: fn(f64, f64) -> String = |size, phase| format!("{},{}", size * phase.cos(), size * phase.sin());
+    let complex: fn(f64, f64) -> String = |size, phase| format!("({}{:+}j)", size * phase.cos(), size * phase.sin());
+    for (header, cells) in [
+        ("f [Hz],F [N],x [mm],phi [rad]", polar),
+        ("f [Hz],F [N],re x [mm],im x [mm]", parts),
+        ("f [Hz],F [N],x [mm]", complex),
+    ] {
+        let of = |turns: f64| {
+            survey_bytes("t.csv", text(header, cells, turns).as_bytes()).unwrap_or_else(|error| panic!("{error}"))
+        };
+        let (seen, narrow) = (of(1.0), of(0.5));
+        assert!(narrow.table.points.iter().all(|p| p.phase.is_some()), "{header}");
+        assert!(seen.table.points.iter().all(|p| p.phase.is_none()), "{header}");
+        assert_eq!(seen.mapping, [("phase".to_string(), String::new())], "{header}");
+        let again = load("t.csv", text(header, cells, 0.5).as_bytes(), "", "columns = { phase = '' }");
+        let again = again.unwrap_or_else(|error| panic!("{error}"));
+        assert!(again.points.iter().all(|p| p.phase.is_none() && p.amplitude > 0.0), "{header}");
+    }
+}
+
+#[test]
+fn a_velocity_beside_a_load_and_a_reading_is_the_rollers() {
+    let rows: String = (0..16)
+        .map(|n| {
+            format!("{},0.3,{},4,{},{}\n", 34.0 + f64::from(n), if n < 8 { 5 } else { 20 }, 14 + n % 8, -12 - n % 8)
+        })
+        .collect();
+    for header in [
+        "V [mm/s],W [N]",
+        "velocity [mm/s],load [N]",
+        "sliding velocity (mm/s),W (N)",
+        "belt speed [mm/s],normal force [N]",
+    ] {
+        let text = format!("f [Hz],F [N],{header},x [µm],phase [deg]\n{rows}");
+        let seen = survey_bytes("t.csv", text.as_bytes()).unwrap_or_else(|error| panic!("{header}: {error}"));
+        let settings: Vec<(f64, f64)> = seen.table.series.iter().map(|one| (one.speed, one.load)).collect();
+        assert_eq!(settings, [(5e-3, 4.0), (0.02, 4.0)], "{header}");
+        assert_eq!(seen.table.signals.reading.unit, "m", "{header}");
+    }
+    // Without a load it is none of a contact.
+    let text = format!("f [Hz],F [N],v [mm/s],n,x [µm],phase [deg]\n{rows}");
+    let seen = survey_bytes("t.csv", text.as_bytes()).unwrap_or_else(|error| panic!("{error}"));
+    assert!(seen.table.series.iter().all(|one| one.speed == 0.0), "{:?}", seen.table.series);
+}
+
+#[test]
+fn rows_with_empty_cells_for_a_reading_are_left_out_and_counted() {
+    let rows: String = (0..12).map(|n| format!("{},{},{}\n", 80 + n, 1 + n % 6, -10 * n)).collect();
+    let text = format!("f [Hz],x [mm],phase [deg]\n79,,\n{rows}92, ,\n");
+    let seen = survey_bytes("t.csv", text.as_bytes()).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(seen.table.points.len(), 12);
+    assert!(seen.table.notes.iter().any(|note| note.starts_with("2 rows with empty cells")), "{:?}", seen.table.notes);
+    // A phase without an amplitude is a slip.
+    let text = format!("f [Hz],x [mm],phase [deg]\n79,,-5\n{rows}");
+    assert!(survey_bytes("t.csv", text.as_bytes()).expect_err("no amplitude").to_string().contains("t.csv:2:"));
+}
+
+#[test]
 fn what_was_made_of_the_headers_is_said() {
     let text = "\u{feff}f / Hz;F / mN;a / (m/s²);phi / °;Temperatur / °C\n80;0,5;2;-90;21\n81;0,5;2;-90;21\n";
     let text = format!("{text}{}", (0..6).map(|n| format!("{};0,5;2,{n};-9{n};21\n", 82 + n)).collect::<String>());
@@ -197,6 +268,7 @@ fn series_and_sweep_are_mapped_too() {
 #[test]
 fn equal_problems_are_one_message() {
     let rows: String = (0..30).map(|n| format!("{},1,{}\n", 60 + n, if n % 3 == 0 { "-" } else { "1e-6" })).collect();
+    let phased: String = rows.replace('\n', ",-1\n");
     insta::assert_snapshot!(
         "one-message-for-one-cause",
         load(
@@ -209,7 +281,7 @@ fn equal_problems_are_one_message() {
     );
     insta::assert_snapshot!(
         "one-message-for-cells",
-        load("t.csv", format!("frequency_hz,force_n,amplitude_m\n{rows}80,1,\n").as_bytes(), "", "")
+        load("t.csv", format!("frequency_hz,force_n,amplitude_m,phase_rad\n{phased}80,1,,-1\n").as_bytes(), "", "")
             .expect_err("refused")
     );
 }

@@ -63,6 +63,44 @@ fn found(table: &Table) -> Vec<(usize, Direction)> {
     table.series.iter().enumerate().map(|(number, series)| (count(number), series.direction)).collect()
 }
 
+/// Two loads and two speeds, each of one sweep of 12 rows, all read row by row about their settings.
+#[test]
+fn loads_and_speeds_that_are_measured_row_by_row_are_settings() {
+    let text = |scatter: f64, steps: f64| {
+        let of = |row: u32, dimension: u32, value: f64| {
+            let share = 1.0 + scatter * (f64::from(sobol_burley::sample(row, dimension, 9)) - 0.5);
+            (value * share / steps).round() * steps
+        };
+        let row = |row: u32| {
+            let (load, speed) = ([4.0, 6.0][row as usize / 24], [0.01, 0.02][row as usize / 12 % 2]);
+            let (n, size) = (row % 12, 1e-5 * (1.0 + f64::from(row % 5)));
+            format!("{},{},{},0.3,{size},-1\n", 34 + n, of(row, 0, load), of(row, 1, speed))
+        };
+        format!("frequency_hz,load_n,speed_m_s,force_n,amplitude_m,phase_rad\n{}", (0..48).map(row).collect::<String>())
+    };
+    let settings = |text: &str| {
+        let seen =
+            stickslip::measurement::survey_bytes("t.csv", text.as_bytes()).unwrap_or_else(|error| panic!("{error}"));
+        let said = seen.table.notes.iter().filter(|note| note.contains("waver from row to row")).count();
+        (seen.table.series.iter().map(|s| (s.load, s.speed)).collect::<Vec<_>>(), said)
+    };
+    let made = [(4.0, 0.01), (4.0, 0.02), (6.0, 0.01), (6.0, 0.02)];
+    assert_eq!(settings(&text(0.0, 1e-9)).1, 0);
+    // As finely as they were read, and as a display rounds them.
+    for (scatter, steps) in [(0.04, 1e-9), (0.01, 1e-9), (0.01, 1e-3)] {
+        let (found, said) = settings(&text(scatter, steps));
+        assert_eq!(found.len(), 4, "{scatter} {steps}: {found:?}");
+        assert!(said > 0);
+        for ((load, speed), (own_load, own_speed)) in found.iter().zip(made) {
+            assert!((load / own_load - 1.0).abs() < scatter && (speed / own_speed - 1.0).abs() < scatter, "{found:?}");
+        }
+    }
+    // Settings that differ as little stay apart.
+    let near = text(0.0, 1e-9).replace(",6,", ",4.2,");
+    let (found, said) = settings(&near);
+    assert_eq!((found.len(), said), (4, 0), "{found:?}");
+}
+
 #[test]
 // Long: a list of cases made from the same sweeps.
 fn sweeps_are_told_by_the_order_of_the_rows_where_the_drive_was_measured() {

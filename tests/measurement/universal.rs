@@ -32,6 +32,10 @@ fn universal_files_give_what_was_computed_by_hand() {
     }
     assert_eq!((table.points.len(), table.points[0].line), (8, 19));
     insta::assert_snapshot!("uff-notes", table.notes[..4].join("\n"));
+    let unphased = read("frf.uff", longer.as_bytes(), &format!("record = 1\ncolumns = {{ phase = '' }}\n{SWEEP}"));
+    let unphased = unphased.unwrap_or_else(|error| panic!("{error}"));
+    assert!(unphased.points.iter().all(|point| point.phase.is_none()) && unphased.points.len() == 8);
+    assert!(!unphased.notes.iter().any(|note| note.contains("`columns` is not used")), "{:?}", unphased.notes);
 }
 
 /// The function of `record` extended to `count` values by repeating its data, so that its noise can be told.
