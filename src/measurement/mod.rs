@@ -32,6 +32,7 @@ mod samples;
 mod scatter;
 mod search;
 mod series;
+mod settle;
 mod sheet;
 mod survey;
 mod swings;

@@ -141,16 +141,16 @@ impl Search<'_, '_> {
             }
         }
         let loaded = !named[LOAD].is_empty() || !aliases[LOAD].is_empty();
-        let contact = self.frame.has_contact() || self.frame.is_free() && loaded;
-        if contact && !self.is_settled(SPEED) && named[SPEED].is_empty() && aliases[SPEED].is_empty() {
-            self.tell_roller(&mut aliases);
+        let mut roller = self.found.told[SPEED] || !named[SPEED].is_empty() || !aliases[SPEED].is_empty();
+        if !roller && (self.frame.has_contact() || self.frame.is_free() && loaded) {
+            roller = self.tell_roller(&mut aliases);
         }
         if self.frame.is_free() && named[AMPLITUDE].is_empty() {
             let driven = [&named, &aliases, &likely, &unstated].iter().any(|said| !said[DRIVE].is_empty());
             let said = if aliases[AMPLITUDE].is_empty() { &mut likely } else { &mut aliases };
             self.set_apart(&mut said[AMPLITUDE], driven || self.is_settled(DRIVE));
         }
-        let roller = self.found.told[SPEED] || !named[SPEED].is_empty() || !aliases[SPEED].is_empty();
+        let contact = self.frame.has_contact() || self.frame.is_free() && !named[LOAD].is_empty();
         let with_speed = !contact || roller;
         for (column, ((named, aliases), likely)) in named.into_iter().zip(aliases).zip(likely).enumerate() {
             if named.is_empty() {
@@ -181,18 +181,21 @@ impl Search<'_, '_> {
         }
     }
 
-    /// Beside a load and another reading, a velocity that changes from row to row less than that is the roller's.
-    fn tell_roller(&self, aliases: &mut [Vec<Candidate>; NUMBERS]) {
-        let (velocities, others): (Vec<Candidate>, Vec<Candidate>) =
-            std::mem::take(&mut aliases[AMPLITUDE]).into_iter().partition(|one| one.unit.si == "m/s");
+    /// Beside a load and another reading, a velocity that changes from row to row less than that is the roller's: whether
+    /// there is one.
+    fn tell_roller(&self, aliases: &mut [Vec<Candidate>; NUMBERS]) -> bool {
+        let readings = &mut aliases[AMPLITUDE];
+        let is_velocity = |one: &Candidate| one.unit.si == "m/s";
         let change = |one: &Candidate| self.sheet.change(one.index);
-        let is_held = |one: &Candidate| !others.is_empty() && others.iter().all(|other| change(one) < change(other));
-        match velocities.as_slice() {
-            [one] if is_held(one) => aliases[SPEED] = velocities,
-            _ => aliases[AMPLITUDE].extend(velocities),
+        let least = readings.iter().filter(|one| !is_velocity(one)).map(change).reduce(f64::min);
+        let mut velocities = (0..readings.len()).filter(|&at| is_velocity(&readings[at]));
+        let (Some(at), None, Some(least)) = (velocities.next(), velocities.next(), least) else { return false };
+        let is_held = change(&readings[at]) < least;
+        if is_held {
+            let roller = readings.remove(at);
+            aliases[SPEED].push(roller);
         }
-        aliases[AMPLITUDE].extend(others);
-        aliases[AMPLITUDE].sort_by_key(|one| one.index);
+        is_held
     }
 
     /// Uses a column that was chosen by what it is like, and says so where there was a choice.

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::Point;
 use super::reading::{Direction, Reading};
+use super::settle;
 use crate::effects;
 use crate::scenario::Scenario;
 use crate::statistics::{is_alike, median, spread};
@@ -60,11 +61,11 @@ pub fn by_condition(points: &mut [Point]) -> Vec<Series> {
 /// Rows of one load, speed and drive from which on they are swept at a set drive.
 pub(super) const SEVERAL: usize = 3;
 /// Rows of a sweep, at least, that is told from others by the order of the rows.
-const SWEPT: usize = 4;
+pub(super) const SWEPT: usize = 4;
 /// A way back that covers less than this share of the way is none, but a frequency that wavers.
 const WAVERS: f64 = 0.1;
 /// Relative change of the drive, as a logarithm, that may be another level.
-const LEVEL: f64 = 0.18;
+pub(super) const LEVEL: f64 = 0.18;
 /// ... where it is this many times the usual change from row to row.
 const JUMP: f64 = 8.0;
 /// Share of the steps of the frequency that go one way in a sweep.
@@ -77,7 +78,7 @@ const ONE_WAY: f64 = 0.8;
 /// where most rows do so in groups. Else the drive was measured: rows at one load and speed that follow each other are
 /// one sweep as long as the frequency goes one way.
 pub(super) fn group(list: &mut [Reading], arm: bool, notes: &mut Vec<String>) -> Vec<Series> {
-    settle(list, notes);
+    settle::settle(list, notes);
     let named = list.iter().any(|reading| !reading.name.is_empty());
     let all: Vec<usize> = (0..list.len()).collect();
     let way = |reading: &Reading| reading.sweep.map(|sweep| sweep == Direction::Up);
@@ -126,65 +127,6 @@ pub(super) fn group(list: &mut [Reading], arm: bool, notes: &mut Vec<String>) ->
         }
     }
     series.into_iter().map(|(series, _)| series).collect()
-}
-
-/// Puts in place of loads and speeds that were measured row by row the settings that they waver about, and says so.
-fn settle(list: &mut [Reading], notes: &mut Vec<String>) {
-    for (what, unit, value) in
-        [("loads", "N", (|r| &mut r.load) as fn(&mut Reading) -> &mut f64), ("speeds", "m/s", |r| &mut r.speed)]
-    {
-        let measured: Vec<f64> = list.iter_mut().map(|reading| *value(reading)).collect();
-        let settings = wavering(&measured);
-        let settled: Vec<f64> = settings.iter().map(|rows| median(rows.iter().map(|row| measured[*row]))).collect();
-        for (rows, setting) in settings.iter().zip(&settled) {
-            rows.iter().for_each(|row| *value(&mut list[*row]) = *setting);
-        }
-        if let (Some(low), Some(high)) =
-            (settled.iter().copied().reduce(f64::min), settled.iter().copied().reduce(f64::max))
-        {
-            let of = |value: f64| crate::units::readable::quantity(value, unit, 3);
-            let told = if settled.len() > 1 {
-                format!("{} settings, {} to {}", settled.len(), of(low), of(high))
-            } else {
-                format!("one setting, {}", of(low))
-            };
-            notes.push(format!("the {what} waver from row to row: they are taken as {told}, the median of each"));
-        }
-    }
-}
-
-/// Rows whose values waver about one setting each; nothing where values are set. Neighbouring values are one setting
-/// where they differ by less than another level would, by less than they are from all others, and mostly from one row to
-/// the next.
-fn wavering(values: &[f64]) -> Vec<Vec<usize>> {
-    let mut rows: Vec<usize> = (0..values.len()).collect();
-    rows.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
-    let mut groups: Vec<Vec<usize>> = Vec::new();
-    for row in rows {
-        match groups.last_mut() {
-            Some(group) if (values[row] / values[group[0]]).ln() < LEVEL || values[row] == values[group[0]] => {
-                group.push(row)
-            }
-            _ => groups.push(vec![row]),
-        }
-    }
-    let ends: Vec<(f64, f64)> = groups.iter().map(|rows| (values[rows[0]], values[rows[rows.len() - 1]])).collect();
-    let is_apart = |at: usize| {
-        let width = ends[at].1 - ends[at].0;
-        let before = at.checked_sub(1).is_none_or(|before| ends[at].0 - ends[before].1 > width);
-        before && ends.get(at + 1).is_none_or(|after| after.0 - ends[at].1 > width)
-    };
-    if !(0..groups.len()).all(is_apart) {
-        return Vec::new();
-    }
-    let wavers = |rows: &Vec<usize>| {
-        let mut in_order = rows.clone();
-        in_order.sort_unstable();
-        let runs = in_order.chunk_by(|a, b| values[*a] == values[*b]).map(<[usize]>::len);
-        2 * runs.filter(|run| *run >= SEVERAL).sum::<usize>() < rows.len() && rows.len() >= SWEPT
-    };
-    let ends = ends.into_iter().map(|(low, high)| low < high);
-    groups.into_iter().zip(ends).filter(|(rows, varies)| *varies && wavers(rows)).map(|(rows, _)| rows).collect()
 }
 
 /// How many sweeps the rows are, each of enough of them to be told, and whether each agrees with the one before, as
