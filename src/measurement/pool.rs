@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::reading::{Reading, Readings};
+use super::settle::settle;
 use super::{Point, Series, series};
 use crate::error::Result;
 use crate::statistics::wrap;
@@ -52,6 +53,7 @@ pub(crate) fn pool(readings: Readings, arm: bool, notes: &mut Vec<String>) -> Re
     for axis in axes {
         snap(&mut list, axis);
     }
+    settle(&mut list, notes);
     let series = series::group(&mut list, arm, notes);
     list.sort_by(|a, b| {
         let keys = key(a).into_iter().zip(key(b)).map(|(a, b)| a.total_cmp(&b));

@@ -43,18 +43,15 @@ pub(crate) fn readings(
     // A frequency of zero anywhere else is a slip.
     let is_spectrum = sheet.rows().next().is_some_and(|first| is_constant_part(&layout, &first))
         && sheet.rows().any(|row| !is_constant_part(&layout, &row));
-    let (mut constant, mut overflown, mut unread) = (0, 0, 0);
+    let mut without = [0; WITHOUT.len()];
     for (at, row) in sheet.rows().enumerate() {
-        if is_spectrum && is_constant_part(&layout, &row) {
-            constant += 1;
-            continue;
-        }
-        if row.cells.iter().any(|cell| is_overflow(cell)) {
-            overflown += 1;
-            continue;
-        }
-        if is_unread(&layout, &row) {
-            unread += 1;
+        let is_without = [
+            is_spectrum && is_constant_part(&layout, &row),
+            row.cells.iter().any(|cell| is_overflow(cell)),
+            is_unread(&layout, &row),
+        ];
+        if let Some(why) = is_without.into_iter().position(|is| is) {
+            without[why] += 1;
             continue;
         }
         let mut cells = Cells { sheet, layout: &layout, row: &row, commas, steps, complaints: &mut complaints };
@@ -65,16 +62,8 @@ pub(crate) fn readings(
     if layout.slots[PHASE].is_some() && blank > 0 {
         notes.push(format!("{blank} of {} rows have no phase", list.len()));
     }
-    if constant > 0 {
-        notes.push(format!("{} at 0 Hz, the constant part of a spectrum, not used", count(constant, "row")));
-    }
-    if overflown > 0 {
-        let rows = count(overflown, "row");
-        notes.push(format!("{rows} with a number of 9.9e37, which an instrument writes that has no reading, not used"));
-    }
-    if unread > 0 {
-        notes.push(format!("{} with empty cells where the reading would stand, not used", count(unread, "row")));
-    }
+    let without = without.into_iter().zip(WITHOUT).filter(|(rows, _)| *rows > 0);
+    notes.extend(without.map(|(rows, why)| format!("{} {why}, not used", count(rows, "row"))));
     let stated = |column: usize| layout.slots[column].is_some();
     let si = |column: usize| layout.slots[column].as_ref().map_or("", Slot::si);
     Ok(Readings {
@@ -87,6 +76,13 @@ pub(crate) fn readings(
         phase_stated: stated(PHASE_SD),
     })
 }
+
+/// Why rows hold no reading.
+const WITHOUT: [&str; 3] = [
+    "at 0 Hz, the constant part of a spectrum",
+    "with a number of 9.9e37, which an instrument writes that has no reading",
+    "with empty cells where the reading would stand",
+];
 
 /// What an instrument writes instead of infinity, or, a little larger, of no number (SCPI-99, volume 1, section 7.2.1).
 const OVERFLOW: f64 = 9.9e37;

@@ -5,7 +5,6 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::Point;
 use super::reading::{Direction, Reading};
-use super::settle;
 use crate::effects;
 use crate::scenario::Scenario;
 use crate::statistics::{is_alike, median, spread};
@@ -78,7 +77,6 @@ const ONE_WAY: f64 = 0.8;
 /// where most rows do so in groups. Else the drive was measured: rows at one load and speed that follow each other are
 /// one sweep as long as the frequency goes one way.
 pub(super) fn group(list: &mut [Reading], arm: bool, notes: &mut Vec<String>) -> Vec<Series> {
-    settle::settle(list, notes);
     let named = list.iter().any(|reading| !reading.name.is_empty());
     let all: Vec<usize> = (0..list.len()).collect();
     let way = |reading: &Reading| reading.sweep.map(|sweep| sweep == Direction::Up);
