@@ -145,6 +145,10 @@ impl Search<'_, '_> {
         if !roller && (self.frame.has_contact() || self.frame.is_free() && loaded) {
             roller = self.tell_roller(&mut aliases);
         }
+        if self.frame.is_free() && !roller {
+            // A force beside one that drives is no load of a contact where nothing slides.
+            aliases[LOAD].clear();
+        }
         if self.frame.is_free() && named[AMPLITUDE].is_empty() {
             let driven = [&named, &aliases, &likely, &unstated].iter().any(|said| !said[DRIVE].is_empty());
             let said = if aliases[AMPLITUDE].is_empty() { &mut likely } else { &mut aliases };

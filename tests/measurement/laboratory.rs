@@ -146,6 +146,12 @@ fn a_velocity_beside_a_load_and_a_reading_is_the_rollers() {
         assert_eq!(settings, [(5e-3, 4.0), (0.02, 4.0)], "{header}");
         assert_eq!(seen.table.signals.reading.unit, "m", "{header}");
     }
+    // A normal force without a speed is none of a sliding contact.
+    for header in ["W [N],n", "Normalkraft [N],n", "normal_force_n,n"] {
+        let text = format!("f [Hz],F [N],{header},x [µm],phase [deg]\n{rows}");
+        let seen = survey_bytes("t.csv", text.as_bytes()).unwrap_or_else(|error| panic!("{header}: {error}"));
+        assert!(seen.table.series.iter().all(|one| one.load == 0.0), "{header}: {:?}", seen.table.series);
+    }
     // Without a load it is none of a contact.
     let text = format!("f [Hz],F [N],v [mm/s],n,x [µm],phase [deg]\n{rows}");
     let seen = survey_bytes("t.csv", text.as_bytes()).unwrap_or_else(|error| panic!("{error}"));
