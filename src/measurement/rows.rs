@@ -57,6 +57,12 @@ pub(crate) fn readings(
         let mut cells = Cells { sheet, layout: &layout, row: &row, commas, steps, complaints: &mut complaints };
         list.extend(cells.reading(at + 1));
     }
+    if list.is_empty() && without.iter().any(|rows| *rows > 0) {
+        let most = without.into_iter().zip(WITHOUT).max_by_key(|(rows, _)| *rows);
+        let label = most.map_or(String::new(), |(rows, why)| format!("below are {} {why}", count(rows, "row")));
+        let help = "write a frequency and a reading in each row; leave out the rows that have none";
+        complaints.add(&sheet.row_place(&sheet.header), "the table has no readings", &label, help);
+    }
     complaints.check()?;
     let blank = list.iter().filter(|reading| reading.phase.is_none()).count();
     if layout.slots[PHASE].is_some() && blank > 0 {
@@ -411,25 +417,27 @@ impl Cells<'_, '_> {
     /// The number that is written in a cell.
     fn number_of(&mut self, column: usize, index: usize, unit: &Unit, written: &str) -> Option<f64> {
         let info = MEASURED[column];
-        let shown = if unit.relative { "%".into() } else { unit.shown() };
-        let what = format!("`{}` is the {}", info.key, info.meaning);
+        let shown = || if unit.relative { "%".into() } else { unit.shown() };
+        let what = || format!("`{}` is the {}", info.key, info.meaning);
         if written.is_empty() {
             let help = match column {
-                AMPLITUDE_SD | PHASE_SD => format!("{what}; state it in every row, or in none to have it estimated"),
-                _ => format!("{what}; write it, or remove the row"),
+                AMPLITUDE_SD | PHASE_SD => {
+                    format!("{}; state it in every row, or in none to have it estimated", what())
+                }
+                _ => format!("{}; write it, or remove the row", what()),
             };
-            self.fail(index, "empty", "the cell is empty", &format!("a number in {shown} is needed"), &help);
+            self.fail(index, "empty", "the cell is empty", &format!("a number in {} is needed", shown()), &help);
             return None;
         }
         let number = written.replace('−', "-");
         let number = if self.commas { number.replace(',', ".") } else { number };
         let Ok(value) = number.parse::<f64>() else {
-            let help = format!("{what}; its unit belongs in the header; remove the row if there is no reading");
+            let help = format!("{}; its unit belongs in the header; remove the row if there is no reading", what());
             self.fail(
                 index,
                 "number",
                 &format!("{} is not a number", quote(written)),
-                &format!("a number in {shown} is needed"),
+                &format!("a number in {} is needed", shown()),
                 &help,
             );
             return None;
@@ -438,8 +446,8 @@ impl Cells<'_, '_> {
         match value {
             Ok(value) if value.is_finite() => Some(value),
             _ => {
-                let label = format!("a finite number in {shown} is needed");
-                let help = format!("{what}; remove the row if there is no reading");
+                let label = format!("a finite number in {} is needed", shown());
+                let help = format!("{}; remove the row if there is no reading", what());
                 self.fail(index, "finite", &format!("{} is not finite", quote(written)), &label, &help);
                 None
             }

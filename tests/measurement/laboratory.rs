@@ -168,6 +168,9 @@ fn rows_with_empty_cells_for_a_reading_are_left_out_and_counted() {
     // A phase without an amplitude is a slip.
     let text = format!("f [Hz],x [mm],phase [deg]\n79,,-5\n{rows}");
     assert!(survey_bytes("t.csv", text.as_bytes()).expect_err("no amplitude").to_string().contains("t.csv:2:"));
+    // Nothing but such rows is no table.
+    let refused = survey_bytes("t.csv", b"f [Hz],x [mm]\n79,\n80,\n").expect_err("no readings").to_string();
+    assert!(refused.contains("no readings") && refused.contains("2 rows with empty cells"), "{refused}");
 }
 
 #[test]
