@@ -108,6 +108,29 @@ fn of_one_series_no_drift_is_searched_and_that_is_said() {
 const LEVELS: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
 
 #[test]
+fn a_gain_that_alone_follows_the_drive_is_told_as_no_other_rig() {
+    let folder = tempfile::tempdir().unwrap();
+    let told = |gains: [f64; 4], d: f64| {
+        let (scenario, table) = tabled(folder.path(), LEVELS.len(), |number, ratio| {
+            let stiff = 1.0 + d * number as f64 - ratio * ratio;
+            (LEVELS[number], (stiff / (1.0 + gains[number]), ratio / 50.0 / (1.0 + gains[number])))
+        });
+        let found = asked(&scenario, &table);
+        let label = found.steps.last().unwrap().hypothesis.label();
+        assert_eq!(label, "drift", "{gains:?} {d}: {:?}", found.notes);
+        found.notes.iter().find(|note| note.contains("only the gain differs")).cloned()
+    };
+    let falls = told([0.0, -0.04, -0.09, -0.2], 0.0).unwrap();
+    assert!(falls.contains("it falls with the drive"), "{falls}");
+    let rises = told([0.0, 0.04, 0.09, 0.2], 0.0).unwrap();
+    assert!(rises.contains("it rises with the drive"), "{rises}");
+    // One that does not follow it, and a rig that is another one as well.
+    let other = told([0.0, -0.09, -0.04, -0.2], 0.0).unwrap();
+    assert!(other.contains("range or sensitivity"), "{other}");
+    assert_eq!(told([0.0, -0.04, -0.09, -0.2], 0.01), None);
+}
+
+#[test]
 fn a_damping_that_drifted_with_the_rest_is_no_law_of_the_amplitude() {
     let folder = tempfile::tempdir().unwrap();
     let losses = [0.02, 0.021, 0.0226, 0.0235];
@@ -123,11 +146,11 @@ fn a_damping_that_drifted_with_the_rest_is_no_law_of_the_amplitude() {
     assert!(said.contains("a rig of its own in every series"), "{said}");
 }
 
-#[test]
-fn a_spring_that_hardens_within_the_series_is_named_beside_a_drift() {
+/// What is found of a spring that hardens with the square of the amplitude in series of these levels and stiffnesses.
+fn hardening(levels: [f64; 4], stiffness: [f64; 4]) -> Discovery {
     let folder = tempfile::tempdir().unwrap();
-    let (scenario, table) = tabled(folder.path(), LEVELS.len(), |number, ratio| {
-        let (d, level) = ([0.0, 0.004, -0.003, 0.007][number], LEVELS[number]);
+    let (scenario, table) = tabled(folder.path(), levels.len(), |number, ratio| {
+        let (d, level) = (stiffness[number], levels[number]);
         // Of one harmonic: the amplitude at which drive over motion is as large as it has to be.
         let of = |a: f64| (1.0 + d + 6e-8 * a * a - ratio * ratio, ratio / 50.0);
         let (mut low, mut high) = (0.0, 1e3);
@@ -145,4 +168,17 @@ fn a_spring_that_hardens_within_the_series_is_named_beside_a_drift() {
         names.iter().any(|name| name == "drift") && names.iter().any(|name| name.contains("stiffness")),
         "{names:?}"
     );
+    found
+}
+
+#[test]
+fn a_spring_that_hardens_within_the_series_is_named_beside_a_drift() {
+    hardening(LEVELS, [0.0, 0.004, -0.003, 0.007]);
+}
+
+#[test]
+fn a_drift_between_two_sweeps_at_one_drive_is_no_law_of_the_amplitude() {
+    let found = hardening([1.0, 4.0, 2.0, 1.0], [0.0, -0.004, -0.008, -0.012]);
+    let tied: Vec<&String> = found.indistinguishable.iter().flatten().collect();
+    assert!(!tied.iter().any(|name| name.contains("amplitude")), "{tied:?}");
 }

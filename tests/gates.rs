@@ -42,7 +42,7 @@ fn compare_holds_to_the_gates_of_the_scenario_and_the_command_line() {
         .stderr(contains("1 of 4 gates failed").and(contains("amplitude_tolerance").and(contains("at row"))));
     assert!(dir.path().join("o/rig/overlay.svg").is_file());
     let c = json(&dir.path().join("c.json"));
-    assert_eq!((c["schema"].as_str(), c["comparator"].as_str()), (Some("stickslip.comparison/1"), Some("6")));
+    assert_eq!((c["schema"].as_str(), c["comparator"].as_str()), (Some("stickslip.comparison/1"), Some("7")));
     let holds: Vec<_> = c["gates"].as_array().unwrap().iter().map(|gate| gate["holds"].as_bool().unwrap()).collect();
     assert_eq!(holds, [true, true, false, true]);
     measured(
@@ -99,7 +99,7 @@ fn a_report_tells_every_gate_and_exits_with_1_where_one_fails() {
     let verdicts: Vec<_> = report["gates"].as_array().unwrap().iter().map(|gate| gate["verdict"].as_str()).collect();
     assert_eq!(verdicts, [Some("gate failed"), Some("gate failed"), Some("gate passed"), Some("gate passed")]);
     assert!(report["summary"]["sentence"].as_str().unwrap().starts_with("2 of 4 gates failed. "));
-    assert_eq!(report["provenance"]["comparator"], "6");
+    assert_eq!(report["provenance"]["comparator"], "7");
     let page = std::fs::read_to_string(dir.path().join("output/report.html")).unwrap();
     assert!(page.contains("gate failed") && page.contains("max_rms_error"));
     let read = |name: &str| std::fs::read_to_string(dir.path().join(name)).unwrap();

@@ -1,7 +1,8 @@
 //! Tables of rigs without a contact, as laboratories have them: what a new user does, and the same physics at any size.
 
+use std::fs;
 use std::path::{Path, PathBuf};
-use stickslip::discover::{Basis, Candidate, Discovery, SearchOptions, Verdict, discover};
+use stickslip::discover::{Basis, Candidate, Discovery, SearchOptions, Verdict, discover, sentence};
 use stickslip::fit::Identified;
 use stickslip::{measurement, scenario};
 
@@ -139,6 +140,32 @@ fn one_sweep_of_amplitudes_names_no_law_of_the_amplitude() {
 
 /// The levels of a notch, as an analyser saves them: a flank of a resonance outside the readings leaves less than a
 /// peak where the dip is, and yet the search begins at the dip.
+#[test]
+fn of_a_few_readings_it_is_told_from_how_many_their_noise_is_known() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (table, scenario) = (folder.path().join("t.csv"), folder.path().join("t.toml"));
+    let row = |(n, scatter): (usize, f64)| {
+        let r = 1.0 + 0.004 * (n as f64 - 4.0);
+        format!("{:.3},{:.5e}\n", 80.0 * r, 1e-5 * (1.0 + scatter) / (1.0 - r * r).hypot(r / 50.0))
+    };
+    let scatter = [0.012, -0.02, 0.008, 0.021, -0.014, 0.003, -0.019, 0.016, -0.006];
+    let rows: String = scatter.into_iter().enumerate().map(row).collect();
+    fs::write(&table, format!("frequency_hz,amplitude_m\n{rows}")).expect("a table");
+    new(&table, &scenario);
+    let d = found(&scenario);
+    let freedom = d.explanation().comparison.table.freedom.round();
+    let said = sentence(&d);
+    assert!(freedom > 1.0 && said.starts_with("undecided: the series are too short"), "{said}");
+    assert!(said.ends_with(&format!("by a noise known from {freedom} degrees of freedom")), "{said}");
+    // With deviations that are stated it is known.
+    fs::remove_file(&scenario).expect("written");
+    fs::write(&table, format!("frequency_hz,amplitude_m,amplitude_sd_percent\n{}", rows.replace('\n', ",1.5\n")))
+        .expect("a table");
+    new(&table, &scenario);
+    let said = sentence(&found(&scenario));
+    assert!(!said.contains("degrees of freedom"), "{said}");
+}
+
 #[test]
 fn a_notch_of_levels_alone_is_a_resonance_beside_a_crosstalk() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -558,6 +585,20 @@ fn intervals_follow_a_curved_valley() {
         let at = c.fit.parameters.iter().position(|p| p.key == key).expect(key);
         let interval = &c.intervals[at];
         assert!(interval.low <= planted && planted <= interval.high, "{key}: {interval:?}");
+    }
+}
+
+#[test]
+fn intervals_along_a_curved_valley_keep_the_budget() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("microslip.toml");
+    new(&table("microslip"), &path);
+    let scenario = scenario::load(&path).expect("a scenario");
+    let table = measurement::load(&scenario).expect("a table").expect("measurements");
+    for budget in [60_000, 120_000] {
+        let d = discover(&scenario, &table, &SearchOptions { budget, ..SearchOptions::default() });
+        // Fits finish the evaluations that they are at.
+        assert!(d.spent && d.solved < budget + budget / 10, "{} of {budget}", d.solved);
     }
 }
 

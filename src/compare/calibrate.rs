@@ -1,14 +1,13 @@
 //! Moving the free parameters of a scenario to where its model fits best.
 
-use super::{Label, Outlier, STATES, Setting};
+use super::{Label, STATES, Setting};
 use crate::fit::{CONVERGED, Fit, Parameter, Problem, Settings, TAIL, minimise, parameter, robust_chi2, typical_of};
 use crate::fit::{placed, resonance};
 use crate::measurement::{Point, Series, Table};
 use crate::model::{Model, Operation};
 use crate::scenario::Scenario;
 use crate::solver::cycle::Tolerance;
-use crate::statistics::{median, spread};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
@@ -26,19 +25,6 @@ pub(crate) const TIGHTER: f64 = 0.9;
 pub const EXCESS: f64 = 2.0;
 /// Evaluations of one fit at most.
 const EVALUATIONS: usize = 60;
-/// A residual this many times the scatter of its neighbours about a line, or the step from one to the next, away from
-/// that line stands out ...
-const OUTLYING: f64 = 5.0;
-/// Share of such a step that counts as scatter.
-const STEP: f64 = 0.6;
-/// ... and so many standard deviations from the parabola through them.
-const OFF_PARABOLA: f64 = 4.5;
-/// Neighbours on either side.
-const NEIGHBOURS: usize = 3;
-
-/// Relative difference of the drives of two series below which their numbers tell them apart.
-const ALIKE: f64 = 0.02;
-
 /// A calibrated model.
 #[derive(Debug, Clone)]
 pub struct Calibration {
@@ -66,19 +52,17 @@ impl Calibration {
 /// Load, speed and drive of every series of a table.
 pub fn settings_of(scenario: &Scenario, table: &Table) -> Vec<Setting> {
     let (signal, contact) = (table.signals.drive, scenario.contact.is_some());
-    let same =
-        |s: &Series, o: &Series| (s.speed, s.load) == (o.speed, o.load) && (s.drive / o.drive - 1.0).abs() < ALIKE;
-    let number = |at: usize| {
-        let series = &table.series[at];
-        let told = table.series.iter().enumerate().all(|(other, s)| other == at || !same(s, series));
-        if told && series.drives.0 == series.drives.1 { 0 } else { at + 1 }
-    };
-    let setting = |(at, series): (usize, &Series)| {
+    let of = |series: &Series| {
         let Series { speed, load, drive, .. } = *series;
-        let name = Label::of(&series.name);
-        Setting { speed, load, drive, signal, contact, number: number(at), name }
+        Setting { speed, load, drive, signal, contact, number: 0, name: Label::of(&series.name) }
     };
-    table.series.iter().enumerate().map(setting).collect()
+    let settings: Vec<Setting> = table.series.iter().map(of).collect();
+    let number = |at: usize| {
+        let is_other = |(other, setting): (usize, &Setting)| other == at || !setting.is_alike(&settings[at]);
+        let drives = table.series[at].drives;
+        if settings.iter().enumerate().all(is_other) && drives.0 == drives.1 { 0 } else { at + 1 }
+    };
+    settings.iter().enumerate().map(|(at, setting)| Setting { number: number(at), ..*setting }).collect()
 }
 
 /// The problem of moving the parameters named `keys` of `model`.
@@ -231,122 +215,4 @@ impl Search<'_, '_> {
 fn scattered(parameters: &[Parameter], number: u32, seed: u32) -> Vec<f64> {
     let share = |dimension: usize| f64::from(sobol_burley::sample(number, dimension as u32, seed));
     parameters.iter().enumerate().map(|(d, p)| p.within(share(d))).collect()
-}
-
-/// Readings that are far off where their neighbours along the frequency are not. `residuals` holds (row, residual) of
-/// one column of one curve, in the order of the frequency; `noise` is that of the readings over the stated one. What
-/// stands out is taken out and the others are looked at again: of several near each other one may hide the others.
-pub(crate) fn outliers(column: &'static str, residuals: &[(usize, f64)], noise: f64) -> Vec<Outlier> {
-    let mut kept = residuals.to_vec();
-    let mut found: Vec<Outlier> = Vec::new();
-    loop {
-        let next = far_off(column, &kept, noise);
-        if next.is_empty() {
-            found.sort_by_key(|outlier| residuals.iter().position(|(row, _)| *row == outlier.row));
-            return found;
-        }
-        kept.retain(|(row, _)| !next.iter().any(|outlier| outlier.row == *row));
-        found.extend(next);
-    }
-}
-
-/// Those of them that their neighbours tell at once.
-fn far_off(column: &'static str, residuals: &[(usize, f64)], noise: f64) -> Vec<Outlier> {
-    let mut found = Vec::new();
-    for (i, &(row, residual)) in residuals.iter().enumerate() {
-        // As many on one side as are missing on the other.
-        let first = i.saturating_sub(NEIGHBOURS).min(residuals.len().saturating_sub(2 * NEIGHBOURS + 1));
-        let range = first..(first + 2 * NEIGHBOURS + 1).min(residuals.len());
-        let near: Vec<(f64, f64)> = range.filter(|&j| j != i).map(|j| (j as f64 - i as f64, residuals[j].1)).collect();
-        if near.len() < NEIGHBOURS {
-            continue;
-        }
-        // Along the line through the neighbours (Theil 1950, Sen 1968): at the end of a curve on which a model fails
-        // smoothly they are all on one side.
-        let pairs = near.iter().enumerate().flat_map(|(n, a)| near[..n].iter().map(move |b| (a.1 - b.1) / (a.0 - b.0)));
-        let slope = median(pairs);
-        let level: Vec<f64> = near.iter().map(|(step, residual)| residual - slope * step).collect();
-        let middle = median(level.iter().copied());
-        let scatter = spread(level, middle);
-        // Where a model fails, its residuals run steeply and bend: a step from one neighbour to the next is no
-        // surprise.
-        let step = median(near.windows(2).map(|pair| (pair[1].1 - pair[0].1).abs()));
-        let off_line = (residual - middle).abs() > OUTLYING * scatter.max(STEP * step).max(noise);
-        if off_line && off_parabola(residual, &near, noise) {
-            found.push(Outlier { row, column, sigma: residual, off_neighbours: residual - middle });
-        }
-    }
-    found
-}
-
-/// Whether a residual is further from the parabola through its neighbours (step, residual) than noise takes it: at the
-/// end of a curve, where neighbours are on one side, that is known less well. One of them, the one that fits least to
-/// the others, is left out: it may stand out itself.
-fn off_parabola(residual: f64, near: &[(f64, f64)], noise: f64) -> bool {
-    let without = |skipped: usize| {
-        let kept: Vec<(f64, f64)> = (0..near.len()).filter(|&i| i != skipped).map(|i| near[i]).collect();
-        let design = DMatrix::from_fn(kept.len(), 3, |row, power| kept[row].0.powi(power as i32));
-        let values = DVector::from_iterator(kept.len(), kept.iter().map(|(_, residual)| *residual));
-        let inverse = (design.transpose() * &design).try_inverse()?;
-        let parabola = &inverse * design.transpose() * &values;
-        Some(((values - design * &parabola).norm_squared(), parabola[0], inverse[(0, 0)]))
-    };
-    // Of four neighbours or fewer there is none that could miss.
-    let fits = (0..near.len()).filter(|_| near.len() > 4).filter_map(without);
-    let Some((_, there, variance)) = fits.min_by(|a, b| a.0.total_cmp(&b.0)) else { return true };
-    (residual - there).abs() > OFF_PARABOLA * noise * (1.0 + variance).sqrt()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Residuals without noise: what stands out is known.
-    fn rows(residual: impl Fn(f64) -> f64) -> Vec<(usize, f64)> {
-        (0..24).map(|row| (row, residual(row as f64))).collect()
-    }
-
-    #[test]
-    fn a_smooth_misfit_has_no_outliers_and_a_reading_far_off_is_one_wherever_it_stands() {
-        for smooth in [|x: f64| 60.0 - 8.0 * x, |x: f64| 100.0 * (0.2 * x).sin(), |x: f64| 0.5 * x * x] {
-            assert_eq!(outliers("amplitude_rad", &rows(smooth), 1.0), []);
-        }
-        for far in [0, 1, 12, 23] {
-            let found =
-                outliers("amplitude_rad", &rows(|x| 60.0 - 8.0 * x + if x == far as f64 { 30.0 } else { 0.0 }), 1.0);
-            assert_eq!(found.iter().map(|o| o.row).collect::<Vec<_>>(), [far]);
-        }
-    }
-
-    #[test]
-    fn two_readings_off_side_by_side_hide_neither() {
-        for (first, size) in [(0, 20.0), (11, 12.0), (22, 20.0)] {
-            let found = outliers(
-                "amplitude_rad",
-                &rows(|x| if x == f64::from(first) || x == f64::from(first) + 1.0 { size } else { 0.0 }),
-                1.0,
-            );
-            let found: Vec<usize> = found.iter().map(|o| o.row).collect();
-            assert_eq!(found, [first as usize, first as usize + 1], "{size}");
-        }
-    }
-
-    #[test]
-    fn a_third_reading_off_nearby_hides_no_two_at_an_end() {
-        // Where a planted drag is fitted, of an independent table with 6 % of its readings off.
-        let few = [14.1, 21.8, 0.0, -0.3, 1.5, -19.0, -0.3, -0.8, 0.9, -0.9, 0.2, -0.5, -1.5, -1.0, -0.9, -0.8];
-        let rows: Vec<(usize, f64)> = few.into_iter().enumerate().collect();
-        let found: Vec<usize> = outliers("amplitude_v", &rows, 1.0).iter().map(|o| o.row).collect();
-        assert_eq!(found, [0, 1, 5]);
-    }
-
-    #[test]
-    fn a_misfit_that_bends_at_its_end_has_no_outliers() {
-        // Where the sixth of the practice curves of table 1 ends, as the published law misses it.
-        let bent = [60.1, 66.7, 69.0, 69.1, 67.1, 66.7, 60.4, 54.1, 47.3, 40.6, 29.3, 20.1, 8.3, -5.2, -17.8, -24.4];
-        let rows: Vec<(usize, f64)> = bent.into_iter().enumerate().collect();
-        assert_eq!(outliers("amplitude_rad", &rows, 1.0), []);
-        let mirrored: Vec<(usize, f64)> = bent.into_iter().rev().enumerate().collect();
-        assert_eq!(outliers("amplitude_rad", &mirrored, 1.0), []);
-    }
 }

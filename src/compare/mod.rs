@@ -9,6 +9,7 @@ mod curves;
 mod fingerprint;
 mod json;
 mod metrics;
+mod outliers;
 mod regions;
 mod setting;
 mod shifts;
@@ -43,7 +44,7 @@ use std::sync::OnceLock;
 
 /// Version of the comparison: raised whenever the same input may give other numbers, so that a limit that is suddenly
 /// crossed can be told from a change of the program.
-pub const COMPARATOR: &str = "6";
+pub const COMPARATOR: &str = "7";
 
 /// A measured point beside what the model says of it.
 #[derive(Debug, Clone)]
@@ -288,7 +289,7 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
     let regions = regions(&points, &conditions, noise);
     let (contact, contact_model) = fingerprint(&model, &points);
     let column = table.signals.reading.reading_column();
-    let outliers = (0..settings.len()).flat_map(|i| standing_out(&of(i), column, noise)).collect();
+    let outliers = outliers::standing_out(&(0..settings.len()).map(of).collect::<Vec<_>>(), column, noise);
     let at_bounds = Calibration { fit: fit.clone(), ..calibration.clone() };
     let mut notes = notes(&at_bounds.at_bounds(), unfinished, &points, table);
     notes.extend(flank(&model, &points, table).or_else(|| astray(&model, &whiteness, table)));
@@ -394,12 +395,4 @@ pub fn compared(points: &[Point], predictions: &[Prediction]) -> Vec<Compared> {
         Compared { point: point.clone(), condition, model, amplitude_residual, phase_residual }
     };
     points.iter().zip(predictions).zip(left).map(beside).collect()
-}
-
-fn standing_out(curve: &[&Compared], column: &'static str, noise: f64) -> Vec<Outlier> {
-    let amplitudes: Vec<_> = curve.iter().map(|p| (p.point.row, p.amplitude_residual)).collect();
-    let phases: Vec<_> = curve.iter().filter_map(|p| Some((p.point.row, p.phase_residual?))).collect();
-    let mut found = calibrate::outliers(column, &amplitudes, noise);
-    found.extend(calibrate::outliers(PHASE, &phases, noise));
-    found
 }

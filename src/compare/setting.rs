@@ -23,6 +23,16 @@ pub struct Setting {
     pub name: Label,
 }
 
+/// Relative difference of the drives of two series below which their numbers tell them apart.
+const ALIKE: f64 = 0.02;
+
+impl Setting {
+    /// Whether another is the same, but for how a drive wavers.
+    pub fn is_alike(&self, other: &Self) -> bool {
+        (self.speed, self.load) == (other.speed, other.load) && (self.drive / other.drive - 1.0).abs() < ALIKE
+    }
+}
+
 /// Bytes of a label.
 const LABEL: usize = 32;
 

@@ -1,7 +1,7 @@
 //! Whether residuals look like noise: runs of signs, autocorrelation of neighbours, smooth components.
 
 use super::Compared;
-use super::calibrate::outliers;
+use super::outliers::outliers;
 use crate::measurement::{self, Noise, NoiseSource, Point, Spread, Table};
 use crate::statistics::{CLIP, SIGNIFICANCE, median};
 use schemars::JsonSchema;
@@ -218,7 +218,7 @@ fn test(curves: &[Vec<f64>], fitted: usize) -> Whiteness {
 /// A curve without the readings that stand out, which tell nothing of the others, and what is large cut.
 fn clean(curve: &[f64]) -> Vec<f64> {
     let numbered: Vec<(usize, f64)> = curve.iter().copied().enumerate().collect();
-    let out = outliers("", &numbered, 1.0);
+    let out = outliers("", &numbered, |_| 1.0);
     let most = CLIP * typical(curve).max(1.0);
     let kept = numbered.iter().filter(|(row, _)| !out.iter().any(|o| o.row == *row));
     kept.map(|(_, residual)| residual.clamp(-most, most)).collect()

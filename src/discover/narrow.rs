@@ -8,7 +8,7 @@ use crate::measurement::{Point, TOLD, Table};
 use crate::model::Model;
 use crate::scenario::Scenario;
 use crate::solver::cycle::Tolerance;
-use crate::statistics::median_of_three;
+use crate::statistics::{median, median_of_three};
 use crate::units::readable::percent;
 use std::ops::Range;
 
@@ -121,11 +121,36 @@ fn of_series(points: &[&Point], seen: Option<Resonance>) -> Option<(f64, f64)> {
             |peak: &usize| *peak > 0 && *peak + 1 < y.len() && y[*peak].max(y[peak - 1]).max(y[peak + 1]) == y[*peak];
         highest(first..end).filter(is_top)
     });
+    let notch = seen.filter(|_| near.is_none()).and_then(|seen| about_the_notch(points, &y, seen));
+    if notch.is_some() {
+        return notch;
+    }
     let peak = near.or_else(|| highest(0..y.len()))?;
     let below = |side: &[f64]| 0.5 * (y[peak] + side.iter().copied().fold(y[peak], f64::min));
     let (left, right) = (below(&y[..peak]), below(&y[peak..]));
     let first = (0..peak).rev().take_while(|&i| y[i] >= left).last().unwrap_or(peak);
     let last = (peak..y.len()).take_while(|&i| y[i] >= right).last().unwrap_or(peak);
+    Some((points[first].frequency, points[last].frequency))
+}
+
+/// The frequencies \[Hz\] about the least response (logarithms `y`) within the width of a resonance, where that is none of
+/// an end: on either side up to the geometric mean of its depth below the highest there and of how far most others are
+/// below that.
+fn about_the_notch(points: &[&Point], y: &[f64], seen: Resonance) -> Option<(f64, f64)> {
+    let is_near = |f: f64| ((f - seen.frequency) * seen.quality / seen.frequency).abs() <= 1.0;
+    let near = (0..y.len()).filter(|&i| is_near(points[i].frequency));
+    let bottom = near.min_by(|a, b| y[*a].total_cmp(&y[*b]))?;
+    let (before, after) = (&y[..bottom], &y[bottom + 1..]);
+    if [before.last()?, after.first()?].iter().any(|beside| **beside < y[bottom]) {
+        return None;
+    }
+    let reach = |side: &[f64]| {
+        let level = side.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        level - ((level - y[bottom]) * (level - median(side.iter().copied()))).sqrt()
+    };
+    let (left, right) = (reach(before), reach(after));
+    let first = (0..bottom).rev().take_while(|&i| y[i] <= left).last().unwrap_or(bottom);
+    let last = (bottom..y.len()).take_while(|&i| y[i] <= right).last().unwrap_or(bottom);
     Some((points[first].frequency, points[last].frequency))
 }
 

@@ -2,6 +2,7 @@
 
 use super::Step;
 use super::hypothesis::{Addition, Hypothesis};
+use super::unnamed::of_drift;
 use crate::fit::Interval;
 use crate::measurement::{Direction, Series};
 
@@ -49,35 +50,34 @@ pub(super) fn of_both_ways(end: &Step) -> Option<String> {
     })
 }
 
-/// That a drift of nothing but the gain, which follows the drive, is more likely the transducer's or the amplifier's.
+/// That a drift of nothing but the gain is more likely the transducer's or the amplifier's: follows it the drive, of what is
+/// not in proportion, else of a range or a sensitivity.
 pub(super) fn of_gain_alone(end: &Step) -> Option<String> {
     let c = &end.comparison;
-    let of = |key: char, series: usize| {
-        let key = format!("effect.drift.{key}_{}", series + 1);
-        c.fit.parameters.iter().position(|p| p.key == key).map(|at| c.intervals[at])
-    };
-    let series = &c.table.series;
-    let stays = |series: usize| of('d', series).is_some_and(|i| i.low <= 0.0 && 0.0 <= i.high);
-    if series.len() < 3 || !(1..series.len()).all(stays) {
+    let all = |key: char| (0..c.table.series.len()).map(|number| of_drift(c, key, number)).collect::<Option<Vec<_>>>();
+    let (stiffness, mut gains) = (all('d')?, all('g')?);
+    let is_none = |i: &Interval| i.low <= 0.0 && 0.0 <= i.high;
+    if gains.len() < 3 || !stiffness.iter().all(is_none) || gains.iter().all(is_none) {
         return None;
     }
-    let first = Interval { low: 0.0, high: 0.0, value: 0.0, ..of('g', 1)? };
-    let gains = (0..series.len()).map(|number| if number == 0 { Some(first) } else { of('g', number) });
-    let mut gains: Vec<(f64, Interval)> =
-        series.iter().map(|s| s.drive).zip(gains.collect::<Option<Vec<_>>>()?).collect();
-    gains.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let falls = |sign: f64| {
-        let pairs = || gains.windows(2);
-        let ends = [gains[0].1, gains[gains.len() - 1].1];
-        let [low, high] = ends.map(|i| if sign > 0.0 { (i.low, i.high) } else { (-i.high, -i.low) });
-        pairs().all(|pair| pair[0].0 < pair[1].0 && sign * (pair[0].1.value - pair[1].1.value) > 0.0) && high.1 < low.0
+    let mut order: Vec<usize> = (0..gains.len()).collect();
+    order.sort_by(|a, b| c.table.series[*a].drive.total_cmp(&c.table.series[*b].drive));
+    let rises = order.windows(2).all(|pair| c.table.series[pair[0]].drive < c.table.series[pair[1]].drive);
+    gains = order.into_iter().map(|number| gains[number]).collect();
+    let falls = |of: fn(&Interval) -> [f64; 3]| {
+        let ends = [&gains[0], &gains[gains.len() - 1]].map(of);
+        rises && gains.windows(2).all(|pair| of(&pair[0])[1] > of(&pair[1])[1]) && ends[1][2] < ends[0][0]
     };
-    let how = if falls(1.0) {
+    let how = if falls(|i| [i.low, i.value, i.high]) {
         "falls"
-    } else if falls(-1.0) {
+    } else if falls(|i| [-i.high, -i.value, -i.low]) {
         "rises"
     } else {
-        return None;
+        return Some(
+            "of drift: only the gain differs from series to series: another range or sensitivity of what reads or drives \
+             rather than another rig"
+                .into(),
+        );
     };
     Some(format!(
         "of drift: only the gain differs from series to series, and it {how} with the drive: what drives or what reads is not in \

@@ -160,7 +160,7 @@ impl<'a> Search<'a> {
     /// is held against what comes of every step being held against everything else that a user might do by hand.
     fn forward(&self, start: &Hypothesis, known: &mut Known) -> Hypothesis {
         let mut chosen = self.steps(start, known, false);
-        if (chosen.additions.len() > 2 || self.structured(&chosen)) && self.testable(&chosen) && self.goes_on() {
+        if (chosen.additions.len() > 2 || self.structured(&chosen)) && self.goes_on() {
             let by_hand = self.steps(start, known, true);
             let unit = self.unit(&by_hand).min(self.unit(&chosen));
             if self.score(unit, &by_hand) < self.score(unit, &chosen) {

@@ -1,7 +1,8 @@
 //! What is said beside a discovery of laws that the catalogue does not name.
 
 use super::{Discovery, Step, Verdict};
-use crate::fit::operation;
+use crate::compare::{Comparison, settings_of};
+use crate::fit::{Identified, Interval, operation};
 use crate::free_form::{self, FreeForm, MOST, Standing, Variable};
 use crate::model::alone::Alone;
 
@@ -15,7 +16,30 @@ pub(super) fn is_drift_a_law_of_the_amplitude(base: &Step, end: &Step) -> bool {
     let does = |class: &free_form::Dependence| {
         class.variables == [Variable::Amplitude] && [Standing::Leading, Standing::Tied].contains(&class.standing)
     };
-    drifts && free_form::analyse(&base.comparison).classes.iter().any(does)
+    drifts && !differs_at_one_drive(&end.comparison) && free_form::analyse(&base.comparison).classes.iter().any(does)
+}
+
+/// What a drift adds to the stiffness (`d`) or the gain (`g`) of a series, as shares; nothing to the first.
+pub(super) fn of_drift(c: &Comparison, key: char, series: usize) -> Option<Interval> {
+    if series == 0 {
+        return Some(Interval { value: 0.0, low: 0.0, high: 0.0, identified: Identified::Yes });
+    }
+    let key = format!("effect.drift.{key}_{}", series + 1);
+    c.fit.parameters.iter().position(|p| p.key == key).map(|at| c.intervals[at])
+}
+
+/// Whether the stiffness has drifted between two sweeps one way at one setting, which have the same amplitudes: no law of
+/// these does that.
+fn differs_at_one_drive(c: &Comparison) -> bool {
+    let (series, settings) = (&c.table.series, settings_of(&c.scenario, &c.table));
+    let differ = |a: usize, b: usize| {
+        let pair = of_drift(c, 'd', a).zip(of_drift(c, 'd', b));
+        pair.is_some_and(|(a, b)| a.high < b.low || b.high < a.low)
+    };
+    let is_repeated = |a: usize, b: usize| {
+        settings[a].is_alike(&settings[b]) && series[a].direction == series[b].direction && differ(a, b)
+    };
+    (0..series.len()).any(|b| (0..b).any(|a| is_repeated(a, b)))
 }
 
 /// The free form beside a discovery: where that leaves something unexplained, or where it is `wanted` whatever it

@@ -167,14 +167,15 @@ pub fn profiled(
             .flat_map(|i| [-1.0, 1.0].map(|direction| Side::new(&profile, i, direction)))
             .collect();
         if solved < allowed {
-            sides.par_iter_mut().for_each(Side::begin);
+            let share = share(&sides, allowed - solved);
+            sides.par_iter_mut().for_each(|side| side.begin(share));
             solved += spent(&mut sides);
         }
         let lowest = sides.iter().filter_map(|side| side.refit.as_ref()).min_by(|a, b| a.rise.total_cmp(&b.rise));
         if let Some(lowest) = lowest.filter(|lowest| moves < MOVES && lowest.rise < -BETTER * goal && solved < allowed)
         {
-            let settings =
-                Settings { evaluations: EVALUATIONS, threshold, converged: super::CONVERGED, states: u64::MAX };
+            let states = allowed - solved;
+            let settings = Settings { evaluations: EVALUATIONS, threshold, converged: super::CONVERGED, states };
             let mut again = problem.at(&fit.values, fit.parameters.clone());
             let moved = minimise(&mut again, &lowest.values, &settings);
             solved += again.solved;
@@ -202,10 +203,16 @@ pub fn profiled(
 fn in_step(sides: &mut [Side<'_, '_>], allowed: u64) -> u64 {
     let mut solved = 0;
     while solved < allowed && sides.iter().any(|side| side.end.is_none()) {
-        sides.par_iter_mut().for_each(Side::advance);
+        let share = share(sides, allowed - solved);
+        sides.par_iter_mut().for_each(|side| side.advance(share));
         solved += spent(sides);
     }
     solved
+}
+
+/// What each side without an end may solve in its next step of so many steady states.
+fn share(sides: &[Side<'_, '_>], left: u64) -> u64 {
+    left.div_ceil(sides.iter().filter(|side| side.end.is_none()).count().max(1) as u64)
 }
 
 /// Steady states that the sides solved since they were last asked.
@@ -258,6 +265,8 @@ struct Refit {
     /// Sum of squares above that of the estimate.
     rise: f64,
     values: Vec<f64>,
+    /// Whether its share of the steady states was spent before it came to its end.
+    is_cut: bool,
 }
 
 impl<'p, 'a> Side<'p, 'a> {
@@ -289,8 +298,8 @@ impl<'p, 'a> Side<'p, 'a> {
         (self.of.goal * self.of.covariance[(self.i, self.i)]).sqrt().min(self.room)
     }
 
-    /// Refits where the curvature puts the end.
-    fn begin(&mut self) {
+    /// Refits where the curvature puts the end, with so many steady states.
+    fn begin(&mut self, share: u64) {
         let (fit, i) = (self.of.fit, self.i);
         let sensitive = fit.evaluation.jacobian.column(i).norm() * fit.parameters[i].natural_slope(fit.values[i]).abs();
         if sensitive < 1e-9 {
@@ -301,18 +310,14 @@ impl<'p, 'a> Side<'p, 'a> {
         let covariance = self.of.covariance;
         let slope = |&j: &usize| covariance[(i, j)] / covariance[(i, i)] * self.direction;
         let slopes: Vec<f64> = self.others.iter().map(slope).collect();
-        let refit = self.refitted(self.curvature(), &slopes);
+        let refit = self.refitted(self.curvature(), &slopes, share);
         (self.tie, self.refit) = (Some(refit.clone()), Some(refit));
     }
 
     /// Fits the others again at a step, from where they are if they move by `slopes` per step on their natural scales.
-    fn refitted(&mut self, step: f64, slopes: &[f64]) -> Refit {
+    fn refitted(&mut self, step: f64, slopes: &[f64], share: u64) -> Refit {
         let fit = self.of.fit;
         let step = step.min(self.room);
-        let mut values = fit.values.clone();
-        values[self.i] = self.at(step);
-        let moving: Vec<Parameter> = self.others.iter().map(|&j| fit.parameters[j].clone()).collect();
-        let mut constrained = self.of.problem.at(&values, moving);
         // A magnitude by a factor of e at most; an angle has no such scale.
         let tied = |(&j, slope): (&usize, &f64)| {
             let p = &fit.parameters[j];
@@ -320,13 +325,27 @@ impl<'p, 'a> Side<'p, 'a> {
             p.moved(fit.values[j], step)
         };
         let from: Vec<f64> = self.others.iter().zip(slopes).map(tied).collect();
+        self.trials += 1;
+        self.refitted_from(step, &from, share)
+    }
+
+    /// Fits the others again at a step from these values of them, as far as so many steady states lead.
+    fn refitted_from(&mut self, step: f64, from: &[f64], states: u64) -> Refit {
+        let fit = self.of.fit;
+        let mut values = fit.values.clone();
+        values[self.i] = self.at(step);
+        let moving: Vec<Parameter> = self.others.iter().map(|&j| fit.parameters[j].clone()).collect();
+        let mut constrained = self.of.problem.at(&values, moving);
         let evaluations = 4 * (self.others.len() + 1);
         let converged = (DONE * self.of.goal / self.of.least).min(1e-3);
-        let settings = Settings { evaluations, threshold: self.of.threshold, converged, states: u64::MAX };
+        let settings = Settings { evaluations, threshold: self.of.threshold, converged, states };
         let goal = self.of.goal;
-        let mut refit = minimise(&mut constrained, &from, &settings);
+        let mut refit = minimise(&mut constrained, from, &settings);
         // Along a curved valley a refit takes more evaluations: as long as going on may bring it inside the interval.
-        while refit.is_exhausted() && refit.objective - self.of.least > goal * (1.0 + CLOSE) {
+        while refit.is_exhausted()
+            && constrained.solved < states
+            && refit.objective - self.of.least > goal * (1.0 + CLOSE)
+        {
             let next = minimise(&mut constrained, &refit.values, &settings);
             let gain = refit.objective - next.objective;
             refit = next;
@@ -336,8 +355,7 @@ impl<'p, 'a> Side<'p, 'a> {
         }
         self.others.iter().zip(&refit.values).for_each(|(&j, &value)| values[j] = value);
         self.solved += constrained.solved;
-        self.trials += 1;
-        Refit { step, rise: refit.objective - self.of.least, values }
+        Refit { step, rise: refit.objective - self.of.least, values, is_cut: constrained.solved >= states }
     }
 
     /// The step to values, negative where they lie on the other side.
@@ -368,19 +386,25 @@ impl<'p, 'a> Side<'p, 'a> {
         self.end = Some(if far > step { (far, far < self.room * (1.0 - 1e-9)) } else { (step, closed) });
     }
 
-    /// Judges the last refit, and makes the next one or ends.
-    fn advance(&mut self) {
+    /// Judges the last refit, and makes the next one with so many steady states or ends; one that was cut short beyond
+    /// the interval goes on.
+    fn advance(&mut self, share: u64) {
         let (goal, room) = (self.of.goal, self.room);
         if self.end.is_some() {
             return;
         }
         let (Some(refit), Some(mut tie)) = (self.refit.clone(), self.tie.clone()) else { return };
-        let Refit { step, rise, .. } = refit;
+        let Refit { step, rise, is_cut, .. } = refit;
+        if is_cut && rise > goal {
+            let from: Vec<f64> = self.others.iter().map(|&j| refit.values[j]).collect();
+            self.refit = Some(self.refitted_from(step, &from, share));
+            return;
+        }
         if (rise / goal - 1.0).abs() < CLOSE {
             self.end = Some((step, true));
             return;
         }
-        if rise < goal || (self.near.0 == 0.0 && step < tie.step) {
+        if rise < goal || (self.near.0 == 0.0 && step <= tie.step) {
             tie.clone_from(&refit);
         }
         if rise < goal {
@@ -402,7 +426,7 @@ impl<'p, 'a> Side<'p, 'a> {
         let fit = self.of.fit;
         let slope = |&j: &usize| fit.parameters[j].natural_step(fit.values[j], tie.values[j]) / tie.step;
         let slopes: Vec<f64> = self.others.iter().map(slope).collect();
-        self.refit = Some(self.refitted(next, &slopes));
+        self.refit = Some(self.refitted(next, &slopes, share));
         self.tie = Some(tie);
     }
 

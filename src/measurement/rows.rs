@@ -57,11 +57,8 @@ pub(crate) fn readings(
         let mut cells = Cells { sheet, layout: &layout, row: &row, commas, steps, complaints: &mut complaints };
         list.extend(cells.reading(at + 1));
     }
-    if list.is_empty() && without.iter().any(|rows| *rows > 0) {
-        let most = without.into_iter().zip(WITHOUT).max_by_key(|(rows, _)| *rows);
-        let label = most.map_or(String::new(), |(rows, why)| format!("below are {} {why}", count(rows, "row")));
-        let help = "write a frequency and a reading in each row; leave out the rows that have none";
-        complaints.add(&sheet.row_place(&sheet.header), "the table has no readings", &label, help);
+    if list.is_empty() {
+        no_readings(sheet, without, &mut complaints);
     }
     complaints.check()?;
     let blank = list.iter().filter(|reading| reading.phase.is_none()).count();
@@ -89,6 +86,15 @@ const WITHOUT: [&str; 3] = [
     "with a number of 9.9e37, which an instrument writes that has no reading",
     "with empty cells where the reading would stand",
 ];
+
+/// No row holds a reading, and so many lack it for each reason.
+fn no_readings(sheet: &Sheet, without: [usize; WITHOUT.len()], complaints: &mut Complaints<'_>) {
+    let most = without.into_iter().zip(WITHOUT).max_by_key(|(rows, _)| *rows).filter(|(rows, _)| *rows > 0);
+    let Some((rows, why)) = most else { return };
+    let label = format!("below are {} {why}", count(rows, "row"));
+    let help = "write a frequency and a reading in each row; leave out the rows that have none";
+    complaints.add(&sheet.row_place(&sheet.header), "the table has no readings", &label, help);
+}
 
 /// What an instrument writes instead of infinity, or, a little larger, of no number (SCPI-99, volume 1, section 7.2.1).
 const OVERFLOW: f64 = 9.9e37;
