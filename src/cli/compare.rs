@@ -6,6 +6,7 @@ use super::gates::{self, GateLimits};
 use super::plot::{self, Plot};
 use super::{Global, Json, Stamped, page, say, simulate};
 use crate::compare::{self, Comparison, Options, Outlier, outlier_words};
+use crate::discover::open_ends;
 use crate::error::{Error, Result};
 use crate::figures::style::{budget_percent, count};
 use crate::fit::{Identified, Interval, Parameter};
@@ -144,8 +145,13 @@ fn stands_out(c: &Comparison, outlier: &Outlier) -> String {
         several => format!(", the first of {several} pooled rows"),
     };
     let off = |sigma: f64| format!("{:.1} sigma {}", sigma.abs(), if sigma < 0.0 { "above" } else { "below" });
-    let (off, from_model) = (off(outlier.off_neighbours), off(outlier.sigma));
-    format!("outlier: {place}{pooled}, {}: {off} the course of its neighbours, {from_model} the model", outlier.column)
+    let from_model = format!("{} the model", off(outlier.sigma));
+    let told = if outlier.off_neighbours == outlier.sigma {
+        from_model
+    } else {
+        format!("{} the course of its neighbours, {from_model}", off(outlier.off_neighbours))
+    };
+    format!("outlier: {place}{pooled}, {}: {told}", outlier.column)
 }
 
 /// The comparison in lines of text.
@@ -243,7 +249,9 @@ pub(super) fn parameter(parameter: &Parameter, interval: &Interval) -> String {
     match interval.identified {
         Identified::Yes => format!("{} = {value} ({range})", parameter.key),
         Identified::OneSided => {
-            format!("{} = {value} ({range}; one end is only the bound of the search)", parameter.key)
+            // The end that the data set, and what fits best within the bounds of the search.
+            let limit = if open_ends(parameter, interval).1 { format!("> {low}") } else { format!("< {high}") };
+            format!("{} {limit} (95 %; {value} fits best, and these data set no other end)", parameter.key)
         }
         Identified::No => format!("{}: not determined by these data ({value} used)", parameter.key),
     }

@@ -70,7 +70,8 @@ pub struct Outlier {
     pub column: &'static str,
     /// Model minus measured, in standard deviations.
     pub sigma: f64,
-    /// How far that is off those of its neighbours along the series, in standard deviations: what makes it stand out.
+    /// How far that is off those of its neighbours along the series, in standard deviations: what makes it stand out; as `sigma`
+    /// where it stands out of what all else leaves as noise.
     pub off_neighbours: f64,
 }
 
@@ -289,7 +290,9 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
     let regions = regions(&points, &conditions, noise);
     let (contact, contact_model) = fingerprint(&model, &points);
     let column = table.signals.reading.reading_column();
-    let outliers = outliers::standing_out(&(0..settings.len()).map(of).collect::<Vec<_>>(), column, noise);
+    let is_noise = whiteness.testable && !whiteness.structured;
+    let series: Vec<Vec<&Compared>> = (0..settings.len()).map(of).collect();
+    let outliers = outliers::standing_out(&series, column, (noise, is_noise));
     let at_bounds = Calibration { fit: fit.clone(), ..calibration.clone() };
     let mut notes = notes(&at_bounds.at_bounds(), unfinished, &points, table);
     notes.extend(flank(&model, &points, table).or_else(|| astray(&model, &whiteness, table)));

@@ -5,7 +5,7 @@ use crate::statistics::{median, spread, wrap};
 use nalgebra::{DMatrix, DVector};
 
 /// A residual this many times the scatter of its neighbours about a line, or the step from one to the next, away from
-/// that line stands out ...
+/// that line stands out; where all is noise, one of so many standard deviations ...
 const OUTLYING: f64 = 5.0;
 /// Share of such a step that counts as scatter.
 const STEP: f64 = 0.6;
@@ -23,8 +23,13 @@ struct Held {
 }
 
 /// The readings of some series that stand out of these, `column` being that of the amplitudes and `noise` what is
-/// theirs over the stated one.
-pub(super) fn standing_out(series: &[Vec<&Compared>], column: &'static str, noise: f64) -> Vec<Outlier> {
+/// theirs over the stated one; where all that is left looks like noise, `is_noise`, also what is no noise by its size
+/// alone, which at the end of a series its neighbours may not tell.
+pub(super) fn standing_out(
+    series: &[Vec<&Compared>],
+    column: &'static str,
+    (noise, is_noise): (f64, bool),
+) -> Vec<Outlier> {
     let amplitude = |p: &Compared| {
         let Compared { point, model, amplitude_residual, .. } = p;
         let (residual, sd) = (*amplitude_residual, point.amplitude_sd);
@@ -34,8 +39,8 @@ pub(super) fn standing_out(series: &[Vec<&Compared>], column: &'static str, nois
         let Compared { point, model, phase_residual, .. } = p;
         Some(Held { row: point.row, residual: (*phase_residual)?, model: model.phase, sd: point.phase_sd? })
     };
-    let amplitudes = of_column(series, column, noise, amplitude);
-    let phases = of_column(series, PHASE, noise, phase);
+    let amplitudes = of_column(series, column, (noise, is_noise), amplitude);
+    let phases = of_column(series, PHASE, (noise, is_noise), phase);
     amplitudes.into_iter().zip(phases).flat_map(|(amplitudes, phases)| amplitudes.into_iter().chain(phases)).collect()
 }
 
@@ -43,7 +48,7 @@ pub(super) fn standing_out(series: &[Vec<&Compared>], column: &'static str, nois
 fn of_column(
     series: &[Vec<&Compared>],
     column: &'static str,
-    noise: f64,
+    (noise, is_noise): (f64, bool),
     held: impl Fn(&Compared) -> Option<Held>,
 ) -> Vec<Vec<Outlier>> {
     let curves: Vec<Vec<Held>> = series.iter().map(|own| own.iter().filter_map(|p| held(p)).collect()).collect();
@@ -55,7 +60,16 @@ fn of_column(
             noise.max(share * at.map_or(0.0, |at| bends[at]))
         };
         let residuals: Vec<(usize, f64)> = curve.iter().map(|held| (held.row, held.residual)).collect();
-        outliers(column, &residuals, own)
+        let mut found = outliers(column, &residuals, own);
+        let by_neighbours = found.len();
+        for held in curve.iter().filter(|held| is_noise && held.residual.abs() > OUTLYING * noise) {
+            if found[..by_neighbours].iter().all(|outlier| outlier.row != held.row) {
+                let sigma = held.residual;
+                found.push(Outlier { row: held.row, column, sigma, off_neighbours: sigma });
+            }
+        }
+        found.sort_by_key(|outlier| curve.iter().position(|held| held.row == outlier.row));
+        found
     };
     curves.iter().zip(&bends).map(of).collect()
 }
@@ -254,7 +268,7 @@ mod tests {
         let all: Vec<Vec<Compared>> =
             rigs.iter().enumerate().map(|of| (0..readings).map(|i| compared(of, i)).collect()).collect();
         let series: Vec<Vec<&Compared>> = all.iter().map(|own| own.iter().collect()).collect();
-        standing_out(&series, "amplitude_m", 1.0)
+        standing_out(&series, "amplitude_m", (1.0, rigs == [60.0; 3]))
     }
 
     #[test]
@@ -267,5 +281,8 @@ mod tests {
             let found: Vec<usize> = beside(rigs, 31, (at, -0.4)).iter().map(|o| o.row).collect();
             assert_eq!(found, [31 + at], "{rigs:?}");
         }
+        // What the end of a parabola could be, were it not that all else is noise.
+        assert_eq!(beside([60.0; 3], 31, (30, -0.12)).iter().map(|o| o.row).collect::<Vec<_>>(), [61]);
+        assert_eq!(beside([60.0, 60.0, 60.1], 31, (30, -0.12)), []);
     }
 }

@@ -78,6 +78,7 @@ fn cells(line: &str, separator: u8) -> Vec<String> {
 /// table already, and one in which no header is seen, are left as they are.
 pub(super) fn bare(text: &mut String) -> Vec<String> {
     marked(text);
+    axis(text);
     let mut told: Vec<String> = closed(text).into_iter().collect();
     told.extend(opened(text));
     told
@@ -91,6 +92,25 @@ fn marked(text: &mut String) {
     let starts: Vec<usize> = above.filter(is_marked).map(|line| line.start).collect();
     let mut bytes = std::mem::take(text).into_bytes();
     starts.into_iter().for_each(|start| bytes[start] = b'#');
+    // Only ASCII was replaced.
+    *text = String::from_utf8(bytes).unwrap_or_default();
+}
+
+/// Names the axis of a spectrum, where the preamble states its unit and the column has an apostrophe for its name and
+/// for its unit: `AxisUnit;Hz` and `';Signal 1 (Real)`.
+fn axis(text: &mut String) {
+    let above: Vec<Line<'_>> = lines(text).take(MOST).take_while(|line| line.numbers().is_none()).collect();
+    let is_of_frequency = |line: &Line<'_>| {
+        let cells = SEPARATORS.map(|separator| cells(line.text, separator));
+        cells.iter().any(|cells| cells.len() == 2 && cells[0].ends_with("AxisUnit") && cells[1] == "Hz")
+    };
+    let has_no_name = |line: &&Line<'_>| line.text.starts_with(['\'']) && line.text[1..].starts_with([';', '\t', ',']);
+    let starts: Vec<usize> = above.iter().filter(has_no_name).map(|line| line.start).collect();
+    if !above.iter().any(is_of_frequency) {
+        return;
+    }
+    let mut bytes = std::mem::take(text).into_bytes();
+    starts.into_iter().zip([b'f', b' ']).for_each(|(start, name)| bytes[start] = name);
     // Only ASCII was replaced.
     *text = String::from_utf8(bytes).unwrap_or_default();
 }

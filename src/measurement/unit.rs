@@ -193,7 +193,9 @@ pub(super) fn is_unit(text: &str) -> bool {
 
 /// The units that a row below the header states: nothing else stands in it.
 pub(super) fn units_of(row: &[String], width: usize) -> Option<Vec<String>> {
-    let bare = |cell: &String| cell.trim_matches(['[', ']', '(', ')']).trim().to_string();
+    let inside =
+        |cell: &str| cell.strip_prefix(['[', '(']).and_then(|cell| cell.strip_suffix([']', ')'])).map(String::from);
+    let bare = |cell: &String| inside(cell.trim()).map_or(cell.trim().into(), |inner| inner.trim().to_string());
     let cells: Vec<String> = row.iter().map(bare).map(|cell| if cell == "-" { String::new() } else { cell }).collect();
     let unit = |cell: &String| cell.is_empty() || cell == "%" || known(cell) || gravity(cell).is_some();
     let stated = cells.iter().filter(|cell| !cell.is_empty()).count();

@@ -173,6 +173,24 @@ fn rows_with_empty_cells_for_a_reading_are_left_out_and_counted() {
     assert!(refused.contains("no readings") && refused.contains("2 rows with empty cells"), "{refused}");
 }
 
+/// As an analyser of vibrations exports frequency response functions: the axis has no name, and its unit stands above.
+#[test]
+fn a_spectrum_whose_axis_is_named_in_the_preamble_is_read() {
+    let rows: String = (0..12).map(|n| format!("{},5E+00;{}E-01;-{n}E-01;1;2\n", 70 + n, n % 5)).collect();
+    let units = "';(m/s^2)/N;(m/s^2)/N;(m/s^2)/N;(m/s^2)/N";
+    let text = format!(
+        "Format;Spectrum\nAxisUnit;Hz\nSignals;2\n\nName;Signal 2;Signal 3\nUnit;(m/s^2)/N;(m/s^2)/N\n\n\
+         ';Signal 2 (Real);Signal 2 (Imag.);Signal 3 (Real);Signal 3 (Imag.)\n{units}\n{rows}"
+    );
+    let seen = survey_bytes("t.csv", text.as_bytes()).unwrap_or_else(|error| panic!("{error}"));
+    let points = &seen.table.points;
+    assert_eq!((points.len(), points[0].frequency), (12, 70.5));
+    assert!((points[3].amplitude - 0.18_f64.sqrt()).abs() < 1e-9 && points[3].phase.is_some(), "{:?}", points[3]);
+    // Of another axis it is no frequency.
+    let refused = survey_bytes("t.csv", text.replace("AxisUnit;Hz", "AxisUnit;s").as_bytes());
+    assert!(refused.expect_err("no axis").to_string().contains("frequency"));
+}
+
 #[test]
 fn what_was_made_of_the_headers_is_said() {
     let text = "\u{feff}f / Hz;F / mN;a / (m/s²);phi / °;Temperatur / °C\n80;0,5;2;-90;21\n81;0,5;2;-90;21\n";
