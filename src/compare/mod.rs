@@ -281,18 +281,16 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
     };
     let model = calibrated.model(&fit.values);
     let points = compared(&table.points, &fit.evaluation.predictions);
-    let overall = Metrics::over(points.iter());
-    let of = |index: usize| points.iter().filter(move |p| p.condition == index).collect::<Vec<_>>();
+    let of = |index: usize| points.iter().filter(move |p| p.condition == index).collect();
+    let series: Vec<Vec<&Compared>> = (0..settings.len()).map(of).collect();
     let conditions: Vec<_> =
-        settings.iter().enumerate().map(|(i, &setting)| ConditionMetrics::over(setting, &of(i))).collect();
+        settings.iter().zip(&series).map(|(&setting, own)| ConditionMetrics::over(setting, own)).collect();
     let whiteness = whiteness(&points, table, fit.parameters.len());
     let noise = noise_scale(&whiteness);
     let regions = regions(&points, &conditions, noise);
     let (contact, contact_model) = fingerprint(&model, &points);
-    let column = table.signals.reading.reading_column();
-    let is_noise = whiteness.testable && !whiteness.structured;
-    let series: Vec<Vec<&Compared>> = (0..settings.len()).map(of).collect();
-    let outliers = outliers::standing_out(&series, column, (noise, is_noise));
+    let outliers =
+        outliers::standing_out(&series, table.signals.reading.reading_column(), (noise, whiteness.is_noise()));
     let at_bounds = Calibration { fit: fit.clone(), ..calibration.clone() };
     let mut notes = notes(&at_bounds.at_bounds(), unfinished, &points, table);
     notes.extend(flank(&model, &points, table).or_else(|| astray(&model, &whiteness, table)));
@@ -302,7 +300,7 @@ pub fn judge(scenario: &Scenario, table: &Table, calibration: &Calibration, prof
         correlations: correlations(&fit),
         fit,
         intervals,
-        overall,
+        overall: Metrics::over(points.iter()),
         whiteness,
         regions,
         contact,
@@ -384,7 +382,7 @@ pub fn outlier_words(number: usize) -> String {
 /// smaller where the readings scatter less about a misfit.
 fn noise_scale(whiteness: &Whiteness) -> f64 {
     match whiteness.scatter() {
-        _ if whiteness.testable && !whiteness.structured => whiteness.noise().max(1.0),
+        _ if whiteness.is_noise() => whiteness.noise().max(1.0),
         (factor, true) if whiteness.structured => factor.min(1.0),
         _ => 1.0,
     }

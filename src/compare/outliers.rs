@@ -282,7 +282,7 @@ mod tests {
             assert_eq!(found, [31 + at], "{rigs:?}");
         }
         // What the end of a parabola could be, were it not that all else is noise.
-        assert_eq!(beside([60.0; 3], 31, (30, -0.12)).iter().map(|o| o.row).collect::<Vec<_>>(), [61]);
-        assert_eq!(beside([60.0, 60.0, 60.1], 31, (30, -0.12)), []);
+        assert_eq!(beside([60.0; 3], 31, (30, -0.07)).iter().map(|o| o.row).collect::<Vec<_>>(), [61]);
+        assert_eq!(beside([60.0, 60.0, 60.1], 31, (30, -0.07)), []);
     }
 }

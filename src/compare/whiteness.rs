@@ -57,6 +57,11 @@ pub struct Whiteness {
 const NOISE_DIFFERS: f64 = 1.25;
 
 impl Whiteness {
+    /// Whether nothing but noise is left, by tests that could have found more.
+    pub fn is_noise(&self) -> bool {
+        self.testable && !self.structured
+    }
+
     /// Scatter of the residuals about anything smooth over the stated noise, and whether it differs from one by more
     /// than chance.
     pub fn scatter(&self) -> (f64, bool) {
