@@ -281,8 +281,8 @@ mod tests {
             let found: Vec<usize> = beside(rigs, 31, (at, -0.4)).iter().map(|o| o.row).collect();
             assert_eq!(found, [31 + at], "{rigs:?}");
         }
-        // What the end of a parabola could be, were it not that all else is noise.
-        assert_eq!(beside([60.0; 3], 31, (30, -0.07)).iter().map(|o| o.row).collect::<Vec<_>>(), [61]);
-        assert_eq!(beside([60.0, 60.0, 60.1], 31, (30, -0.07)), []);
+        // Three readings are no neighbours of one another; where all else is noise its size tells it.
+        assert_eq!(beside([60.0; 3], 3, (2, -0.08)).iter().map(|o| o.row).collect::<Vec<_>>(), [5]);
+        assert_eq!(beside([60.0, 60.0, 60.1], 3, (2, -0.08)), []);
     }
 }

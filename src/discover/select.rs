@@ -375,8 +375,6 @@ impl<'a> Search<'a> {
         let mut ties: Vec<Vec<Hypothesis>> = Vec::new();
         // One for all exchanges beside structure, so that they come to an end.
         let mut unit = self.unit(&chosen);
-        // Beside these what has lost was held against what was chosen then, and would lose again.
-        let mut held: Vec<Vec<Addition>> = Vec::new();
         while ties.len() < chosen.additions.len() {
             let index = ties.len();
             let structured = self.structured(&chosen);
@@ -402,10 +400,7 @@ impl<'a> Search<'a> {
                 if !known.raced(&additions) {
                     self.race(&[&rest], &self.pool, Field::Best(1, Some(aim)), known);
                 }
-                if !held.contains(&additions) {
-                    self.race_on(&rest, aim, known);
-                    held.push(additions.clone());
-                }
+                self.race_on(&rest, aim, known);
             }
             let mut rivals = known.beside(&additions);
             let bic = |h: &Hypothesis| self.bic(unit, h);
