@@ -90,8 +90,8 @@ fn bends(curve: &[Held], angles: bool) -> Vec<f64> {
 }
 
 /// What a model misses of its own bends from one reading to the next, as a share: of a narrow peak on a coarse grid a
-/// reading is as far off its neighbours as the model is wrong about the peak. The typical one of all readings at which the
-/// model bends by more than noise; where these are few all of it.
+/// reading is as far off its neighbours as the model is wrong about the peak. The typical one of all readings at which
+/// the model bends by more than noise; where these are few all of it.
 fn missed(curves: &[Vec<Held>], bends: &[Vec<f64>], noise: f64) -> f64 {
     let missed = curves.iter().zip(bends).flat_map(|(curve, bends)| {
         let off = deviations(&curve.iter().map(|held| held.residual).collect::<Vec<_>>());
@@ -104,7 +104,8 @@ fn missed(curves: &[Vec<Held>], bends: &[Vec<f64>], noise: f64) -> f64 {
 
 /// Readings that are far off where their neighbours along the frequency are not. `residuals` holds (row, residual) of
 /// one column of one curve, in the order of the frequency; `noise` is, by row, how far off a reading may be where nothing
-/// is wrong with it, in standard deviations. What stands out is taken out and the others are looked at again: of several near each other one may hide the others.
+/// is wrong with it, in standard deviations. What stands out is taken out and the others are looked at again: of several
+/// near each other one may hide the others.
 pub(super) fn outliers(column: &'static str, residuals: &[(usize, f64)], noise: impl Fn(usize) -> f64) -> Vec<Outlier> {
     let mut kept = residuals.to_vec();
     let mut found: Vec<Outlier> = Vec::new();

@@ -405,9 +405,12 @@ impl<'a> Search<'a> {
             let mut rivals = known.beside(&additions);
             let bic = |h: &Hypothesis| self.bic(unit, h);
             let own = bic(&chosen);
-            // Of effects, or of instruments, that the data do not tell apart the likeliest is named.
-            let alike = |h: &Hypothesis| h.additions.last().is_some_and(|a| a.is_effect() == addition.is_effect());
-            let better = |h: &Hypothesis| bic(h) + if alike(h) && !structured { GAIN } else { MARGIN } < own;
+            // Of effects, or of instruments, that leave noise alone and that the data do not tell apart the likeliest.
+            let alike = |h: &Hypothesis| {
+                let same = h.additions.last().is_some_and(|a| a.is_effect() == addition.is_effect());
+                same && !structured && bic(h) + GAIN < own && !self.structured(h)
+            };
+            let better = |h: &Hypothesis| bic(h) + MARGIN < own || alike(h);
             let best = rivals.iter().filter(|h| better(h)).min_by(|a, b| bic(a).total_cmp(&bic(b)));
             if let Some(best) = best {
                 chosen = self.eliminate(best.clone());

@@ -104,7 +104,7 @@ fn axis(text: &mut String) {
         let cells = SEPARATORS.map(|separator| cells(line.text, separator));
         cells.iter().any(|cells| cells.len() == 2 && cells[0].ends_with("AxisUnit") && cells[1] == "Hz")
     };
-    let has_no_name = |line: &&Line<'_>| line.text.starts_with(['\'']) && line.text[1..].starts_with([';', '\t', ',']);
+    let has_no_name = |line: &&Line<'_>| line.text.starts_with('\'') && line.text[1..].starts_with([';', '\t', ',']);
     let starts: Vec<usize> = above.iter().filter(has_no_name).map(|line| line.start).collect();
     if !above.iter().any(is_of_frequency) {
         return;
